@@ -1,0 +1,141 @@
+//! Spans, diagnostics and their rendering with a source excerpt.
+//!
+//! Offsets become line and column only when a message is printed.
+
+use std::path::{Path, PathBuf};
+
+use codespan_reporting::diagnostic::{self as codespan, LabelStyle};
+use codespan_reporting::files::SimpleFiles;
+use codespan_reporting::term;
+use serde::{Deserialize, Serialize};
+
+/// Byte range in a file of a [`SourceMap`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Span {
+    pub file: u32,
+    pub start: u32,
+    pub end: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Severity {
+    Note,
+    Warning,
+    Error,
+}
+
+/// One message about one place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    pub severity: Severity,
+    pub message: String,
+    pub span: Option<Span>,
+    /// Further places, each with its own words ("first defined here").
+    pub labels: Vec<(Span, String)>,
+    /// What to do about it ("did you mean `radius`?").
+    pub help: Vec<String>,
+}
+
+impl Diagnostic {
+    pub fn new(severity: Severity, message: impl Into<String>, span: Option<Span>) -> Self {
+        Self { severity, message: message.into(), span, labels: Vec::new(), help: Vec::new() }
+    }
+
+    pub fn error(message: impl Into<String>, span: Option<Span>) -> Self {
+        Self::new(Severity::Error, message, span)
+    }
+
+    pub fn warning(message: impl Into<String>, span: Option<Span>) -> Self {
+        Self::new(Severity::Warning, message, span)
+    }
+
+    #[must_use]
+    pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.labels.push((span, text.into()));
+        self
+    }
+
+    #[must_use]
+    pub fn help(mut self, text: impl Into<String>) -> Self {
+        self.help.push(text.into());
+        self
+    }
+}
+
+/// The name in `known` nearest to `name`, if any is near enough to be a slip of the hand.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|k| (strsim::damerau_levenshtein(&name.to_ascii_lowercase(), &k.to_ascii_lowercase()), k))
+        .min_by_key(|(distance, _)| *distance)
+        .filter(|(distance, k)| *distance <= (k.len().max(name.len()) / 3).max(1))
+        .map(|(_, k)| k)
+}
+
+/// Every text file a scene was read from.
+#[derive(Clone, Debug, Default)]
+pub struct SourceMap {
+    files: Vec<(PathBuf, String)>,
+}
+
+impl SourceMap {
+    pub fn add(&mut self, path: PathBuf, text: String) -> u32 {
+        let id = u32::try_from(self.files.len()).expect("include depth and count are limited");
+        self.files.push((path, text));
+        id
+    }
+
+    pub fn path(&self, file: u32) -> &Path {
+        &self.files[file as usize].0
+    }
+
+    pub fn text(&self, file: u32) -> &str {
+        &self.files[file as usize].1
+    }
+
+    /// 1-based line and column (in characters) of the start of `span`.
+    pub fn line_column(&self, span: Span) -> (usize, usize) {
+        let text = self.text(span.file);
+        let before = &text[..text.floor_char_boundary((span.start as usize).min(text.len()))];
+        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
+        let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
+        (line, column)
+    }
+
+    /// `path:line:column` of the start of `span`.
+    pub fn location(&self, span: Span) -> String {
+        let (line, column) = self.line_column(span);
+        format!("{}:{line}:{column}", self.path(span.file).display())
+    }
+
+    /// Human-readable text of all diagnostics, with excerpts, worst first in source order.
+    pub fn render(&self, diagnostics: &[Diagnostic]) -> String {
+        let mut files = SimpleFiles::new();
+        for (path, text) in &self.files {
+            files.add(path.display().to_string(), text.as_str());
+        }
+        let config = term::Config::default();
+        let mut out = String::new();
+        for d in diagnostics {
+            let severity = match d.severity {
+                Severity::Note => codespan::Severity::Note,
+                Severity::Warning => codespan::Severity::Warning,
+                Severity::Error => codespan::Severity::Error,
+            };
+            let label = |style: LabelStyle, span: Span| {
+                codespan::Label::new(style, span.file as usize, span.start as usize..span.end as usize)
+            };
+            let mut labels: Vec<_> = d.span.iter().map(|&s| label(LabelStyle::Primary, s)).collect();
+            labels.extend(d.labels.iter().map(|(s, t)| label(LabelStyle::Secondary, *s).with_message(t)));
+            let message = codespan::Diagnostic::new(severity)
+                .with_message(&d.message)
+                .with_labels(labels)
+                .with_notes(d.help.iter().map(|h| format!("help: {h}")).collect());
+            // Writing to a String fails only for a label outside its file; then the bare message serves.
+            if term::emit_to_string(&mut out, &config, &files, &message).is_err() {
+                out.push_str(&format!("{:?}: {}\n", d.severity, d.message));
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,62 @@
+//! Colours as an author wrote them. `crate::spectrum::to_linear_rgb` turns them into linear Rec.709.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Id, Texture};
+
+/// A colour in the units of the file it came from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Color {
+    /// A plain number: gray in every slot.
+    Gray(f64),
+    /// Linear Rec.709 components.
+    Rgb([f64; 3]),
+    /// sRGB-encoded components in 0..1 (Mitsuba 0.6 `<srgb>`).
+    Srgb([f64; 3]),
+    /// One value at all wavelengths, `<spectrum value="v"/>`; on an emitter Mitsuba 3 tints it.
+    UniformSpectrum(f64),
+    /// The `uniform` spectrum plugin: gray in every slot, never tinted.
+    UniformPlugin(f64),
+    /// The `srgb` spectrum plugin: linear components that must lie in 0..1.
+    BoundedRgb([f64; 3]),
+    /// Wavelength in nm (ascending) and value, linearly interpolated, zero outside.
+    Samples(Vec<[f64; 2]>),
+    /// CIE D65 scaled, optionally coloured: white (1, 1, 1) at scale 1.
+    D65 { scale: f64, color: Option<[f64; 3]> },
+    /// Planck radiance in W·m⁻²·sr⁻¹·nm⁻¹ times `scale` (Mitsuba 0.6).
+    Blackbody { kelvin: f64, scale: f64 },
+}
+
+/// A colour parameter: constant or textured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ColorInput {
+    Color(Color),
+    Texture(Id<Texture>),
+}
+
+/// A scalar parameter: constant or textured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum FloatInput {
+    Value(f64),
+    Texture(Id<Texture>),
+}
+
+/// Which renderer's rule turns spectra into RGB; they differ by up to 20 % (Mitsuba 3 weights
+/// reflectance spectra by D65, 0.6 does not).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SpectrumRule {
+    Mitsuba06,
+    Mitsuba2,
+    Mitsuba3,
+}
+
+/// What a colour is used for; decides weighting and clamping in [`crate::spectrum::to_linear_rgb`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColorSlot {
+    /// Bounded to 0..1.
+    Reflectance,
+    /// eta, k and other coefficients: only bounded below.
+    Unbounded,
+    /// Radiance, intensity or irradiance.
+    Emission,
+}

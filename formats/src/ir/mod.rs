@@ -1,0 +1,80 @@
+//! The scene as an author wrote it: names, instances, textures by path, colours and units as
+//! written, transforms in f64. A plain value: it can be compared, snapshot and written back.
+//! Nothing here knows how a scene is rendered, or which language it was read from beyond the
+//! conventions that change its meaning ([`SpectrumRule`], [`HideEmitters`]).
+
+mod arena;
+mod bsdf;
+mod color;
+mod emitter;
+mod integrator;
+mod sensor;
+mod shape;
+mod texture;
+mod transform;
+
+use serde::{Deserialize, Serialize};
+
+pub use arena::{Arena, Id};
+pub use bsdf::{
+    Bsdf, BsdfKind, Conductor, ConductorMaterial, Dielectric, Ior, Microfacet, MicrofacetDistribution,
+    Plastic,
+};
+pub use color::{Color, ColorInput, ColorSlot, FloatInput, SpectrumRule};
+pub use emitter::{Emitter, EmitterKind};
+pub use integrator::{Integrator, Scalar, Setting};
+pub use sensor::{
+    ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Sampler, Sensor, Tonemap,
+};
+pub use shape::{AreaEmission, MeshFile, MeshFormat, Shape, ShapeGroup, ShapeKind};
+pub use texture::{Bitmap, Texture, TextureEncoding, TextureFilter, TextureKind, WrapMode};
+pub use transform::Transform;
+
+use crate::diagnostic::Span;
+
+/// A whole scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    pub spectrum_rule: SpectrumRule,
+    pub hide_emitters: HideEmitters,
+    pub integrator: Option<Integrator>,
+    /// In file order; which one renders is `default_sensor`.
+    pub sensors: Vec<Sensor>,
+    pub default_sensor: usize,
+    pub shapes: Vec<Shape>,
+    pub groups: Arena<ShapeGroup>,
+    pub bsdfs: Arena<Bsdf>,
+    pub textures: Arena<Texture>,
+    pub emitters: Vec<Emitter>,
+}
+
+/// What `hide_emitters` does to a lamp's own surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum HideEmitters {
+    /// Mitsuba before 3.7: the emission is hidden, the surface is not.
+    Emission,
+    /// Since 3.7: camera rays pass through the lamp.
+    Surface,
+}
+
+/// Where something was written. Never part of a comparison or a snapshot.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Origin(pub Option<Span>);
+
+impl PartialEq for Origin {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Serialize for Origin {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_unit()
+    }
+}
+
+impl<'de> Deserialize<'de> for Origin {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        <()>::deserialize(deserializer).map(|()| Self(None))
+    }
+}

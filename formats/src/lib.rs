@@ -1,0 +1,12 @@
+//! Every byte that enters or leaves caustica: scene languages, meshes, images, spectra.
+//!
+//! Invariants (checked by `tests/tidy.rs`): `ir` depends on `diagnostic` only; `mitsuba` never
+//! imports another scene language; nothing here knows of rendering.
+
+pub mod diagnostic;
+pub mod files;
+pub mod image;
+pub mod ir;
+pub mod mesh;
+pub mod mitsuba;
+pub mod spectrum;

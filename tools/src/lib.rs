@@ -1,0 +1,1 @@
+//! The judge: image metrics, comparison and reports. Never imports the renderer.
