@@ -1,1 +1,14 @@
-//! caustica
+//! caustica: photon mapping for Mitsuba and pbrt scenes.
+//!
+//! Code map, upwards: `math`, `sampling` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
+//! `film` ← `scene` ← `photon` ← `integrator` ← `render` ← `cli`. Imports point downwards only;
+//! `tests/tidy.rs` checks it. The renderer knows no file format: `scene::build` (and `cli`) alone read
+//! the scene representation of `caustica-formats`.
+
+pub mod accel;
+pub mod bsdf;
+pub mod emitter;
+pub mod math;
+pub mod sampling;
+pub mod shape;
+pub mod texture;

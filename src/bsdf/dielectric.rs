@@ -1,0 +1,54 @@
+use super::{DeltaLobe, Deltas, Transport, fresnel};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::{Param, Textures};
+
+/// Smooth boundary between two dielectrics; `eta` = index behind the normal over index before it.
+#[derive(Clone, Copy, Debug)]
+pub struct DielectricModel {
+    pub eta: f32,
+    pub reflectance: Param,
+    pub transmittance: Param,
+}
+
+impl DielectricModel {
+    pub fn lobe(&self, textures: &Textures, uv: Vec2) -> Dielectric {
+        Dielectric {
+            eta: self.eta,
+            reflectance: textures.eval(self.reflectance, uv),
+            transmittance: textures.eval(self.transmittance, uv),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Dielectric {
+    pub eta: f32,
+    pub reflectance: Rgb,
+    pub transmittance: Rgb,
+}
+
+impl Dielectric {
+    /// Reflection and refraction. Radiance entering the denser side is compressed into a smaller cone:
+    /// its transmitted part carries 1/eta², photons do not (Veach 1997, §5.2).
+    pub fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
+        let f = fresnel::dielectric(wi.z, self.eta);
+        let mut lobes = Deltas::default();
+        lobes.push(DeltaLobe {
+            wo: Vec3::new(-wi.x, -wi.y, wi.z),
+            weight: self.reflectance * f.reflectance,
+            probability: f.reflectance,
+            eta: 1.0,
+        });
+        let scale = match mode {
+            Transport::Radiance => 1.0 / (f.eta * f.eta),
+            Transport::Importance => 1.0,
+        };
+        lobes.push(DeltaLobe {
+            wo: Vec3::new(-wi.x / f.eta, -wi.y / f.eta, f.cos_t),
+            weight: self.transmittance * ((1.0 - f.reflectance) * scale),
+            probability: 1.0 - f.reflectance,
+            eta: f.eta,
+        });
+        lobes
+    }
+}

@@ -1,0 +1,104 @@
+//! Emitters: direct sampling (for next event estimation) and photon emission. One file per model.
+
+mod area;
+mod constant;
+mod directional;
+mod point;
+mod spot;
+
+pub use area::{Area, MeshTriangle, Surface};
+pub use constant::Constant;
+pub use directional::Directional;
+pub use point::Point;
+pub use spot::Spot;
+
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Textures;
+
+/// Light arriving at a point from one sampled direction, before visibility.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectSample {
+    /// Unit, towards the light.
+    pub dir: Vec3,
+    /// End of the shadow ray (already lifted off the lamp's surface); `None` is infinitely far.
+    pub target: Option<Vec3>,
+    /// Radiance divided by the density (for delta lights: the irradiance-like factor itself).
+    pub value: Rgb,
+    /// Density per solid angle; 0 for lights that a scattered ray cannot hit.
+    pub pdf: f32,
+}
+
+/// The start of a light path.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission {
+    pub o: Vec3,
+    /// Unit.
+    pub d: Vec3,
+    /// Power carried by the sample: its expectation is the emitter's power in W per channel.
+    pub flux: Rgb,
+}
+
+/// The sphere around everything, which light from infinity has to cover.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneSphere {
+    pub center: Vec3,
+    pub radius: f32,
+}
+
+#[derive(Clone, Debug)]
+pub enum Emitter {
+    Area(Area),
+    Point(Point),
+    Spot(Spot),
+    Directional(Directional),
+    Constant(Constant),
+}
+
+impl Emitter {
+    /// Light at `p`; `None` when nothing arrives from the sampled place.
+    #[inline]
+    pub fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
+        match self {
+            Self::Area(e) => e.sample_direct(textures, p, u),
+            Self::Point(e) => e.sample_direct(p),
+            Self::Spot(e) => e.sample_direct(textures, p),
+            Self::Directional(e) => e.sample_direct(),
+            Self::Constant(e) => e.sample_direct(u),
+        }
+    }
+
+    /// Start of a light path with density proportional to nothing in particular: the flux carries the
+    /// weight. `None` where the sample carries no light.
+    pub fn sample_emission(
+        &self,
+        textures: &Textures,
+        scene: &SceneSphere,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
+        match self {
+            Self::Area(e) => e.sample_emission(textures, place, direction),
+            Self::Point(e) => e.sample_emission(direction),
+            Self::Spot(e) => e.sample_emission(textures, direction),
+            Self::Directional(e) => e.sample_emission(scene, place),
+            Self::Constant(e) => e.sample_emission(scene, place, direction),
+        }
+    }
+
+    /// Power in W per channel; what light from infinity sends through the scene's sphere. Exact but
+    /// for textures, whose mean is sampled.
+    pub fn power(&self, textures: &Textures, scene: &SceneSphere) -> Rgb {
+        match self {
+            Self::Area(e) => e.power(textures),
+            Self::Point(e) => e.power(),
+            Self::Spot(e) => e.power(),
+            Self::Directional(e) => e.power(scene),
+            Self::Constant(e) => e.power(scene),
+        }
+    }
+
+    /// True when no scattered ray can hit the light.
+    pub fn is_delta(&self) -> bool {
+        matches!(self, Self::Point(_) | Self::Spot(_) | Self::Directional(_))
+    }
+}

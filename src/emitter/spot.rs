@@ -1,0 +1,104 @@
+use std::f32::consts::PI;
+
+use super::{DirectSample, Emission};
+use crate::math::{Frame, Rgb, Vec2, Vec3};
+use crate::sampling::warp;
+use crate::texture::{Param, Textures};
+
+/// Point light with a cone: full intensity (W/sr) up to `beam`, then linear in the angle to zero at
+/// `cutoff` (radians; Mitsuba's falloff).
+#[derive(Clone, Debug)]
+pub struct Spot {
+    pub position: Vec3,
+    /// `n` is the axis; `s` and `t` orient the texture.
+    pub frame: Frame,
+    pub intensity: Rgb,
+    pub cutoff: f32,
+    pub beam: f32,
+    pub texture: Option<Param>,
+}
+
+impl Spot {
+    /// Intensity towards the local unit direction `d`.
+    fn toward(&self, textures: &Textures, d: Vec3) -> Rgb {
+        // atan2 keeps small angles that acos(z) would round to zero.
+        let angle = d.truncate().length().atan2(d.z);
+        if angle >= self.cutoff {
+            return Rgb::ZERO;
+        }
+        let falloff =
+            if angle <= self.beam { 1.0 } else { (self.cutoff - angle) / (self.cutoff - self.beam) };
+        let color = self.texture.map_or(Rgb::ONE, |t| {
+            let scale = 0.5 / (d.z * self.cutoff.tan());
+            textures.eval(t, Vec2::new(0.5 + d.x * scale, 0.5 + d.y * scale))
+        });
+        self.intensity * color * falloff
+    }
+
+    pub fn sample_direct(&self, textures: &Textures, p: Vec3) -> Option<DirectSample> {
+        let d = self.position - p;
+        let d2 = d.length_squared();
+        let dir = d / d2.sqrt();
+        let value = self.toward(textures, self.frame.to_local(-dir)) / d2;
+        (d2 > 0.0 && value.max_element() > 0.0).then_some(DirectSample {
+            dir,
+            target: Some(self.position),
+            value,
+            pdf: 0.0,
+        })
+    }
+
+    pub fn sample_emission(&self, textures: &Textures, direction: Vec2) -> Option<Emission> {
+        let gap = 2.0 * (self.cutoff * 0.5).sin().powi(2);
+        let local = warp::cone(direction, gap);
+        let flux = self.toward(textures, local) * (2.0 * PI * gap);
+        (flux.max_element() > 0.0).then(|| Emission { o: self.position, d: self.frame.to_world(local), flux })
+    }
+
+    /// Without the texture: 2π∫ falloff·sinθ dθ, in closed form.
+    pub fn power(&self) -> Rgb {
+        let (b, c) = (f64::from(self.beam), f64::from(self.cutoff));
+        let ramp = if c > b { b.cos() - (c.sin() - b.sin()) / (c - b) } else { 0.0 };
+        self.intensity * (2.0 * std::f64::consts::PI * (1.0 - b.cos() + ramp)) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spot() -> Spot {
+        Spot {
+            position: Vec3::ZERO,
+            frame: Frame::from_normal(Vec3::Z),
+            intensity: Rgb::ONE,
+            cutoff: 20f32.to_radians(),
+            beam: 15f32.to_radians(),
+            texture: None,
+        }
+    }
+
+    /// Falloff measured on Mitsuba 3.9.1 for cutoff 20°, beam 15°.
+    #[test]
+    fn falloff_is_linear_in_the_angle() {
+        for (degrees, expected) in [(10.0f32, 1.0), (16.0, 0.8), (17.5, 0.5), (19.0, 0.2), (21.0, 0.0)] {
+            let a = degrees.to_radians();
+            let got = spot().toward(&Textures::default(), Vec3::new(a.sin(), 0.0, a.cos())).x;
+            assert!((got - expected).abs() < 1e-4, "{degrees}: {got}");
+        }
+    }
+
+    /// The mean of 64² stratified emissions of a piecewise linear integrand errs by less than 1/64².
+    #[test]
+    fn sampled_flux_adds_up_to_the_power() {
+        let s = spot();
+        let n = 64;
+        let mut sum = 0.0;
+        for i in 0..n * n {
+            let u = Vec2::new(((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32);
+            sum += s.sample_emission(&Textures::default(), u).map_or(0.0, |e| f64::from(e.flux.x));
+        }
+        let mean = sum / f64::from(n * n);
+        assert!((mean / f64::from(s.power().x) - 1.0).abs() < 2.5e-4, "{mean} {}", s.power().x);
+    }
+}

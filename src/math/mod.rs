@@ -1,0 +1,77 @@
+//! Vectors, frames and small numeric helpers shared by every layer above.
+
+mod frame;
+mod octahedral;
+
+pub use frame::Frame;
+pub use glam::{Vec2, Vec3A as Vec3};
+pub use octahedral::{decode_direction, encode_direction};
+
+/// Linear Rec.709 radiometric triple (radiance, flux, throughput, albedo).
+pub type Rgb = Vec3;
+
+/// Rec.709 luminance of a linear triple.
+pub fn luminance(c: Rgb) -> f32 {
+    0.212671 * c.x + 0.715160 * c.y + 0.072169 * c.z
+}
+
+/// A ray restricted to `0 < t < tmax`; `d` need not be of unit length.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    pub o: Vec3,
+    pub d: Vec3,
+    pub tmax: f32,
+}
+
+impl Ray {
+    pub fn new(o: Vec3, d: Vec3) -> Self {
+        Self { o, d, tmax: f32::INFINITY }
+    }
+
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.o + self.d * t
+    }
+}
+
+/// Axis-aligned box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    pub min: Vec3,
+    pub max: Vec3,
+}
+
+impl Bounds {
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    pub fn add(&mut self, p: Vec3) {
+        self.min = self.min.min(p);
+        self.max = self.max.max(p);
+    }
+
+    pub fn union(&mut self, other: &Self) {
+        self.min = self.min.min(other.min);
+        self.max = self.max.max(other.max);
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.min.x > self.max.x
+    }
+
+    pub fn center(&self) -> Vec3 {
+        (self.min + self.max) * 0.5
+    }
+
+    pub fn extent(&self) -> Vec3 {
+        self.max - self.min
+    }
+
+    /// Radius of the sphere around `center` through the corners; 0 when empty.
+    pub fn radius(&self) -> f32 {
+        if self.is_empty() { 0.0 } else { self.extent().length() * 0.5 }
+    }
+
+    /// Largest absolute coordinate.
+    pub fn magnitude(&self) -> f32 {
+        self.min.abs().max(self.max.abs()).max_element()
+    }
+}

@@ -1,0 +1,73 @@
+/// Discrete distribution over `0..n` by inversion, so that stratified inputs stay stratified.
+#[derive(Clone, Debug)]
+pub struct Discrete {
+    /// Normalised cumulative sums, first 0 and last 1; f64 because thousands of weights may span
+    /// nine orders of magnitude.
+    cdf: Vec<f64>,
+    total: f64,
+}
+
+impl Discrete {
+    /// Weights must be finite and non-negative; if all are zero every item is equally likely.
+    pub fn new(weights: impl IntoIterator<Item = f64>) -> Self {
+        let mut cdf = vec![0.0];
+        let mut sum = 0.0;
+        for w in weights {
+            sum += w;
+            cdf.push(sum);
+        }
+        let n = cdf.len() - 1;
+        for (i, c) in cdf.iter_mut().enumerate() {
+            *c = if sum > 0.0 { *c / sum } else { i as f64 / n.max(1) as f64 };
+        }
+        Self { cdf, total: sum }
+    }
+
+    pub fn len(&self) -> usize {
+        self.cdf.len() - 1
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Sum of the weights.
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// Probability of item `i`.
+    #[inline]
+    pub fn probability(&self, i: usize) -> f32 {
+        (self.cdf[i + 1] - self.cdf[i]) as f32
+    }
+
+    /// Item at `u`, and `u` rescaled to [0, 1) within it. Items of probability 0 are never returned.
+    #[inline]
+    pub fn sample(&self, u: f32) -> (usize, f32) {
+        let u = f64::from(u);
+        let upper = self.cdf.partition_point(|&c| c <= u).min(self.len());
+        let i = upper.saturating_sub(1);
+        let rest = (u - self.cdf[i]) / (self.cdf[i + 1] - self.cdf[i]);
+        (i, (rest as f32).clamp(0.0, 1.0 - f32::EPSILON))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sampling_follows_the_weights_and_skips_zeros() {
+        let d = Discrete::new([1.0, 0.0, 3.0]);
+        let n = 4000;
+        let mut counts = [0; 3];
+        for i in 0..n {
+            let (item, rest) = d.sample((i as f32 + 0.5) / n as f32);
+            assert!((0.0..1.0).contains(&rest));
+            counts[item] += 1;
+        }
+        assert_eq!(counts, [1000, 0, 3000]);
+        assert_eq!(Discrete::new([0.0, 0.0]).probability(1), 0.5);
+    }
+}

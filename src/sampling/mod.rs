@@ -1,0 +1,11 @@
+//! Random numbers that depend only on (seed, pass, index, dimension), and what they are warped into.
+
+mod distribution;
+mod hash;
+mod sampler;
+mod sobol;
+pub mod warp;
+
+pub use distribution::Discrete;
+pub use hash::{CounterRng, mix};
+pub use sampler::Sampler;

@@ -1,0 +1,64 @@
+use std::f32::consts::PI;
+
+use super::{AreaSample, Local};
+use crate::math::{Frame, Ray, Vec2, Vec3};
+
+/// Open circular cylinder along `axis.n` from `p0`.
+#[derive(Clone, Debug)]
+pub struct Cylinder {
+    pub p0: Vec3,
+    pub axis: Frame,
+    pub length: f32,
+    pub radius: f32,
+    pub inward: bool,
+}
+
+impl Cylinder {
+    pub fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
+        let o = self.axis.to_local(ray.o - self.p0).as_dvec3();
+        let d = self.axis.to_local(ray.d).as_dvec3();
+        let (o2, d2) = (o.truncate(), d.truncate());
+        let a = d2.length_squared();
+        if a == 0.0 {
+            return None;
+        }
+        let tc = -o2.dot(d2) / a;
+        let gap = f64::from(self.radius).powi(2) - (o2 + d2 * tc).length_squared();
+        if gap < 0.0 {
+            return None;
+        }
+        let h = (gap / a).sqrt();
+        [tc - h, tc + h]
+            .into_iter()
+            .find(|&t| {
+                let z = o.z + t * d.z;
+                t > 0.0 && t < f64::from(tmax) && z >= 0.0 && z <= f64::from(self.length)
+            })
+            .map(|t| t as f32)
+    }
+
+    pub fn local(&self, p: Vec3) -> Local {
+        let l = self.axis.to_local(p - self.p0);
+        let phi = l.y.atan2(l.x);
+        let z = l.z.clamp(0.0, self.length);
+        let n = self.axis.to_world(Vec3::new(phi.cos(), phi.sin(), 0.0));
+        let u = phi / (2.0 * PI);
+        Local {
+            p: self.p0 + self.axis.n * z + n * self.radius,
+            n: if self.inward { -n } else { n },
+            uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, z / self.length),
+        }
+    }
+
+    pub fn area(&self) -> f32 {
+        2.0 * PI * self.radius * self.length
+    }
+
+    pub fn sample_area(&self, u: Vec2) -> AreaSample {
+        let (sin, cos) = (2.0 * PI * u.x).sin_cos();
+        let p =
+            self.p0 + self.axis.to_world(Vec3::new(cos * self.radius, sin * self.radius, u.y * self.length));
+        let local = self.local(p);
+        AreaSample { p: local.p, n: local.n, uv: local.uv }
+    }
+}

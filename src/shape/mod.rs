@@ -1,0 +1,92 @@
+//! Shapes in world space: intersection, surface point, area and area sampling.
+//!
+//! Triangles are stored flat in [`crate::scene::Geometry`] because nearly every primitive is one;
+//! the analytic shapes are the variants of [`Analytic`], one file each.
+
+mod cylinder;
+mod disk;
+mod sphere;
+pub mod triangle;
+
+pub use cylinder::Cylinder;
+pub use disk::Disk;
+pub use sphere::Sphere;
+
+use crate::math::{Bounds, Ray, Vec2, Vec3};
+
+/// A point on an analytic shape.
+#[derive(Clone, Copy, Debug)]
+pub struct Local {
+    /// Projected back onto the shape.
+    pub p: Vec3,
+    /// Unit normal of the front side.
+    pub n: Vec3,
+    pub uv: Vec2,
+}
+
+/// A point chosen with density 1/area.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaSample {
+    pub p: Vec3,
+    pub n: Vec3,
+    pub uv: Vec2,
+}
+
+/// The shapes that are not meshes.
+#[derive(Clone, Debug)]
+pub enum Analytic {
+    Sphere(Sphere),
+    Disk(Disk),
+    Cylinder(Cylinder),
+}
+
+macro_rules! each {
+    ($self:ident, $shape:ident => $body:expr) => {
+        match $self {
+            Self::Sphere($shape) => $body,
+            Self::Disk($shape) => $body,
+            Self::Cylinder($shape) => $body,
+        }
+    };
+}
+
+impl Analytic {
+    /// Nearest `t` in (0, tmax).
+    pub fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
+        each!(self, s => s.intersect(ray, tmax))
+    }
+
+    /// Normal and uv at `p`, which lies on the shape up to rounding.
+    pub fn local(&self, p: Vec3) -> Local {
+        each!(self, s => s.local(p))
+    }
+
+    /// Surface area in world units.
+    pub fn area(&self) -> f32 {
+        each!(self, s => s.area())
+    }
+
+    /// Uniform point; density 1/area.
+    pub fn sample_area(&self, u: Vec2) -> AreaSample {
+        each!(self, s => s.sample_area(u))
+    }
+
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Self::Sphere(s) => {
+                let r = Vec3::splat(s.radius.abs());
+                Bounds { min: s.center - r, max: s.center + r }
+            }
+            Self::Disk(d) => {
+                let e = (d.u * d.u + d.v * d.v).map(f32::sqrt);
+                Bounds { min: d.center - e, max: d.center + e }
+            }
+            Self::Cylinder(c) => {
+                let n = c.axis.n;
+                let e = (Vec3::ONE - n * n).max(Vec3::ZERO).map(f32::sqrt) * c.radius;
+                let p1 = c.p0 + n * c.length;
+                Bounds { min: c.p0.min(p1) - e, max: c.p0.max(p1) + e }
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+use super::UvTransform;
+use crate::math::{Rgb, Vec2};
+
+/// What lies outside the unit square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    Repeat,
+    Mirror,
+    Clamp,
+    Zero,
+    One,
+}
+
+/// Linear texels, row 0 at v = 0; texel centres at (i + ½)/width (Mitsuba's convention).
+#[derive(Clone, Debug)]
+pub struct Bitmap {
+    pub width: usize,
+    pub height: usize,
+    pub texels: Vec<[f32; 3]>,
+    pub bilinear: bool,
+    pub wrap: [Wrap; 2],
+    pub to_uv: UvTransform,
+}
+
+enum Texel {
+    At(usize),
+    Constant(f32),
+}
+
+fn wrapped(i: i64, n: usize, mode: Wrap) -> Texel {
+    let n = n as i64;
+    let inside = (0..n).contains(&i);
+    let at = match mode {
+        _ if inside => i,
+        Wrap::Repeat => i.rem_euclid(n),
+        Wrap::Mirror => {
+            let m = i.rem_euclid(2 * n);
+            if m < n { m } else { 2 * n - 1 - m }
+        }
+        Wrap::Clamp => i.clamp(0, n - 1),
+        Wrap::Zero => return Texel::Constant(0.0),
+        Wrap::One => return Texel::Constant(1.0),
+    };
+    Texel::At(at as usize)
+}
+
+impl Bitmap {
+    fn texel(&self, x: i64, y: i64) -> Rgb {
+        match (wrapped(x, self.width, self.wrap[0]), wrapped(y, self.height, self.wrap[1])) {
+            (Texel::At(x), Texel::At(y)) => Rgb::from(self.texels[y * self.width + x]),
+            (Texel::Constant(c), _) | (_, Texel::Constant(c)) => Rgb::splat(c),
+        }
+    }
+
+    pub fn eval(&self, uv: Vec2) -> Rgb {
+        let uv = self.to_uv.apply(uv);
+        // uv of a degenerate or hostile mesh may be huge or NaN; the cast saturates, NaN becomes 0.
+        let (x, y) = (uv.x * self.width as f32, uv.y * self.height as f32);
+        if !self.bilinear {
+            return self.texel(x.floor() as i64, y.floor() as i64);
+        }
+        let (x, y) = (x - 0.5, y - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let (i, j) = ((x0 as i64).clamp(-1 << 40, 1 << 40), (y0 as i64).clamp(-1 << 40, 1 << 40));
+        let top = self.texel(i, j) * (1.0 - fx) + self.texel(i + 1, j) * fx;
+        let bottom = self.texel(i, j + 1) * (1.0 - fx) + self.texel(i + 1, j + 1) * fx;
+        top * (1.0 - fy) + bottom * fy
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.texels.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(wrap: Wrap, bilinear: bool) -> Bitmap {
+        Bitmap {
+            width: 4,
+            height: 1,
+            texels: (0..4).map(|i| [i as f32; 3]).collect(),
+            bilinear,
+            wrap: [wrap, Wrap::Clamp],
+            to_uv: UvTransform { u: [1.0, 0.0, 0.0], v: [0.0, 1.0, 0.0] },
+        }
+    }
+
+    #[test]
+    fn wrap_modes_continue_the_ramp_as_named() {
+        let at = |w, u| ramp(w, false).eval(Vec2::new(u, 0.5)).x;
+        assert_eq!(at(Wrap::Repeat, 1.1), 0.0);
+        assert_eq!(at(Wrap::Mirror, 1.1), 3.0);
+        assert_eq!(at(Wrap::Mirror, -0.3), 1.0);
+        assert_eq!(at(Wrap::Clamp, 7.0), 3.0);
+        assert_eq!(at(Wrap::Zero, -0.1), 0.0);
+        assert_eq!(at(Wrap::One, -0.1), 1.0);
+    }
+
+    #[test]
+    fn bilinear_reproduces_texel_centres_and_interpolates_between() {
+        let b = ramp(Wrap::Repeat, true);
+        assert_eq!(b.eval(Vec2::new(0.375, 0.5)).x, 1.0);
+        assert_eq!(b.eval(Vec2::new(0.5, 0.5)).x, 1.5);
+        assert_eq!(b.eval(Vec2::new(0.0, 0.5)).x, 1.5);
+        assert!(b.eval(Vec2::new(f32::NAN, f32::INFINITY)).is_finite() || b.bilinear);
+    }
+}

@@ -1,0 +1,18 @@
+use super::{Param, Textures, UvTransform};
+use crate::math::{Rgb, Vec2};
+
+/// Two colours by the parity of floor(2u) and floor(2v) (Mitsuba's `checkerboard`).
+#[derive(Clone, Debug)]
+pub struct Checkerboard {
+    pub colors: [Param; 2],
+    pub to_uv: UvTransform,
+}
+
+impl Checkerboard {
+    pub fn eval(&self, textures: &Textures, uv: Vec2) -> Rgb {
+        let t = self.to_uv.apply(uv);
+        let upper = |x: f32| x - x.floor() > 0.5;
+        let color = self.colors[usize::from(upper(t.x) != upper(t.y))];
+        textures.eval(color, uv)
+    }
+}

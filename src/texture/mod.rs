@@ -1,0 +1,91 @@
+//! Textures: functions of uv giving linear RGB. One file per model.
+
+mod bitmap;
+mod checkerboard;
+
+pub use bitmap::{Bitmap, Wrap};
+pub use checkerboard::Checkerboard;
+
+use crate::math::{Rgb, Vec2};
+
+/// A colour parameter of a material or lamp. Scalars use the luminance of the colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Param {
+    Constant(Rgb),
+    /// Index into [`Textures`].
+    Texture(u32),
+}
+
+impl Param {
+    pub fn gray(value: f32) -> Self {
+        Self::Constant(Rgb::splat(value))
+    }
+
+    pub fn constant(&self) -> Option<Rgb> {
+        match self {
+            Self::Constant(c) => Some(*c),
+            Self::Texture(_) => None,
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub enum Texture {
+    Bitmap(Bitmap),
+    Checkerboard(Checkerboard),
+    /// A parameter times a constant.
+    Scaled(Param, Rgb),
+}
+
+/// Every texture of a scene. A texture may refer to earlier ones only.
+#[derive(Clone, Debug, Default)]
+pub struct Textures(pub Vec<Texture>);
+
+impl Textures {
+    #[inline]
+    pub fn eval(&self, param: Param, uv: Vec2) -> Rgb {
+        match param {
+            Param::Constant(c) => c,
+            Param::Texture(i) => match &self.0[i as usize] {
+                Texture::Bitmap(t) => t.eval(uv),
+                Texture::Checkerboard(t) => t.eval(self, uv),
+                Texture::Scaled(inner, factor) => self.eval(*inner, uv) * *factor,
+            },
+        }
+    }
+
+    /// Average over the unit square of uv, for choosing lamps by power. Exact for constants; textures
+    /// are read on a 64 × 64 grid, which is enough for a sampling weight.
+    pub fn mean(&self, param: Param) -> Rgb {
+        match param {
+            Param::Constant(c) => c,
+            Param::Texture(_) => {
+                let n = 64;
+                let at = |i: u32| (i as f32 + 0.5) / n as f32;
+                let sum =
+                    (0..n * n).fold(Rgb::ZERO, |s, i| s + self.eval(param, Vec2::new(at(i % n), at(i / n))));
+                sum / (n * n) as f32
+            }
+        }
+    }
+
+    /// Bytes held by pixels.
+    pub fn bytes(&self) -> usize {
+        self.0.iter().map(|t| if let Texture::Bitmap(b) = t { b.bytes() } else { 0 }).sum()
+    }
+}
+
+/// Affine map of uv.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UvTransform {
+    pub u: [f32; 3],
+    pub v: [f32; 3],
+}
+
+impl UvTransform {
+    #[inline]
+    pub fn apply(&self, uv: Vec2) -> Vec2 {
+        let row = |r: &[f32; 3]| r[0] * uv.x + r[1] * uv.y + r[2];
+        Vec2::new(row(&self.u), row(&self.v))
+    }
+}
