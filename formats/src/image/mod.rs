@@ -1,6 +1,24 @@
 //! Images: bytes ↔ [`Image`].
+//!
+//! [`read`] tells formats apart by their content. Nothing is allocated for a size that the file
+//! cannot hold, so a hostile file costs no more than a small honest one.
+
+mod atomic;
+mod exr_read;
+mod exr_write;
+mod hdr;
+mod pfm;
+mod raster;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use thiserror::Error;
+
+pub use atomic::atomic_write;
+pub use exr_write::{ExrLayer, ExrOptions, encode_exr, write_exr};
+pub use hdr::{encode_hdr, write_hdr};
+pub use pfm::{encode_pfm, write_pfm};
+pub use raster::{encode_png, write_png};
 
 /// Pixels as named channels, interleaved, row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,3 +50,115 @@ pub enum ImageError {
     #[error(transparent)]
     Io(#[from] std::io::Error),
 }
+
+/// The largest image read, in pixels.
+pub const MAX_PIXELS: usize = 1 << 28;
+
+impl Image {
+    /// Position of the channel called `name` within a pixel.
+    pub fn channel(&self, name: &str) -> Option<usize> {
+        self.channels.iter().position(|channel| channel == name)
+    }
+
+    /// Positions of red, green and blue within a pixel: `R G B`, or `Y` three times, or the only
+    /// channel three times.
+    pub fn rgb(&self) -> Option<[usize; 3]> {
+        let named = |r, g, b| Some([self.channel(r)?, self.channel(g)?, self.channel(b)?]);
+        let gray = || self.channel("Y").or((self.channels.len() == 1).then_some(0));
+        named("R", "G", "B").or_else(|| gray().map(|i| [i; 3])).or_else(|| named("r", "g", "b"))
+    }
+
+    /// The values of one pixel, in the order of `channels`.
+    pub fn pixel(&self, x: usize, y: usize) -> &[f32] {
+        let count = self.channels.len();
+        let start = (y * self.width + x) * count;
+        &self.data[start..start + count]
+    }
+}
+
+/// Reads an EXR, PNG, JPEG, BMP, TGA, Radiance HDR or PFM file.
+///
+/// EXR pixels cover the data window (the union of the data windows of all parts); channels of part
+/// `p` are called `p.name` when the file has several parts, and integer channels keep their numbers.
+pub fn read(bytes: &[u8]) -> Result<Image, ImageError> {
+    match detect(bytes) {
+        Some(Format::Exr) => exr_read::read(bytes),
+        Some(Format::Pfm) => pfm::read(bytes),
+        Some(Format::Hdr) => hdr::read(bytes),
+        Some(Format::Raster(format)) => raster::read(bytes, format),
+        None => Err(ImageError::Unsupported(
+            "this image format (known: EXR, PNG, JPEG, BMP, TGA, HDR, PFM)".into(),
+        )),
+    }
+}
+
+enum Format {
+    Exr,
+    Pfm,
+    Hdr,
+    Raster(image::ImageFormat),
+}
+
+fn detect(bytes: &[u8]) -> Option<Format> {
+    use image::ImageFormat::{Bmp, Jpeg, Png, Tga};
+    let starts = |magic: &[u8]| bytes.starts_with(magic);
+    Some(if starts(&[0x76, 0x2f, 0x31, 0x01]) {
+        Format::Exr
+    } else if starts(b"\x89PNG\r\n\x1a\n") {
+        Format::Raster(Png)
+    } else if starts(&[0xff, 0xd8, 0xff]) {
+        Format::Raster(Jpeg)
+    } else if starts(b"#?") {
+        Format::Hdr
+    } else if starts(b"PF") || starts(b"Pf") {
+        Format::Pfm
+    } else if starts(b"BM") {
+        Format::Raster(Bmp)
+    } else if raster::looks_like_tga(bytes) {
+        Format::Raster(Tga)
+    } else {
+        return None;
+    })
+}
+
+/// Refuses sizes of nothing, sizes beyond [`MAX_PIXELS`], and content of `raw_bytes` that a file of
+/// `file_bytes` cannot expand to when its compression reaches at most `ratio`.
+fn check_size(
+    [width, height]: [usize; 2],
+    raw_bytes: u128,
+    file_bytes: usize,
+    ratio: u128,
+) -> Result<(), ImageError> {
+    let pixels = width as u128 * height as u128;
+    if pixels == 0 {
+        return Err(ImageError::Invalid("the image has no pixels".into()));
+    }
+    if pixels > MAX_PIXELS as u128 {
+        return Err(ImageError::Unsupported(format!("an image of {width} × {height} pixels")));
+    }
+    if raw_bytes > file_bytes as u128 * ratio {
+        return Err(ImageError::Invalid(format!(
+            "the file of {file_bytes} bytes cannot hold {width} × {height} pixels"
+        )));
+    }
+    Ok(())
+}
+
+/// Runs a third-party decoder; a panic inside it counts as a malformed file.
+fn guarded<T>(decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, ImageError> {
+    catch_unwind(AssertUnwindSafe(decode))
+        .unwrap_or_else(|_| Err(ImageError::Invalid("the file is malformed".into())))
+}
+
+fn check_data(width: usize, height: usize, channels: usize, len: usize) -> Result<(), ImageError> {
+    let expected = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(channels));
+    if width > 0 && height > 0 && expected == Some(len) {
+        return Ok(());
+    }
+    Err(ImageError::Invalid(format!(
+        "{len} values do not fill {width} × {height} pixels of {channels} channels"
+    )))
+}
+
+#[cfg(test)]
+mod tests;

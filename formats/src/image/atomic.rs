@@ -1,0 +1,57 @@
+//! Output that is either the old file or the new one, never half of it.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes `bytes` to `path` through a temporary file in the same folder that is flushed to disk and
+/// then renamed over the target. The temporary file is removed when anything fails.
+pub fn atomic_write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
+    let path = path.as_ref();
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".caustica-");
+    // Temporary files are private by default; an output gets what any new file would.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = std::fs::metadata(path).map_or(0o666, |old| old.permissions().mode() & 0o777);
+        builder.permissions(std::fs::Permissions::from_mode(mode));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|failed| failed.error)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn replaces_and_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("out.bin");
+        atomic_write(&path, b"one").expect("first write");
+        atomic_write(&path, b"two").expect("second write");
+        assert_eq!(std::fs::read(&path).expect("readable"), b"two");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("listable").count(), 1);
+    }
+
+    #[test]
+    fn a_missing_folder_is_an_error() {
+        assert!(atomic_write("/nonexistent-folder/file", b"x").is_err());
+    }
+
+    #[test]
+    fn a_folder_is_not_replaced() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let target = folder.path().join("sub");
+        std::fs::create_dir(&target).expect("creatable");
+        assert!(atomic_write(&target, b"x").is_err());
+        assert_eq!(std::fs::read_dir(folder.path()).expect("listable").count(), 1);
+    }
+}
