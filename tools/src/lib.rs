@@ -1,1 +1,9 @@
 //! The judge: image metrics, comparison and reports. Never imports the renderer.
+//!
+//! * [`pixels`] what is compared: linear RGB, finite, row 0 at the top.
+//! * [`metrics`] numbers: bias, RMSE, relMSE, MAPE, PSNR, z-test.
+//! * [`flip`] perceived difference: LDR-FLIP and HDR-FLIP.
+
+pub mod flip;
+pub mod metrics;
+pub mod pixels;

@@ -1,0 +1,104 @@
+//! FLIP of whole pictures.
+
+use super::exposure::{Exposures, Tonemapper};
+use super::tile::{Evaluator, Scratch, TILE_WIDTH};
+use crate::pixels::Pixels;
+use rayon::prelude::*;
+
+/// FLIP per pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlipMap {
+    pub width: usize,
+    pub height: usize,
+    /// 0 (no difference is seen) to 1.
+    pub values: Vec<f32>,
+}
+
+/// HDR-FLIP per pixel: the largest LDR-FLIP over the exposures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HdrFlipMap {
+    pub map: FlipMap,
+    /// Number of the exposure at which each pixel's value occurs (the first, when equal).
+    pub worst_exposure: Vec<u8>,
+    pub exposures: Exposures,
+    pub tonemapper: Tonemapper,
+}
+
+/// LDR-FLIP of two images of the same size, `ppd` pixels per degree.
+///
+/// Defined for linear values of any range as: encode with the sRGB curve, clamp to [0, 1], compare
+/// as displayed. No quantisation to 8 bits takes place.
+pub fn ldr(image: &Pixels, reference: &Pixels, ppd: f64) -> FlipMap {
+    let evaluator = Evaluator::new(ppd);
+    // FLIP starts by decoding sRGB; decode(clamp(encode(x))) is clamp(x).
+    let display = |rgb: [f32; 3]| rgb.map(|v| v.clamp(0.0, 1.0));
+    let mut values = vec![0.0; image.rgb.len()];
+    for_bands(image, &mut values, |band, rows, scratch| {
+        tiles(image.width, |columns| {
+            let pair = [reference, image];
+            evaluator.tile(pair, columns, rows.clone(), display, scratch, |y, x, v| {
+                let start = (y - rows.start) * image.width + x;
+                band[start..start + v.len()].copy_from_slice(v);
+            });
+        });
+    });
+    FlipMap { width: image.width, height: image.height, values }
+}
+
+/// HDR-FLIP of two images of the same size; negative values count as black.
+pub fn hdr(
+    image: &Pixels,
+    reference: &Pixels,
+    ppd: f64,
+    exposures: Exposures,
+    tonemapper: Tonemapper,
+) -> HdrFlipMap {
+    let evaluator = Evaluator::new(ppd);
+    let factors: Vec<f32> = exposures.values().map(|e| e.exp2() as f32).collect();
+    let mut both = vec![(0.0f32, 0u8); image.rgb.len()];
+    for_bands(image, &mut both, |band, rows, scratch| {
+        tiles(image.width, |columns| {
+            for (number, &factor) in factors.iter().enumerate() {
+                let display = |rgb: [f32; 3]| tonemapper.apply(rgb.map(|v| v.max(0.0) * factor));
+                let (pair, columns) = ([reference, image], columns.clone());
+                evaluator.tile(pair, columns, rows.clone(), display, scratch, |y, x, v| {
+                    let start = (y - rows.start) * image.width + x;
+                    for (slot, &v) in band[start..start + v.len()].iter_mut().zip(v) {
+                        if v > slot.0 {
+                            *slot = (v, number.min(255) as u8);
+                        }
+                    }
+                });
+            }
+        });
+    });
+    let (values, worst_exposure) = both.into_iter().unzip();
+    let map = FlipMap { width: image.width, height: image.height, values };
+    HdrFlipMap { map, worst_exposure, exposures, tonemapper }
+}
+
+/// Runs `work` for bands of rows in parallel. A pixel's value does not depend on its band, so the
+/// height may follow the number of threads.
+fn for_bands<T: Send>(
+    image: &Pixels,
+    out: &mut [T],
+    work: impl Fn(&mut [T], std::ops::Range<usize>, &mut Scratch) + Sync,
+) {
+    if out.is_empty() {
+        return;
+    }
+    let height = (image.height / (4 * rayon::current_num_threads())).clamp(16, 96);
+    out.par_chunks_mut(height * image.width).enumerate().for_each_init(
+        Scratch::default,
+        |scratch, (i, band)| {
+            let rows = i * height..i * height + band.len() / image.width;
+            work(band, rows, scratch);
+        },
+    );
+}
+
+fn tiles(width: usize, mut work: impl FnMut(std::ops::Range<usize>)) {
+    for start in (0..width).step_by(TILE_WIDTH) {
+        work(start..(start + TILE_WIDTH).min(width));
+    }
+}

@@ -1,0 +1,195 @@
+//! LDR-FLIP of one tile of a picture: what a thread computes at a time, in a few small planes.
+
+use super::color::{ColorScale, rgb_to_ycxcz};
+use super::filter::{along_column, along_row};
+use super::kernel::{Kernel, Kernels};
+use crate::pixels::Pixels;
+use std::ops::Range;
+
+/// Columns of a tile; its planes stay in the second-level cache.
+pub const TILE_WIDTH: usize = 192;
+
+/// Planes after the horizontal pass, in the order of [`Planes::horizontal`].
+const PLANES: usize = 7;
+/// Planes after the vertical pass: A, RG, BY, edge x, edge y, point x, point y.
+const RESULTS: usize = 7;
+
+/// Working memory of one thread.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    row: [Vec<f32>; 3],
+    planes: [Vec<f32>; PLANES],
+    extra: Vec<f32>,
+    results: [[Vec<f32>; RESULTS]; 2],
+    distance: Vec<f32>,
+    feature: Vec<f32>,
+}
+
+/// What all tiles share.
+#[derive(Debug)]
+pub struct Evaluator {
+    pub kernels: Kernels,
+    scale: ColorScale,
+}
+
+impl Evaluator {
+    pub fn new(ppd: f64) -> Self {
+        Self { kernels: Kernels::new(ppd), scale: ColorScale::new() }
+    }
+
+    /// Writes LDR-FLIP of the tile's pixels, row by row through `put(y, x0, values)`. `display` turns
+    /// a linear pixel into what the display shows, linear in [0, 1]. Outside the picture its border
+    /// pixels repeat.
+    pub fn tile(
+        &self,
+        images: [&Pixels; 2],
+        columns: Range<usize>,
+        rows: Range<usize>,
+        display: impl Fn([f32; 3]) -> [f32; 3] + Copy,
+        scratch: &mut Scratch,
+        put: impl FnMut(usize, usize, &[f32]),
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the feature was detected on the line above.
+            unsafe { self.tile_avx2(images, columns, rows, display, scratch, put) };
+            return;
+        }
+        self.tile_generic(images, columns, rows, display, scratch, put);
+    }
+
+    /// The same code compiled for 8 lanes. Not FMA: results are the same bits on every machine.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn tile_avx2(
+        &self,
+        images: [&Pixels; 2],
+        columns: Range<usize>,
+        rows: Range<usize>,
+        display: impl Fn([f32; 3]) -> [f32; 3] + Copy,
+        scratch: &mut Scratch,
+        put: impl FnMut(usize, usize, &[f32]),
+    ) {
+        self.tile_generic(images, columns, rows, display, scratch, put);
+    }
+
+    #[inline(always)]
+    fn tile_generic(
+        &self,
+        images: [&Pixels; 2],
+        columns: Range<usize>,
+        rows: Range<usize>,
+        display: impl Fn([f32; 3]) -> [f32; 3] + Copy,
+        scratch: &mut Scratch,
+        mut put: impl FnMut(usize, usize, &[f32]),
+    ) {
+        for (i, image) in images.into_iter().enumerate() {
+            self.horizontal(image, &columns, &rows, display, scratch);
+            self.vertical(columns.len(), rows.len(), i, scratch);
+        }
+        self.combine(scratch);
+        let n = columns.len();
+        for (i, y) in rows.enumerate() {
+            put(y, columns.start, &scratch.distance[i * n..(i + 1) * n]);
+        }
+    }
+
+    /// Colour conversion and filtering along rows, for the tile's rows and those its filters reach.
+    #[inline(always)]
+    fn horizontal(
+        &self,
+        image: &Pixels,
+        columns: &Range<usize>,
+        rows: &Range<usize>,
+        display: impl Fn([f32; 3]) -> [f32; 3] + Copy,
+        scratch: &mut Scratch,
+    ) {
+        let k = &self.kernels;
+        let reach = k.reach();
+        let n = columns.len();
+        let tall = rows.len() + 2 * reach;
+        let wide = n + 2 * reach;
+        scratch.row.iter_mut().for_each(|r| r.resize(wide, 0.0));
+        scratch.planes.iter_mut().for_each(|p| p.resize(n * tall, 0.0));
+        for j in 0..tall {
+            let y = (rows.start + j).saturating_sub(reach).min(image.height - 1);
+            let line = &image.rgb[y * image.width..(y + 1) * image.width];
+            let [luma, red_green, blue_yellow] = &mut scratch.row;
+            for (i, ((a, b), c)) in luma.iter_mut().zip(red_green).zip(blue_yellow).enumerate() {
+                let x = (columns.start + i).saturating_sub(reach).min(image.width - 1);
+                [*a, *b, *c] = rgb_to_ycxcz(display(line[x]));
+            }
+            let out = j * n..(j + 1) * n;
+            let [y, cx, cz] = &scratch.row;
+            let passes: [(&[f32], &Kernel); PLANES] = [
+                (y, &k.achromatic),
+                (cx, &k.red_green),
+                (cz, &k.blue_yellow[0]),
+                (cz, &k.blue_yellow[1]),
+                (y, &k.gauss),
+                (y, &k.edge),
+                (y, &k.point),
+            ];
+            for (plane, (row, kernel)) in scratch.planes.iter_mut().zip(passes) {
+                along_row(&mut plane[out.clone()], row, reach, kernel);
+            }
+        }
+    }
+
+    /// Filtering along columns; leaves the filtered opponent colours and features of image `index`.
+    #[inline(always)]
+    fn vertical(&self, n: usize, rows: usize, index: usize, scratch: &mut Scratch) {
+        let k = &self.kernels;
+        let reach = k.reach();
+        let [a, rg, by0, by1, gauss, edge, point] = &scratch.planes;
+        let passes: [(&[f32], &Kernel); RESULTS] = [
+            (a, &k.achromatic),
+            (rg, &k.red_green),
+            (by0, &k.blue_yellow[0]),
+            (edge, &k.gauss),
+            (gauss, &k.edge),
+            (point, &k.gauss),
+            (gauss, &k.point),
+        ];
+        scratch.extra.resize(n, 0.0);
+        for result in &mut scratch.results[index] {
+            result.resize(n * rows, 0.0);
+        }
+        for y in 0..rows {
+            let out = y * n..(y + 1) * n;
+            for (result, (plane, kernel)) in scratch.results[index].iter_mut().zip(passes) {
+                along_column(&mut result[out.clone()], plane, y + reach, kernel);
+            }
+            along_column(&mut scratch.extra, by1, y + reach, &k.blue_yellow[1]);
+            let [w0, w1] = k.blue_yellow_weight;
+            for (o, e) in scratch.results[index][2][out].iter_mut().zip(&scratch.extra) {
+                *o = w0 * *o + w1 * e;
+            }
+        }
+    }
+
+    /// Colour and feature difference to FLIP (2020, eq. 1): `ΔE_c^(1 − ΔE_f)`, left in `distance`.
+    #[inline(always)]
+    fn combine(&self, scratch: &mut Scratch) {
+        let [a, b] = &scratch.results;
+        let count = a[0].len();
+        scratch.distance.resize(count, 0.0);
+        scratch.feature.resize(count, 0.0);
+        // Vectorisable: no powers yet.
+        for i in 0..count {
+            let color = |r: &[Vec<f32>; RESULTS]| [r[0][i], r[1][i], r[2][i]];
+            scratch.distance[i] = ColorScale::distance(color(a), color(b));
+        }
+        for i in 0..count {
+            // Y of YCxCz to gray in [0, 1]; the filters have no mass, so the offset falls away.
+            let length = |x: &[f32], y: &[f32]| (x[i] * x[i] + y[i] * y[i]).sqrt() / 116.0;
+            let edges = (length(&a[3], &a[4]) - length(&b[3], &b[4])).abs();
+            let points = (length(&a[5], &a[6]) - length(&b[5], &b[6])).abs();
+            // ΔE_f = (max / √2)^q_f with q_f = 0.5.
+            scratch.feature[i] = (edges.max(points) * std::f32::consts::FRAC_1_SQRT_2).sqrt();
+        }
+        for (d, f) in scratch.distance.iter_mut().zip(&scratch.feature) {
+            *d = self.scale.error(*d).powf(1.0 - f).clamp(0.0, 1.0);
+        }
+    }
+}
