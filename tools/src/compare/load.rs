@@ -1,0 +1,119 @@
+//! Image files as linear RGB.
+
+use super::CompareError;
+use crate::pixels::{Pixels, srgb_to_linear};
+use caustica_formats::image::{self, Encoding, Image};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// A picture read from a file.
+#[derive(Debug)]
+pub struct Loaded {
+    pub pixels: Pixels,
+    /// Whether the file held display values (PNG, JPEG), not radiance.
+    pub display: bool,
+}
+
+/// Reads `path` as linear RGB. Without `layer` its plain `R G B`, or `Y` for all three, or its only
+/// channel; with it `layer.R` and so on. Other channels are ignored. Every value must be finite.
+pub fn load(path: &Path, layer: Option<&str>) -> Result<Loaded, CompareError> {
+    let at = || path.to_path_buf();
+    let bytes = std::fs::read(path).map_err(|source| CompareError::Io { path: at(), source })?;
+    let image = image::read(&bytes).map_err(|source| CompareError::Read { path: at(), source })?;
+    drop(bytes);
+    let rgb = select(&image, layer).ok_or_else(|| CompareError::MissingChannels {
+        path: at(),
+        wanted: layer.map_or("R G B or Y".into(), |l| format!("{l}.R {l}.G {l}.B or {l}.Y or {l}")),
+        found: image.channels.join(" "),
+    })?;
+    let display = image.encoding == Encoding::Srgb;
+    let pixels = to_pixels(image, rgb, display);
+    check_finite(&pixels, path)?;
+    Ok(Loaded { pixels, display })
+}
+
+/// Positions of red, green and blue, plain or in a layer.
+fn select(image: &Image, layer: Option<&str>) -> Option<[usize; 3]> {
+    let find = |name: &str| image.channels.iter().position(|c| c == name);
+    let Some(layer) = layer else {
+        let xyz = find("X").is_some() && find("Z").is_some();
+        let gray = || if xyz { None } else { find("Y") };
+        let named = |r, g, b| Some([find(r)?, find(g)?, find(b)?]);
+        let only = || (image.channels.len() == 1).then_some([0; 3]);
+        return named("R", "G", "B")
+            .or_else(|| named("r", "g", "b"))
+            .or_else(|| gray().map(|i| [i; 3]))
+            .or_else(only);
+    };
+    let of = |suffix: &str| find(&format!("{layer}.{suffix}"));
+    let named = |r, g, b| Some([of(r)?, of(g)?, of(b)?]);
+    let gray = || of("Y").or_else(|| find(layer)).map(|i| [i; 3]);
+    named("R", "G", "B").or_else(|| named("r", "g", "b")).or_else(gray)
+}
+
+fn to_pixels(image: Image, rgb: [usize; 3], display: bool) -> Pixels {
+    let pick = |p: &[f32]| {
+        let v = rgb.map(|i| p[i]);
+        if display { v.map(srgb_to_linear) } else { v }
+    };
+    let rgb = image.data.par_chunks_exact(image.channels.len()).map(pick).collect();
+    Pixels { width: image.width, height: image.height, rgb }
+}
+
+fn check_finite(pixels: &Pixels, path: &Path) -> Result<(), CompareError> {
+    let bad = |p: &[f32; 3]| p.iter().filter(|v| !v.is_finite()).count();
+    let count: usize = pixels.rgb.par_iter().map(bad).sum();
+    let Some(first) = pixels.rgb.iter().position(|p| bad(p) > 0).filter(|_| count > 0) else {
+        return Ok(());
+    };
+    let pixel = pixels.rgb[first];
+    let channel = pixel.iter().position(|v| !v.is_finite()).expect("the pixel has such a value");
+    Err(CompareError::NotFinite {
+        path: path.to_path_buf(),
+        count,
+        value: pixel[channel],
+        channel: ['R', 'G', 'B'][channel],
+        x: first % pixels.width,
+        y: first / pixels.width,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(channels: &[&str]) -> Image {
+        let n = channels.len();
+        Image {
+            width: 2,
+            height: 1,
+            channels: channels.iter().map(|c| c.to_string()).collect(),
+            data: (0..2 * n).map(|i| i as f32).collect(),
+            encoding: Encoding::Linear,
+        }
+    }
+
+    #[test]
+    fn channels_of_other_renderers() {
+        let pbrt = image(&["Albedo.B", "Albedo.G", "Albedo.R", "B", "G", "R"]);
+        assert_eq!(select(&pbrt, None), Some([5, 4, 3]));
+        assert_eq!(select(&pbrt, Some("Albedo")), Some([2, 1, 0]));
+        assert_eq!(select(&pbrt, Some("Ns")), None);
+        assert_eq!(select(&image(&["A", "Y"]), None), Some([1; 3]));
+        assert_eq!(select(&image(&["X", "Y", "Z"]), None), None);
+        assert_eq!(select(&image(&["depth"]), None), Some([0; 3]));
+        assert_eq!(select(&image(&["R", "depth"]), Some("depth")), Some([1; 3]));
+    }
+
+    #[test]
+    fn values_that_are_not_finite_are_counted_and_located() {
+        let mut p = Pixels::from_fn(4, 3, |_, _| [1.0; 3]);
+        assert!(check_finite(&p, Path::new("a.exr")).is_ok());
+        p.rgb[6] = [1.0, f32::NAN, f32::INFINITY];
+        p.rgb[9][0] = f32::NEG_INFINITY;
+        assert_eq!(
+            check_finite(&p, Path::new("a.exr")).unwrap_err().to_string(),
+            "a.exr: 3 of its values are not finite; the first is NaN in channel G at column 2, row 1"
+        );
+    }
+}

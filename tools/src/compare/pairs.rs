@@ -1,0 +1,131 @@
+//! Which file is compared with which, and where variances are.
+
+use super::CompareError;
+use crate::metrics::VarianceKind;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Extensions of images that are looked for in folders.
+const EXTENSIONS: [&str; 9] = ["exr", "pfm", "hdr", "png", "jpg", "jpeg", "tga", "bmp", "rgbe"];
+
+/// An image and its reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// Path below both folders, without extension and mark; the file's name for two files.
+    pub name: String,
+    pub image: PathBuf,
+    pub reference: PathBuf,
+}
+
+/// Pairs of two folders, and what has no partner.
+#[derive(Debug, Default)]
+pub struct Pairs {
+    pub pairs: Vec<Pair>,
+    /// References without an image.
+    pub missing: Vec<PathBuf>,
+    /// Images without a reference.
+    pub extra: Vec<PathBuf>,
+}
+
+/// Images below two folders belong together when their paths agree up to extension and a mark of
+/// references (`.ref`, `_ref`, `_ref_rgb`). Variance images are no partners.
+pub fn in_folders(images: &Path, references: &Path) -> Result<Pairs, CompareError> {
+    let mut found = list(images)?;
+    let mut pairs = Pairs::default();
+    for (name, reference) in list(references)? {
+        match found.remove(&name) {
+            Some(image) => pairs.pairs.push(Pair { name, image, reference }),
+            None => pairs.missing.push(reference),
+        }
+    }
+    pairs.extra = found.into_values().collect();
+    Ok(pairs)
+}
+
+fn list(folder: &Path) -> Result<BTreeMap<String, PathBuf>, CompareError> {
+    let mut names = BTreeMap::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        let io = |source| CompareError::Io { path: next.clone(), source };
+        for entry in std::fs::read_dir(&next).map_err(io)? {
+            let path = entry.map_err(io)?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if let Some(name) = partner_name(path.strip_prefix(folder).unwrap_or(&path)) {
+                // Of files that differ in the extension only, the first in this order is meant.
+                let rank = |p: &Path| EXTENSIONS.iter().position(|e| Some(*e) == extension(p).as_deref());
+                let best = names.entry(name).or_insert_with(|| path.clone());
+                if rank(&path) < rank(best) {
+                    *best = path;
+                }
+            }
+        }
+    }
+    Ok(names)
+}
+
+fn extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+/// The path without what may differ between an image and its reference; none for other files.
+fn partner_name(path: &Path) -> Option<String> {
+    EXTENSIONS.contains(&extension(path)?.as_str()).then_some(())?;
+    let stem = path.with_extension("").to_string_lossy().replace('\\', "/");
+    if stem.ends_with(".var") || stem.ends_with("_var") {
+        return None;
+    }
+    let mark = [".ref", "_ref_rgb", "_ref"].into_iter().find_map(|m| stem.strip_suffix(m));
+    Some(mark.unwrap_or(&stem).to_string())
+}
+
+/// The variance image beside a reference: `x.ref.exr` has `x.ref.var.exr` (variance of the mean),
+/// `x_ref_rgb.exr` has `x_ref_rgb_var.exr` (Mitsuba's tests: variance of one sample).
+pub fn variance_beside(reference: &Path) -> Option<(PathBuf, VarianceKind)> {
+    let extension = reference.extension()?.to_str()?;
+    [".var", "_var"].into_iter().find_map(|mark| {
+        let name = format!("{}{mark}.{extension}", reference.file_stem()?.to_str()?);
+        let path = reference.with_file_name(name);
+        path.is_file().then(|| (path.clone(), variance_kind(&path)))
+    })
+}
+
+/// What a variance file holds, by its name: `_var` is Mitsuba's, anything else a variance of means.
+pub fn variance_kind(path: &Path) -> VarianceKind {
+    let stem = path.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
+    if stem.ends_with("_var") { VarianceKind::OfSample } else { VarianceKind::OfMean }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn partners_in_folders() {
+        let root = tempfile::tempdir().unwrap();
+        let touch = |p: &str| {
+            let path = root.path().join(p);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, b"").unwrap();
+        };
+        for p in ["i/a.exr", "i/a.png", "i/sub/b.exr", "i/c.exr", "i/notes.txt"] {
+            touch(p);
+        }
+        for p in
+            ["r/a.ref.exr", "r/a.ref.var.exr", "r/sub/b_ref_rgb.exr", "r/sub/b_ref_rgb_var.exr", "r/d.exr"]
+        {
+            touch(p);
+        }
+        let (i, r) = (root.path().join("i"), root.path().join("r"));
+        let pairs = in_folders(&i, &r).unwrap();
+        let names: Vec<_> = pairs.pairs.iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(names, ["a", "sub/b"]);
+        assert_eq!(pairs.pairs[0].image, i.join("a.exr"));
+        assert_eq!(pairs.missing, [r.join("d.exr")]);
+        assert_eq!(pairs.extra, [i.join("c.exr")]);
+        let kind = |p: &str| variance_beside(&r.join(p)).map(|v| v.1);
+        assert_eq!(kind("a.ref.exr"), Some(VarianceKind::OfMean));
+        assert_eq!(kind("sub/b_ref_rgb.exr"), Some(VarianceKind::OfSample));
+        assert_eq!(kind("d.exr"), None);
+    }
+}

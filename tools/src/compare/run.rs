@@ -1,0 +1,241 @@
+//! `caustica compare`: reads what the arguments name, compares, writes.
+
+use super::pairs::{self, Pair};
+use super::{
+    CompareArgs, CompareError, Compared, Comparison, compare, errormap, load, write_rows, write_table,
+};
+use crate::metrics::{Variance, VarianceKind};
+use crate::pixels::Pixels;
+use crate::report::Page;
+use serde::Serialize;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// How a run ended, as the exit status of a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Status {
+    /// Every comparison was made and every threshold holds.
+    Holds = 0,
+    /// A threshold does not hold.
+    FallsShort = 1,
+    /// Something could not be compared or written.
+    CouldNotCompare = 2,
+}
+
+impl Status {
+    /// The exit status of a process: 0, 1 or 2.
+    pub fn code(self) -> u8 {
+        self as u8
+    }
+}
+
+impl From<Status> for std::process::ExitCode {
+    fn from(status: Status) -> Self {
+        status.code().into()
+    }
+}
+
+/// A pair that could not be compared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Failure {
+    pub image: String,
+    pub reference: String,
+    pub error: String,
+}
+
+/// Everything a run found: the JSON of `--json`, and the data of the HTML page.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// [`Status::code`].
+    pub status: u8,
+    pub comparisons: Vec<Comparison>,
+    pub failures: Vec<Failure>,
+    /// Images for which there was no reference.
+    pub unmatched: Vec<String>,
+}
+
+/// Runs the comparison and writes the table or the JSON to `out`. Errors of single pairs are part of
+/// the output; an error of `out` itself is not recoverable and ends as [`Status::CouldNotCompare`].
+pub fn run(args: &CompareArgs, out: &mut dyn Write) -> Status {
+    let mut report = Report::default();
+    let mut page = args.html.as_ref().map(|_| Page::default());
+    let folder = args.image.is_dir() && args.reference.is_dir();
+    if let Err(error) = compare_all(args, folder, &mut report, page.as_mut()) {
+        report.failures.push(failure(&args.image, &args.reference, &error));
+    }
+    let mut status = if !report.failures.is_empty() {
+        Status::CouldNotCompare
+    } else if report.comparisons.iter().all(|c| c.holds) {
+        Status::Holds
+    } else {
+        Status::FallsShort
+    };
+    report.status = status.code();
+    if let (Some(page), Some(path)) = (page, &args.html)
+        && let Err(source) = fs::write(path, page.render(&report))
+    {
+        let error = CompareError::Io { path: path.clone(), source };
+        report.failures.push(failure(&args.image, &args.reference, &error));
+        status = Status::CouldNotCompare;
+        report.status = status.code();
+    }
+    match write_report(args, folder, &report, out) {
+        Ok(()) => status,
+        Err(_) => Status::CouldNotCompare,
+    }
+}
+
+fn compare_all(
+    args: &CompareArgs,
+    folder: bool,
+    report: &mut Report,
+    mut page: Option<&mut Page>,
+) -> Result<(), CompareError> {
+    let pairs = match (args.image.is_dir(), args.reference.is_dir()) {
+        (true, true) => pairs::in_folders(&args.image, &args.reference)?,
+        (false, false) => pairs::Pairs { pairs: vec![named(args)], ..Default::default() },
+        (true, false) => {
+            let (folder, file) = (args.image.clone(), args.reference.clone());
+            return Err(CompareError::FolderAgainstFile { folder, file });
+        }
+        (false, true) => {
+            let (folder, file) = (args.reference.clone(), args.image.clone());
+            return Err(CompareError::FolderAgainstFile { folder, file });
+        }
+    };
+    if pairs.pairs.is_empty() && pairs.missing.is_empty() {
+        return Err(CompareError::NoReferences { folder: args.reference.clone() });
+    }
+    for pair in &pairs.pairs {
+        match compare_pair(args, folder, pair, page.as_deref_mut()) {
+            Ok(comparison) => report.comparisons.push(comparison),
+            Err(error) => report.failures.push(failure(&pair.image, &pair.reference, &error)),
+        }
+    }
+    for reference in pairs.missing {
+        let error = CompareError::NoImage { folder: args.image.clone(), reference: reference.clone() };
+        report.failures.push(failure(&args.image, &reference, &error));
+    }
+    report.unmatched = pairs.extra.iter().map(|p| p.display().to_string()).collect();
+    Ok(())
+}
+
+fn named(args: &CompareArgs) -> Pair {
+    let name = args.image.file_name().unwrap_or(args.image.as_os_str()).to_string_lossy().into_owned();
+    Pair { name, image: args.image.clone(), reference: args.reference.clone() }
+}
+
+fn compare_pair(
+    args: &CompareArgs,
+    folder: bool,
+    pair: &Pair,
+    page: Option<&mut Page>,
+) -> Result<Comparison, CompareError> {
+    let image = load(&pair.image, args.layer.as_deref())?;
+    let reference = load(&pair.reference, args.reference_layer.as_deref().or(args.layer.as_deref()))?;
+    same_size(&image.pixels, &pair.image, &reference.pixels, &pair.reference)?;
+    let mut options = args.options();
+    let mut notes = Vec::new();
+    if image.display && reference.display && options.thresholds.hdr_flip.is_none() && options.hdr.is_some() {
+        options.hdr = None;
+        notes.push("both pictures hold display values: no HDR-FLIP".into());
+    } else if image.display != reference.display {
+        notes.push("one picture holds radiance, the other decoded display values in 0..1".into());
+    }
+    let variance = load_variance(args, pair, &image.pixels, &mut notes)?;
+    let variance = variance.as_ref().map(|(pixels, kind)| Variance { pixels, kind: *kind });
+    let mut compared = compare(&image.pixels, &reference.pixels, variance, &options);
+    compared.comparison.name = pair.name.clone();
+    compared.comparison.image = pair.image.display().to_string();
+    compared.comparison.reference = pair.reference.display().to_string();
+    compared.comparison.notes = notes;
+    if let Some(path) = &args.error_map {
+        errormap::write(&map_path(path, folder, &pair.name), &compared.ldr)?;
+    }
+    if let Some(page) = page {
+        page.add(&compared, &image.pixels, &reference.pixels);
+    }
+    let Compared { comparison, .. } = compared;
+    Ok(comparison)
+}
+
+/// Where the map of a pair goes: the path itself, or `folder/name.png`.
+fn map_path(path: &Path, folder: bool, name: &str) -> PathBuf {
+    if folder { path.join(format!("{name}.png")) } else { path.to_path_buf() }
+}
+
+fn same_size(image: &Pixels, path: &Path, other: &Pixels, other_path: &Path) -> Result<(), CompareError> {
+    if image.same_size(other) {
+        return Ok(());
+    }
+    Err(CompareError::Size {
+        path: path.to_path_buf(),
+        size: [image.width, image.height],
+        reference: other_path.to_path_buf(),
+        reference_size: [other.width, other.height],
+    })
+}
+
+/// The variance image given or found beside the reference; none leaves a note or, where the z-test
+/// is asked for, is an error.
+fn load_variance(
+    args: &CompareArgs,
+    pair: &Pair,
+    image: &Pixels,
+    notes: &mut Vec<String>,
+) -> Result<Option<(Pixels, VarianceKind)>, CompareError> {
+    let given = args.variance.as_ref().map(|path| (path.clone(), pairs::variance_kind(path)));
+    let Some((path, kind)) = given.or_else(|| pairs::variance_beside(&pair.reference)) else {
+        if args.z_test {
+            return Err(CompareError::NoVariance { reference: pair.reference.clone() });
+        }
+        return Ok(None);
+    };
+    let kind = args.variance_of.map_or(kind, VarianceKind::from);
+    if kind == VarianceKind::OfSample && args.spp.is_none() {
+        let error = CompareError::NoSamples { path };
+        if args.z_test {
+            return Err(error);
+        }
+        notes.push(format!("no z-test: {error}"));
+        return Ok(None);
+    }
+    if kind == VarianceKind::OfMean && (args.spp.is_none() || args.reference_spp.is_none()) {
+        notes.push("the z-test takes the image as free of noise (no --spp and --reference-spp)".into());
+    }
+    let variance = load(&path, None)?.pixels;
+    same_size(image, &pair.image, &variance, &path)?;
+    Ok(Some((variance, kind)))
+}
+
+fn failure(image: &Path, reference: &Path, error: &CompareError) -> Failure {
+    Failure {
+        image: image.display().to_string(),
+        reference: reference.display().to_string(),
+        error: error.to_string(),
+    }
+}
+
+fn write_report(args: &CompareArgs, folder: bool, report: &Report, out: &mut dyn Write) -> io::Result<()> {
+    match &args.json {
+        Some(None) => {
+            serde_json::to_writer_pretty(&mut *out, report)?;
+            return writeln!(out);
+        }
+        Some(Some(path)) => fs::write(path, serde_json::to_vec_pretty(report)?)?,
+        None => {}
+    }
+    if folder {
+        write_rows(&report.comparisons, out)?;
+    } else {
+        report.comparisons.iter().try_for_each(|c| write_table(c, out))?;
+    }
+    for failure in &report.failures {
+        writeln!(out, "could not compare: {}", failure.error)?;
+    }
+    for image in &report.unmatched {
+        writeln!(out, "no reference for {image}")?;
+    }
+    Ok(())
+}
