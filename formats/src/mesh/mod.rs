@@ -1,6 +1,21 @@
 //! Triangle meshes: bytes ↔ [`Mesh`].
+//!
+//! Polygons become fans around their first corner, degenerate triangles are kept, and vertex
+//! normals that are missing or unusable are computed (angle-weighted) unless the mesh is to be flat.
+
+mod creases;
+mod normals;
+mod obj;
+mod ply;
+mod serialized;
 
 use thiserror::Error;
+
+use crate::ir::MeshFormat;
+
+pub use obj::read_obj;
+pub use ply::{read_ply, write_ply};
+pub use serialized::{read_serialized, serialized_count};
 
 /// Indexed triangles in object space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +46,53 @@ pub struct MeshOptions {
     pub face_normals: bool,
     /// v → 1 − v.
     pub flip_tex_coords: bool,
-    /// Crease angle in degrees (Mitsuba 0.6 `maxSmoothAngle`).
+    /// Crease angle in degrees (Mitsuba 0.6 `maxSmoothAngle`): the file's normals are replaced, and
+    /// vertices are split where neighbouring faces meet at a larger angle.
     pub max_smooth_angle: Option<f64>,
 }
+
+/// Reads a mesh of a known format. A mesh without triangles is not an error.
+pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> {
+    match format {
+        MeshFormat::Obj => read_obj(bytes, options),
+        MeshFormat::Ply => read_ply(bytes, options),
+        MeshFormat::Serialized { index } => read_serialized(bytes, index, options),
+    }
+}
+
+/// Applies the options to what a reader found. `mesh.normals` is empty or holds one entry per
+/// vertex, in which anything that cannot be normalised counts as missing.
+fn finish(mut mesh: Mesh, options: &MeshOptions) -> Mesh {
+    for uv in &mut mesh.uvs {
+        if !(uv[0].is_finite() && uv[1].is_finite()) {
+            *uv = [0.0; 2];
+        }
+        if options.flip_tex_coords {
+            uv[1] = 1.0 - uv[1];
+        }
+    }
+    if options.face_normals {
+        mesh.normals.clear();
+        mesh
+    } else if let Some(degrees) = options.max_smooth_angle {
+        creases::split(&mesh, degrees)
+    } else {
+        normals::complete(&mut mesh);
+        mesh
+    }
+}
+
+/// Fails on the first triangle that names a vertex which does not exist.
+fn check_indices(mesh: &Mesh) -> Result<(), MeshError> {
+    let count = mesh.positions.len();
+    let bad = mesh.triangles.iter().flatten().position(|&index| index as usize >= count);
+    bad.map_or(Ok(()), |corner| {
+        let (triangle, index) = (corner / 3, mesh.triangles[corner / 3][corner % 3]);
+        Err(MeshError::Invalid(format!(
+            "triangle {triangle} refers to vertex {index}, but the mesh has {count} vertices"
+        )))
+    })
+}
+
+#[cfg(test)]
+mod tests;
