@@ -10,6 +10,10 @@ pub trait Files: fmt::Debug + Sync {
     /// Whole content. Fails when missing, unreadable, or over [`MAX_FILE_BYTES`].
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
     fn is_file(&self, path: &Path) -> bool;
+    /// Names of the entries of a folder, for suggestions only; empty when unknown.
+    fn names(&self, _folder: &Path) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// No scene, mesh or texture file may be larger than this (8 GiB).
@@ -31,6 +35,12 @@ impl Files for Disk {
     fn is_file(&self, path: &Path) -> bool {
         path.is_file()
     }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.filter_map(|entry| entry.file_name().into_string().ok()).collect()
+    }
 }
 
 /// Files in memory.
@@ -45,6 +55,11 @@ impl Files for Memory {
     fn is_file(&self, path: &Path) -> bool {
         self.0.contains_key(path)
     }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        let inside = self.0.keys().filter_map(|path| path.strip_prefix(folder).ok());
+        inside.filter_map(|rest| rest.iter().next()?.to_str().map(str::to_owned)).collect()
+    }
 }
 
 /// First of `folders` in which `name` exists; `name` itself when it is absolute.
@@ -54,4 +69,20 @@ pub fn resolve(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<Pat
         return files.is_file(path).then(|| path.to_path_buf());
     }
     folders.iter().map(|folder| folder.join(path)).find(|candidate| files.is_file(candidate))
+}
+
+/// The name that differs from `name` in upper and lower case only, if one of `folders` has it.
+pub fn other_case(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
+    folders.iter().find_map(|folder| {
+        let mut found = folder.clone();
+        for part in Path::new(name).components() {
+            let part = part.as_os_str().to_str()?;
+            if part == "." || part == ".." {
+                found.push(part);
+                continue;
+            }
+            found.push(files.names(&found).into_iter().find(|n| n.eq_ignore_ascii_case(part))?);
+        }
+        files.is_file(&found).then_some(found)
+    })
 }

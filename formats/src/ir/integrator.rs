@@ -28,3 +28,37 @@ pub enum Scalar {
     Float(f64),
     String(String),
 }
+
+/// What a setting may hold. A float setting takes an integer as well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ScalarType {
+    Boolean,
+    Integer,
+    Float,
+    String,
+}
+
+/// Settings of ours that `path`, `photonmapper`, `ppm` and `sppm` accept beside their own.
+pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
+    ("mode", ScalarType::String),
+    ("nee", ScalarType::Boolean),
+    ("kernel", ScalarType::String),
+    ("caustic_kernel", ScalarType::String),
+    ("roulette", ScalarType::String),
+    ("lookup", ScalarType::String),
+    ("photons", ScalarType::Integer),
+    ("caustic_photons", ScalarType::Integer),
+    ("neighbours", ScalarType::Integer),
+    ("caustic_neighbours", ScalarType::Integer),
+    ("caustic_cap", ScalarType::Integer),
+    ("passes", ScalarType::Integer),
+    ("radius", ScalarType::Float),
+    ("caustic_radius", ScalarType::Float),
+    ("alpha", ScalarType::Float),
+    ("caustic_alpha", ScalarType::Float),
+    ("boundary", ScalarType::Boolean),
+    ("max_depth", ScalarType::Integer),
+    ("rr_depth", ScalarType::Integer),
+    ("hide_emitters", ScalarType::Boolean),
+    ("samples", ScalarType::Integer),
+];

@@ -22,7 +22,7 @@ pub use bsdf::{
 };
 pub use color::{Color, ColorInput, ColorSlot, FloatInput, SpectrumRule};
 pub use emitter::{Emitter, EmitterKind};
-pub use integrator::{Integrator, Scalar, Setting};
+pub use integrator::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
 pub use sensor::{
     ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Sampler, Sensor, Tonemap,
 };
