@@ -9,4 +9,7 @@ pub mod image;
 pub mod ir;
 pub mod mesh;
 pub mod mitsuba;
+mod read;
 pub mod spectrum;
+
+pub use read::{Failure, Read, ReadOptions, read_scene};

@@ -1,1 +1,74 @@
-//! Mitsuba XML, dialects 0.4 to 3.x.
+//! Mitsuba scenes of all versions, 0.x to 3.x.
+//!
+//! Reading is passes: [`xml`] text → element tree with spans; [`expand`] `$parameters` and
+//! includes; [`upgrade`] old names; [`resolve`] objects with typed entries, ids and references;
+//! [`reader`] objects → IR, one file per concept with its table of plugins.
+
+mod bsdf;
+mod color;
+mod emitter;
+mod expand;
+mod film;
+mod integrator;
+mod names;
+mod number;
+mod object;
+mod parameters;
+mod plugin;
+mod property;
+mod props;
+mod reader;
+mod resolve;
+mod sensor;
+mod shape;
+mod texture;
+mod tree;
+mod upgrade;
+mod version;
+mod xml;
+
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Diagnostic, Severity, SourceMap};
+use crate::files::Files;
+use crate::read::{Failure, Read, ReadOptions};
+
+/// Reads the scene at `path` with everything it includes. Meshes and textures are only looked for,
+/// not opened. Fails with all problems found, never only the first.
+pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Read, Box<Failure>> {
+    let mut sources = SourceMap::default();
+    let mut problems = Vec::new();
+    let expanded = expand::Expander::new(files, options, &mut sources, &mut problems).scene(path);
+    let scene = expanded.map(|mut tree| {
+        upgrade::upgrade(&mut tree.root, &tree.versions);
+        let dialect = tree.versions.first().copied().unwrap_or(version::Version(3, 0, 0)).dialect();
+        let folders = search_folders(path, &tree.folders, options);
+        let resolver =
+            resolve::Resolver::new(files, &sources, &folders, &mut problems, options.allow_unsupported);
+        let objects = resolver.objects(tree);
+        let reader = reader::Reader::new(&objects, dialect, files, &sources, &folders, options);
+        let (scene, found) = reader.scene();
+        problems.extend(found);
+        scene
+    });
+    in_source_order(&mut problems);
+    let failed = problems.iter().any(|p| p.severity == Severity::Error);
+    match scene {
+        Some(scene) if !failed => Ok(Read { scene, warnings: problems, sources }),
+        _ => Err(Box::new(Failure { diagnostics: problems, sources })),
+    }
+}
+
+/// `<path>` folders, then the scene's own folder, then those of the options.
+fn search_folders(scene: &Path, paths: &[PathBuf], options: &ReadOptions) -> Vec<PathBuf> {
+    let own = scene.parent().unwrap_or(Path::new("")).to_path_buf();
+    paths.iter().cloned().chain([own]).chain(options.search.iter().cloned()).collect()
+}
+
+/// Worst first, then as they stand in the files; a message about no place comes last.
+fn in_source_order(problems: &mut Vec<Diagnostic>) {
+    let place = |p: &Diagnostic| p.span.map_or((u32::MAX, 0), |s| (s.file, s.start));
+    problems.sort_by_key(|p| (std::cmp::Reverse(p.severity), place(p)));
+    // An object that several others refer to may be read more than once.
+    problems.dedup();
+}

@@ -1,0 +1,232 @@
+//! Colour parameters: numbers, spectra and the spectrum plugins.
+
+use super::number;
+use super::object::{Class, Entry, ObjectIndex, Value};
+use super::plugin::{Plugin, read, unsupported};
+use super::props::Props;
+use super::reader::Reader;
+use crate::diagnostic::Diagnostic;
+use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
+
+type ReadSpectrum = fn(&mut Props<'_>) -> Option<Color>;
+
+/// Spectrum plugins.
+const SPECTRA: &[Plugin<ReadSpectrum>] = &[
+    read("d65", d65),
+    read("uniform", uniform),
+    read("srgb", srgb),
+    read("blackbody", blackbody),
+    read("irregular", irregular),
+    read("regular", regular),
+    unsupported("rawconstant"),
+    unsupported("srgb_d65"),
+];
+
+pub(super) fn is_spectrum_plugin(name: &str) -> bool {
+    SPECTRA.iter().any(|row| row.name == name)
+}
+
+impl<'a> Reader<'a> {
+    /// A colour or texture; `default` when it is not given or was reported.
+    pub fn color_input(
+        &mut self,
+        props: &mut Props<'a>,
+        name: &'static str,
+        slot: ColorSlot,
+        default: f64,
+    ) -> ColorInput {
+        let default = ColorInput::Color(Color::Gray(default));
+        let Some(entry) = props.entry(name) else { return default };
+        self.color_value(props, entry, slot).unwrap_or(default)
+    }
+
+    /// A colour that may not be textured.
+    pub fn color(
+        &mut self,
+        props: &mut Props<'a>,
+        name: &'static str,
+        slot: ColorSlot,
+        default: f64,
+    ) -> Color {
+        self.optional_color(props, name, slot).unwrap_or(Color::Gray(default))
+    }
+
+    pub fn optional_color(
+        &mut self,
+        props: &mut Props<'a>,
+        name: &'static str,
+        slot: ColorSlot,
+    ) -> Option<Color> {
+        let entry = props.entry(name)?;
+        match self.color_value(props, entry, slot)? {
+            ColorInput::Color(color) => Some(color),
+            ColorInput::Texture(_) => {
+                let text = format!("a texture for `{name}` of {} is not supported", props.object.plugin);
+                props.problems.push(Diagnostic::error(text, Some(entry.span)));
+                None
+            }
+        }
+    }
+
+    /// A number or texture.
+    pub fn float_input(&mut self, props: &mut Props<'a>, name: &'static str, default: f64) -> FloatInput {
+        self.optional_float_input(props, name).unwrap_or(FloatInput::Value(default))
+    }
+
+    pub fn optional_float_input(&mut self, props: &mut Props<'a>, name: &'static str) -> Option<FloatInput> {
+        let entry = props.entry(name)?;
+        match &entry.value {
+            Value::Float(v) => Some(FloatInput::Value(*v)),
+            Value::Integer(v) => Some(FloatInput::Value(*v as f64)),
+            Value::Color { color: Color::UniformSpectrum(v), .. } => Some(FloatInput::Value(*v)),
+            // 0.6 masks have coloured opacities; a float is their luminance.
+            Value::Color { color: Color::Rgb([r, g, b]), .. } => {
+                if r != g || g != b {
+                    let text = format!("`{name}` is one number: the luminance of the colour is used");
+                    props.problems.push(Diagnostic::warning(text, Some(entry.span)));
+                }
+                let luminance = 0.212671 * r + 0.715160 * g + 0.072169 * b;
+                Some(FloatInput::Value(if r == g && g == b { *r } else { luminance }))
+            }
+            Value::Object(index) => match self.objects[*index].class {
+                Class::Texture => self.texture(*index).map(FloatInput::Texture),
+                _ => props.wrong(entry, "a float or texture"),
+            },
+            _ => props.wrong(entry, "a float or texture"),
+        }
+    }
+
+    pub fn color_value(
+        &mut self,
+        props: &mut Props<'a>,
+        entry: &Entry,
+        slot: ColorSlot,
+    ) -> Option<ColorInput> {
+        let color = match &entry.value {
+            Value::Float(v) => Color::Gray(*v),
+            Value::Integer(v) => Color::Gray(*v as f64),
+            Value::Color { color, .. } => color.clone(),
+            Value::Object(index) => {
+                let object = &self.objects[*index];
+                match object.class {
+                    Class::Texture if !is_spectrum_plugin(&object.plugin) => {
+                        return self.texture(*index).map(ColorInput::Texture);
+                    }
+                    Class::Texture | Class::Spectrum => self.spectrum(*index)?,
+                    _ => return props.wrong(entry, "a colour or texture"),
+                }
+            }
+            _ => return props.wrong(entry, "a colour or texture"),
+        };
+        self.check_range(props, entry, &color, slot);
+        Some(ColorInput::Color(color))
+    }
+
+    fn check_range(&self, props: &mut Props<'a>, entry: &Entry, color: &Color, slot: ColorSlot) {
+        let (Color::Rgb(rgb) | Color::Srgb(rgb)) = color else { return };
+        let name = entry.name.as_deref().unwrap_or_default();
+        let shown = rgb.map(|v| v.to_string()).join(", ");
+        if slot == ColorSlot::Reflectance && rgb.iter().any(|v| !(0.0..=1.0).contains(v)) {
+            let text = format!("`{name}` is a reflectance and must lie between 0 and 1, not [{shown}]");
+            props.problems.push(Diagnostic::new(self.strict(), text, Some(entry.span)));
+        } else if rgb.iter().any(|v| *v < 0.0) {
+            let text = format!("`{name}` is negative: [{shown}]");
+            props.problems.push(Diagnostic::warning(text, Some(entry.span)));
+        }
+    }
+
+    /// A spectrum plugin as a colour.
+    pub fn spectrum(&mut self, index: ObjectIndex) -> Option<Color> {
+        let reader = self.plugin(SPECTRA, index, "gray 0.5 is used")?;
+        let mut props = self.props(index);
+        let color = reader(&mut props);
+        self.finish(props);
+        color
+    }
+}
+
+fn rgb(props: &mut Props<'_>, name: &'static str) -> Option<[f64; 3]> {
+    let entry = props.entry(name)?;
+    match &entry.value {
+        Value::Color { color: Color::Rgb(rgb), .. } => Some(*rgb),
+        Value::Color { color: Color::UniformSpectrum(v), .. } | Value::Float(v) => Some([*v; 3]),
+        Value::Integer(v) => Some([*v as f64; 3]),
+        _ => props.wrong(entry, "an rgb colour"),
+    }
+}
+
+fn d65(props: &mut Props<'_>) -> Option<Color> {
+    let scale = props.float("scale", 1.0);
+    let color = rgb(props, "color").or_else(|| {
+        let entry = props.object.entries.iter().find(|e| matches!(e.value, Value::Color { .. }))?;
+        let Value::Color { color: Color::Rgb(rgb), .. } = entry.value else { return None };
+        props.ignore_rest();
+        Some(rgb)
+    });
+    Some(Color::D65 { scale, color })
+}
+
+fn uniform(props: &mut Props<'_>) -> Option<Color> {
+    props.ignore(&["wavelength_min", "wavelength_max", "lambda_min", "lambda_max"]);
+    Some(Color::UniformPlugin(props.float("value", 1.0)))
+}
+
+fn srgb(props: &mut Props<'_>) -> Option<Color> {
+    let color = rgb(props, "color");
+    if color.is_none() && !props.has("color") {
+        props.complain("color", "srgb needs the parameter `color`");
+    }
+    Some(Color::BoundedRgb(color?))
+}
+
+fn blackbody(props: &mut Props<'_>) -> Option<Color> {
+    props.ignore(&["wavelength_min", "wavelength_max"]);
+    let kelvin = props.positive("temperature", 5000.0);
+    Some(Color::Blackbody { kelvin, scale: props.float("scale", 1.0) })
+}
+
+fn numbers(props: &mut Props<'_>, name: &'static str) -> Option<Vec<f64>> {
+    let entry = props.entry(name);
+    let Some(entry) = entry else {
+        let text = format!("{} needs the parameter `{name}`", props.object.plugin);
+        props.complain(name, text);
+        return None;
+    };
+    let Value::String(text) = &entry.value else {
+        return props.wrong(entry, "a string of numbers");
+    };
+    let list = number::floats(text);
+    if list.is_none() {
+        props.complain(name, format!("`{name}` is not a list of numbers"));
+    }
+    list
+}
+
+fn irregular(props: &mut Props<'_>) -> Option<Color> {
+    let (wavelengths, values) = (numbers(props, "wavelengths")?, numbers(props, "values")?);
+    if wavelengths.len() != values.len() {
+        let text = format!("{} wavelengths but {} values", wavelengths.len(), values.len());
+        props.complain("values", text);
+        return None;
+    }
+    samples(props, wavelengths.into_iter().zip(values).map(|(w, v)| [w, v]).collect())
+}
+
+fn regular(props: &mut Props<'_>) -> Option<Color> {
+    let min = props.optional_float("wavelength_min").or_else(|| props.optional_float("lambda_min"));
+    let max = props.optional_float("wavelength_max").or_else(|| props.optional_float("lambda_max"));
+    let values = numbers(props, "values")?;
+    let (min, max) = (min.unwrap_or(360.0), max.unwrap_or(830.0));
+    let step = (max - min) / (values.len().max(2) - 1) as f64;
+    samples(props, values.into_iter().enumerate().map(|(i, v)| [min + step * i as f64, v]).collect())
+}
+
+fn samples(props: &mut Props<'_>, samples: Vec<[f64; 2]>) -> Option<Color> {
+    match number::ascending(samples) {
+        Ok(samples) => Some(Color::Samples(samples)),
+        Err(reason) => {
+            props.complain("values", reason);
+            None
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Emitters: those of the scene, and those of shapes.
+
+use super::object::{Class, ObjectIndex};
+use super::plugin::{Plugin, read, unsupported};
+use super::props::Props;
+use super::reader::Reader;
+use super::version::Dialect;
+use crate::diagnostic::Diagnostic;
+use crate::ir::{AreaEmission, ColorSlot, Emitter, EmitterKind};
+
+type ReadEmitter = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<EmitterKind>;
+
+/// Emitters that stand in the scene.
+const EMITTERS: &[Plugin<ReadEmitter>] = &[
+    read("point", point),
+    read("spot", spot),
+    read("directional", directional),
+    read("constant", constant),
+    unsupported("envmap"),
+    unsupported("projector"),
+    unsupported("sunsky"),
+    unsupported("timed_sunsky"),
+    unsupported("sky"),
+    unsupported("sun"),
+    unsupported("collimated"),
+    // In the table for the sake of suggestions; `top_level_emitter` deals with them.
+    unsupported("area"),
+    unsupported("directionalarea"),
+];
+
+/// Emitters that are a shape's surface.
+const AREA_EMITTERS: &[Plugin<()>] =
+    &[read("area", ()), unsupported("directionalarea"), unsupported("projector")];
+
+impl<'a> Reader<'a> {
+    pub fn top_level_emitter(&mut self, index: ObjectIndex) {
+        let object = &self.objects[index];
+        if object.plugin == "area" || object.plugin == "directionalarea" {
+            // It may stand here only to be referred to by shapes.
+            let referred = self.objects.iter().any(|other| {
+                other.class == Class::Shape
+                    && other
+                        .entries
+                        .iter()
+                        .any(|e| matches!(e.value, super::object::Value::Object(i) if i == index))
+            });
+            if !referred {
+                let text = format!("an {} emitter shines only as part of a shape", object.plugin);
+                self.problems.push(
+                    Diagnostic::error(text, Some(object.span))
+                        .help("put it, or a <ref> to it, into a <shape>"),
+                );
+            }
+            return;
+        }
+        let Some(reader) = self.plugin(EMITTERS, index, "it is skipped") else { return };
+        let mut props = self.props(index);
+        props.ignore(&["sampling_weight"]);
+        self.report_medium(&mut props);
+        let kind = reader(self, &mut props);
+        let (name, origin) = (props.name(), props.origin());
+        self.finish(props);
+        self.scene.emitters.extend(kind.map(|kind| Emitter { name, origin, kind }));
+    }
+
+    /// The emission of a shape; `None` after reporting why there is none.
+    pub fn area_emission(&mut self, index: ObjectIndex) -> Option<AreaEmission> {
+        if let Some(emission) = self.emissions.get(&index) {
+            return emission.clone();
+        }
+        let emission = self.plugin(AREA_EMITTERS, index, "the shape does not shine").map(|()| {
+            let mut props = self.props(index);
+            if props.has("to_world") {
+                props.complain("to_world", "an area emitter takes no `to_world`; place the shape instead");
+            }
+            props.ignore(&["sampling_weight", "to_world"]);
+            // Marks of renderers that sample specular chains.
+            props.ignore(&["caustic_emitter_single", "caustic_emitter_multi"]);
+            self.report_medium(&mut props);
+            let radiance = self.color_input(&mut props, "radiance", ColorSlot::Emission, 1.0);
+            let origin = props.origin();
+            self.finish(props);
+            AreaEmission { origin, radiance }
+        });
+        self.emissions.insert(index, emission.clone());
+        emission
+    }
+
+    /// Rules about all emitters together.
+    pub fn check_emitters(&mut self) {
+        let environments: Vec<_> =
+            self.scene.emitters.iter().filter(|e| matches!(e.kind, EmitterKind::Constant { .. })).collect();
+        if let [first, second, ..] = environments.as_slice() {
+            let mut problem =
+                Diagnostic::error("a scene has one environment; this is a second one", second.origin.0);
+            problem.labels.extend(first.origin.0.map(|span| (span, "the first one".to_owned())));
+            self.problems.push(problem);
+        }
+        let shines = self.objects.iter().any(|o| o.class == Class::Emitter);
+        if self.dialect == Dialect::Old && !shines && !self.scene.shapes.is_empty() {
+            let problem = Diagnostic::warning("the scene has no emitter and will be black", None);
+            self.problems.push(problem.help("Mitsuba 0.6 would add a `sunsky`"));
+        }
+    }
+}
+
+fn point<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
+    props.exclusive("position", "to_world");
+    let to_world = props.transform("to_world");
+    let position = props.triple("position").unwrap_or_else(|| to_world.point([0.0; 3]));
+    Some(EmitterKind::Point {
+        position,
+        intensity: reader.color(props, "intensity", ColorSlot::Emission, 1.0),
+    })
+}
+
+fn spot<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
+    let intensity = reader.color(props, "intensity", ColorSlot::Emission, 1.0);
+    let cutoff_angle = props.positive("cutoff_angle", 20.0);
+    let beam_width = props.float("beam_width", cutoff_angle * 0.75);
+    if !(0.0..=cutoff_angle).contains(&beam_width) {
+        props.complain(
+            "beam_width",
+            format!("`beam_width` must lie between 0 and {cutoff_angle}, the cutoff angle"),
+        );
+    }
+    if cutoff_angle >= 180.0 {
+        props.complain("cutoff_angle", "`cutoff_angle` must be below 180 degrees");
+    }
+    let texture = match props.entry("texture") {
+        None => props.child(Class::Texture).and_then(|nested| reader.texture(nested.index)),
+        Some(entry) => match entry.value {
+            super::object::Value::Object(index) if reader.objects[index].class == Class::Texture => {
+                reader.texture(index)
+            }
+            _ => props.wrong(entry, "a texture"),
+        },
+    };
+    Some(EmitterKind::Spot {
+        to_world: props.transform("to_world"),
+        intensity,
+        cutoff_angle,
+        beam_width,
+        texture,
+    })
+}
+
+fn directional<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
+    props.exclusive("direction", "to_world");
+    let to_world = props.transform("to_world");
+    let direction = props.triple("direction").unwrap_or_else(|| to_world.vector([0.0, 0.0, 1.0]));
+    if direction == [0.0; 3] {
+        props.complain("direction", "`direction` is zero");
+    }
+    Some(EmitterKind::Directional {
+        direction,
+        irradiance: reader.color(props, "irradiance", ColorSlot::Emission, 1.0),
+    })
+}
+
+fn constant<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
+    props.ignore(&["to_world"]);
+    Some(EmitterKind::Constant { radiance: reader.color(props, "radiance", ColorSlot::Emission, 1.0) })
+}

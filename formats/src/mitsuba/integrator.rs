@@ -1,0 +1,225 @@
+//! Integrators: which of ours a scene asks for, and its settings.
+
+use std::collections::BTreeMap;
+
+use super::object::{Class, ObjectIndex, Value};
+use super::plugin::{Found, Plugin, find, read, unsupported};
+use super::props::Props;
+use super::reader::Reader;
+use crate::diagnostic::{Diagnostic, Severity, Span, nearest};
+use crate::ir::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
+
+use ScalarType::{Boolean, Float, Integer, String as Text};
+
+type Settings = &'static [(&'static str, ScalarType)];
+
+#[derive(Clone, Copy)]
+enum Kind {
+    /// Rendered as asked, with these settings beside the common ones.
+    Own(Settings),
+    /// Rendered by `path`; its own settings do not matter.
+    Approximated,
+    /// Something around the integrator that counts.
+    Wrapper,
+}
+
+const INTEGRATORS: &[Plugin<Kind>] = &[
+    read("path", Kind::Own(INTEGRATOR_SETTINGS)),
+    read("direct", Kind::Own(DIRECT)),
+    read("volpath", Kind::Own(&[])),
+    read("volpathmis", Kind::Own(&[("use_spectral_mis", Boolean)])),
+    read("ptracer", Kind::Own(&[("granularity", Integer), ("brute_force", Boolean)])),
+    read("photonmapper", Kind::Own(PHOTON_MAPPER)),
+    read("ppm", Kind::Own(PROGRESSIVE)),
+    read("sppm", Kind::Own(PROGRESSIVE)),
+    read("volpath_simple", Kind::Approximated),
+    read("bdpt", Kind::Approximated),
+    read("vpl", Kind::Approximated),
+    read("pssmlt", Kind::Approximated),
+    read("mlt", Kind::Approximated),
+    read("erpt", Kind::Approximated),
+    read("prb", Kind::Approximated),
+    read("prb_basic", Kind::Approximated),
+    read("prbvolpath", Kind::Approximated),
+    read("moment", Kind::Wrapper),
+    read("aov", Kind::Wrapper),
+    read("stokes", Kind::Wrapper),
+    read("irrcache", Kind::Wrapper),
+    read("adaptive", Kind::Wrapper),
+    unsupported("depth"),
+    unsupported("ao"),
+    unsupported("field"),
+    unsupported("multichannel"),
+];
+
+/// Every integrator may have these.
+const COMMON: Settings = &[
+    ("max_depth", Integer),
+    ("rr_depth", Integer),
+    ("hide_emitters", Boolean),
+    ("timeout", Float),
+    ("block_size", Integer),
+    ("samples_per_pass", Integer),
+];
+
+const DIRECT: Settings =
+    &[("shading_samples", Integer), ("emitter_samples", Integer), ("bsdf_samples", Integer)];
+
+const PHOTON_MAPPER: Settings = &[
+    ("direct_samples", Integer),
+    ("glossy_samples", Integer),
+    ("max_specular_depth", Integer),
+    ("global_photons", Integer),
+    ("caustic_photons", Integer),
+    ("volume_photons", Integer),
+    ("global_lookup_radius", Float),
+    ("caustic_lookup_radius", Float),
+    ("lookup_size", Integer),
+    ("global_lookup_size", Integer),
+    ("caustic_lookup_size", Integer),
+    ("volume_lookup_size", Integer),
+    ("granularity", Integer),
+    ("gather_locally", Boolean),
+    ("auto_cancel_gathering", Boolean),
+];
+
+const PROGRESSIVE: Settings = &[
+    ("initial_radius", Float),
+    ("alpha", Float),
+    ("photon_count", Integer),
+    ("max_passes", Integer),
+    ("granularity", Integer),
+    ("auto_cancel_gathering", Boolean),
+];
+
+impl<'a> Reader<'a> {
+    /// Chooses among the scene's integrators; all are read.
+    pub fn integrators(&mut self, all: &[(ObjectIndex, Span)]) {
+        for (i, (index, span)) in all.iter().enumerate() {
+            if i > 0 {
+                let text = "a scene has one integrator; this is a second one";
+                let problem =
+                    Diagnostic::new(self.strict(), text, Some(*span)).label(all[0].1, "the first one");
+                self.problems.push(problem);
+            }
+            self.scene.integrator = self.integrator(*index).or_else(|| self.scene.integrator.take());
+        }
+    }
+
+    fn integrator(&mut self, index: ObjectIndex) -> Option<Integrator> {
+        let object = &self.objects[index];
+        if object.plugin.is_empty() {
+            return None;
+        }
+        let mut props = self.props(index);
+        let integrator = match find(INTEGRATORS, object) {
+            Found::Reader(Kind::Own(own)) => {
+                let settings = self.settings(&mut props, own);
+                let integrator =
+                    Integrator { origin: props.origin(), plugin: object.plugin.clone(), settings };
+                self.finish(props);
+                integrator
+            }
+            Found::Reader(Kind::Approximated) => {
+                let text = format!("integrator `{}` is approximated by `path`", object.plugin);
+                self.problems.push(Diagnostic::warning(text, Some(object.span)));
+                self.as_path(props)
+            }
+            Found::Reader(Kind::Wrapper) => return self.unwrapped(props),
+            Found::Unsupported => {
+                self.unsupported(index, "`path` is used");
+                self.as_path(props)
+            }
+            Found::Unknown => {
+                let text = format!("unknown integrator plugin `{}`: `path` is used", object.plugin);
+                let problem = Diagnostic::warning(text, Some(object.span));
+                self.problems.push(match nearest(&object.plugin, INTEGRATORS.iter().map(|row| row.name)) {
+                    Some(known) => problem.help(format!("did you mean `{known}`?")),
+                    None => problem,
+                });
+                self.as_path(props)
+            }
+        };
+        Some(integrator)
+    }
+
+    /// What `moment` and the like are wrapped around.
+    fn unwrapped(&mut self, mut props: Props<'a>) -> Option<Integrator> {
+        let nested = props.child(Class::Integrator);
+        let more = props.child(Class::Integrator);
+        if let (Some(first), Some(second)) = (nested, more) {
+            let text = format!("only the first integrator of `{}` is rendered", props.object.plugin);
+            let problem = Diagnostic::warning(text, Some(second.span));
+            self.problems.push(problem.label(first.span, "this one"));
+        }
+        if props.has("aovs") {
+            let text = "`aovs` is ignored: layers are chosen on the command line";
+            let span = props.entry("aovs").map(|e| e.name_span);
+            self.problems.push(Diagnostic::new(Severity::Note, text, span));
+        }
+        if nested.is_none() {
+            let text = format!("`{}` without an integrator in it: `path` is used", props.object.plugin);
+            self.problems.push(Diagnostic::warning(text, Some(props.object.span)));
+            return Some(self.as_path(props));
+        }
+        nested.and_then(|nested| self.integrator(nested.index))
+    }
+
+    /// `path` with the settings every integrator has; the others are dropped.
+    fn as_path(&mut self, mut props: Props<'a>) -> Integrator {
+        let mut settings = BTreeMap::new();
+        for (name, kind) in &COMMON[..3] {
+            let fits = props.object.entries.iter().any(|e| {
+                e.name.as_deref() == Some(name)
+                    && matches!((&e.value, kind), (Value::Integer(_), Integer) | (Value::Boolean(_), Boolean))
+            });
+            if fits {
+                read_setting(&mut props, name, *kind, &mut settings);
+            }
+        }
+        props.ignore_rest();
+        let origin = props.origin();
+        self.finish(props);
+        Integrator { origin, plugin: "path".to_owned(), settings }
+    }
+
+    fn settings(&mut self, props: &mut Props<'a>, own: Settings) -> BTreeMap<String, Setting> {
+        let mut settings = BTreeMap::new();
+        let ours = matches!(props.object.plugin.as_str(), "path" | "photonmapper" | "ppm" | "sppm");
+        let extra: Settings = if ours { INTEGRATOR_SETTINGS } else { &[] };
+        for (name, kind) in COMMON.iter().chain(own).chain(extra) {
+            if !settings.contains_key(*name) {
+                read_setting(props, name, *kind, &mut settings);
+            }
+        }
+        if let Some(entry) = props.entry("strict_normals") {
+            if matches!(entry.value, Value::Boolean(true)) {
+                let text = "`strict_normals` is ignored; Mitsuba 3 has no such thing either";
+                props.problems.push(Diagnostic::new(Severity::Note, text, Some(entry.name_span)));
+            }
+        }
+        settings
+    }
+}
+
+fn read_setting(
+    props: &mut Props<'_>,
+    name: &'static str,
+    kind: ScalarType,
+    settings: &mut BTreeMap<String, Setting>,
+) {
+    let span = props.object.entries.iter().find(|e| e.name.as_deref() == Some(name)).map(|e| e.span);
+    let value = match kind {
+        Boolean => match props.entry(name).map(|e| (&e.value, e)) {
+            None => None,
+            Some((Value::Boolean(v), _)) => Some(Scalar::Boolean(*v)),
+            Some((_, entry)) => props.wrong(entry, "a boolean"),
+        },
+        Integer => props.optional_integer(name).map(Scalar::Integer),
+        Float => props.optional_float(name).map(Scalar::Float),
+        Text => props.optional_string(name).map(|(text, _)| Scalar::String(text.to_owned())),
+    };
+    if let Some(value) = value {
+        settings.insert(name.to_owned(), Setting { origin: crate::ir::Origin(span), value });
+    }
+}

@@ -1,0 +1,325 @@
+//! Typed access to the entries of one object, which remembers what was asked for.
+
+use super::number;
+use super::object::{Class, Entry, Object, ObjectIndex, Value};
+use super::upgrade::camel_case;
+use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::ir::{Ior, Origin, Transform};
+
+/// Every entry that nobody took is reported by [`Props::finish`]; every name that was asked for
+/// is a valid name for its suggestion. So a reader asks for all names on every path.
+pub(super) struct Props<'a> {
+    pub object: &'a Object,
+    objects: &'a [Object],
+    taken: Vec<bool>,
+    known: Vec<&'static str>,
+    pub problems: Vec<Diagnostic>,
+}
+
+/// A nested object and the place that names it.
+#[derive(Clone, Copy)]
+pub(super) struct Nested {
+    pub index: ObjectIndex,
+    pub span: Span,
+}
+
+impl<'a> Props<'a> {
+    pub fn new(objects: &'a [Object], index: ObjectIndex) -> Self {
+        let object = &objects[index];
+        let taken = vec![false; object.entries.len()];
+        Self { object, objects, taken, known: Vec::new(), problems: Vec::new() }
+    }
+
+    pub fn origin(&self) -> Origin {
+        Origin(Some(self.object.span))
+    }
+
+    pub fn name(&self) -> Option<String> {
+        self.object.id.clone()
+    }
+
+    /// The entry called `name`, now accounted for.
+    pub fn entry(&mut self, name: &'static str) -> Option<&'a Entry> {
+        self.known.push(name);
+        let at = self.object.entries.iter().position(|e| e.name.as_deref() == Some(name))?;
+        for (taken, entry) in self.taken.iter_mut().zip(&self.object.entries) {
+            *taken |= entry.name.as_deref() == Some(name);
+        }
+        Some(&self.object.entries[at])
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.object.entries.iter().any(|e| e.name.as_deref() == Some(name))
+    }
+
+    /// Entries that neither change the picture nor deserve a word.
+    pub fn ignore(&mut self, names: &[&'static str]) {
+        for name in names {
+            self.entry(name);
+        }
+    }
+
+    /// Entries that would change the picture if they were heeded.
+    pub fn ignore_with_warning(&mut self, names: &[&'static str], why: &str) {
+        for name in names {
+            if let Some(entry) = self.entry(name) {
+                let text = format!("parameter `{name}` is ignored: {why}");
+                self.problems.push(Diagnostic::warning(text, Some(entry.name_span)));
+            }
+        }
+    }
+
+    /// Leaves nothing to report.
+    pub fn ignore_rest(&mut self) {
+        self.taken.fill(true);
+    }
+
+    /// Accounts for the entries whose names `matches` accepts.
+    pub fn ignore_matching(&mut self, matches: impl Fn(&str) -> bool) {
+        for (taken, entry) in self.taken.iter_mut().zip(&self.object.entries) {
+            *taken |= entry.name.as_deref().is_some_and(&matches);
+        }
+    }
+
+    /// Whatever was not taken becomes a warning instead of an error.
+    pub fn warn_rest(&mut self) {
+        for i in 0..self.taken.len() {
+            let entry = &self.object.entries[i];
+            let is_scalar = !matches!(entry.value, Value::Object(_));
+            if let (false, true, Some(name)) = (self.taken[i], is_scalar, &entry.name) {
+                let text = format!("unknown parameter `{name}` of {} is ignored", self.object.plugin);
+                let problem = Diagnostic::warning(text, Some(entry.name_span));
+                self.problems.push(self.suggest(name, problem, false));
+                self.taken[i] = true;
+            }
+        }
+    }
+
+    pub fn optional_float(&mut self, name: &'static str) -> Option<f64> {
+        let entry = self.entry(name)?;
+        match &entry.value {
+            Value::Float(v) => Some(*v),
+            Value::Integer(v) => Some(*v as f64),
+            _ => self.wrong(entry, "a float"),
+        }
+    }
+
+    pub fn float(&mut self, name: &'static str, default: f64) -> f64 {
+        self.optional_float(name).unwrap_or(default)
+    }
+
+    /// A float that must be greater than zero.
+    pub fn positive(&mut self, name: &'static str, default: f64) -> f64 {
+        let value = self.float(name, default);
+        if value > 0.0 {
+            return value;
+        }
+        self.complain(name, format!("parameter `{name}` must be positive, not {value}"));
+        default
+    }
+
+    pub fn optional_integer(&mut self, name: &'static str) -> Option<i64> {
+        let entry = self.entry(name)?;
+        match &entry.value {
+            Value::Integer(v) => Some(*v),
+            _ => self.wrong(entry, "an integer"),
+        }
+    }
+
+    /// An integer within `range`.
+    pub fn count(&mut self, name: &'static str, default: u32, range: std::ops::RangeInclusive<u32>) -> u32 {
+        let Some(value) = self.optional_integer(name) else { return default };
+        match u32::try_from(value).ok().filter(|v| range.contains(v)) {
+            Some(value) => value,
+            None => {
+                let text = format!(
+                    "parameter `{name}` must lie between {} and {}, not {value}",
+                    range.start(),
+                    range.end()
+                );
+                self.complain(name, text);
+                default
+            }
+        }
+    }
+
+    pub fn boolean(&mut self, name: &'static str, default: bool) -> bool {
+        let Some(entry) = self.entry(name) else { return default };
+        match &entry.value {
+            Value::Boolean(v) => *v,
+            _ => self.wrong(entry, "a boolean").unwrap_or(default),
+        }
+    }
+
+    pub fn optional_string(&mut self, name: &'static str) -> Option<(&'a str, Span)> {
+        let entry = self.entry(name)?;
+        match &entry.value {
+            Value::String(v) => Some((v, entry.span)),
+            _ => self.wrong(entry, "a string"),
+        }
+    }
+
+    /// One of the words of `table`, whatever the case.
+    pub fn choice<T: Copy>(&mut self, name: &'static str, default: T, table: &[(&'static str, T)]) -> T {
+        self.optional_choice(name, table).unwrap_or(default)
+    }
+
+    pub fn optional_choice<T: Copy>(&mut self, name: &'static str, table: &[(&'static str, T)]) -> Option<T> {
+        let (text, span) = self.optional_string(name)?;
+        let found = table.iter().find(|(word, _)| word.eq_ignore_ascii_case(text.trim()));
+        if found.is_none() {
+            let words: Vec<&str> = table.iter().map(|(word, _)| *word).collect();
+            let problem = Diagnostic::error(format!("parameter `{name}` has no value `{text}`"), Some(span));
+            self.problems.push(match nearest(text, words.iter().copied()) {
+                Some(word) => problem.help(format!("did you mean `{word}`?")),
+                None => problem.help(format!("possible: {}", words.join(", "))),
+            });
+        }
+        found.map(|(_, value)| *value)
+    }
+
+    /// A point or vector.
+    pub fn triple(&mut self, name: &'static str) -> Option<[f64; 3]> {
+        let entry = self.entry(name)?;
+        match &entry.value {
+            Value::Point(v) | Value::Vector(v) => Some(*v),
+            _ => self.wrong(entry, "a point"),
+        }
+    }
+
+    pub fn optional_transform(&mut self, name: &'static str) -> Option<Transform> {
+        let entry = self.entry(name)?;
+        match &entry.value {
+            Value::Transform(v) => Some(*v),
+            _ => self.wrong(entry, "a transform"),
+        }
+    }
+
+    pub fn transform(&mut self, name: &'static str) -> Transform {
+        self.optional_transform(name).unwrap_or_default()
+    }
+
+    pub fn optional_ior(&mut self, name: &'static str) -> Option<Ior> {
+        let entry = self.entry(name)?;
+        match &entry.value {
+            Value::Float(v) if *v > 0.0 => Some(Ior::Value(*v)),
+            Value::Integer(v) if *v > 0 => Some(Ior::Value(*v as f64)),
+            Value::String(text) => match number::float(text) {
+                Some(v) if v > 0.0 => Some(Ior::Value(v)),
+                _ => {
+                    let known = super::names::IORS;
+                    match known.iter().find(|k| k.eq_ignore_ascii_case(text.trim())) {
+                        Some(name) => Some(Ior::Named((*name).to_owned())),
+                        None => {
+                            let text = format!("no index of refraction is called `{text}`");
+                            let problem = Diagnostic::error(text, Some(entry.span));
+                            self.problems.push(problem.help(format!("known: {}", known.join(", "))));
+                            None
+                        }
+                    }
+                }
+            },
+            Value::Float(_) | Value::Integer(_) => {
+                self.complain(name, format!("parameter `{name}` must be positive"));
+                None
+            }
+            _ => self.wrong(entry, "a float or the name of a material"),
+        }
+    }
+
+    /// The next nested object of `class` that was not taken, whatever its name.
+    pub fn child(&mut self, class: Class) -> Option<Nested> {
+        let objects = self.objects;
+        let at = self.object.entries.iter().zip(&self.taken).position(|(entry, taken)| {
+            !taken && matches!(entry.value, Value::Object(index) if objects[index].class == class)
+        })?;
+        self.taken[at] = true;
+        let entry = &self.object.entries[at];
+        match entry.value {
+            Value::Object(index) => Some(Nested { index, span: entry.span }),
+            _ => None,
+        }
+    }
+
+    /// The only nested object of `class`; a second one is an error.
+    pub fn only_child(&mut self, class: Class) -> Option<Nested> {
+        let first = self.child(class)?;
+        while let Some(second) = self.child(class) {
+            let text = format!("{} takes one {}; this is a second one", self.object.plugin, class.name());
+            let problem = Diagnostic::error(text, Some(second.span));
+            self.problems.push(problem.label(first.span, "the first one"));
+        }
+        Some(first)
+    }
+
+    /// Two ways to say the same thing may not be given together.
+    pub fn exclusive(&mut self, a: &str, b: &str) {
+        let place = |name: &str| {
+            let entry = self.object.entries.iter().find(|e| e.name.as_deref() == Some(name));
+            entry.map(|e| e.name_span)
+        };
+        if let (Some(first), Some(second)) = (place(a), place(b)) {
+            let text = format!("{} takes either `{a}` or `{b}`, not both", self.object.plugin);
+            self.problems.push(Diagnostic::error(text, Some(second)).label(first, "the other one"));
+        }
+    }
+
+    /// An error about the value of parameter `name`, or about the object when it is not given.
+    pub fn complain(&mut self, name: &str, text: impl Into<String>) {
+        let entry = self.object.entries.iter().find(|e| e.name.as_deref() == Some(name));
+        let span = entry.map_or(self.object.span, |e| e.span);
+        self.problems.push(Diagnostic::error(text, Some(span)));
+    }
+
+    /// Reports that `entry` is of another type than `wanted`. A broken one was reported before.
+    pub fn wrong<T>(&mut self, entry: &Entry, wanted: &str) -> Option<T> {
+        let got = match &entry.value {
+            Value::Broken => return None,
+            Value::Object(index) => format!("a {}", self.objects[*index].class.name()),
+            other => other.describe().to_owned(),
+        };
+        let name = entry.name.as_deref().unwrap_or_default();
+        let text = format!("parameter `{name}` of {} wants {wanted}, got {got}", self.object.plugin);
+        self.problems.push(Diagnostic::error(text, Some(entry.span)));
+        None
+    }
+
+    /// All problems, including those of entries that nobody asked for.
+    pub fn finish(mut self) -> Vec<Diagnostic> {
+        for (entry, taken) in self.object.entries.iter().zip(&self.taken) {
+            if *taken || matches!(entry.value, Value::Broken) {
+                continue;
+            }
+            let plugin = &self.object.plugin;
+            let problem = match (&entry.name, &entry.value) {
+                (None, Value::Object(index)) => {
+                    let class = self.objects[*index].class.name();
+                    Diagnostic::error(format!("{plugin} takes no nested {class} here"), Some(entry.span))
+                }
+                (name, _) => {
+                    let name = name.as_deref().unwrap_or_default();
+                    let text = format!("unknown parameter `{name}` of {plugin}");
+                    self.suggest(name, Diagnostic::error(text, Some(entry.name_span)), true)
+                }
+            };
+            self.problems.push(problem);
+        }
+        self.problems
+    }
+
+    fn suggest(&self, name: &str, problem: Diagnostic, list: bool) -> Diagnostic {
+        let spelt = |known: &str| if self.object.camel_case { camel_case(known) } else { known.to_owned() };
+        let mut known = self.known.clone();
+        known.sort_unstable();
+        known.dedup();
+        match nearest(name, known.iter().copied()) {
+            Some(near) => problem.help(format!("did you mean `{}`?", spelt(near))),
+            None if known.is_empty() && list => problem.help("it takes no parameters"),
+            None if list => {
+                let all: Vec<String> = known.iter().map(|k| spelt(k)).collect();
+                problem.help(format!("it takes: {}", all.join(", ")))
+            }
+            None => problem,
+        }
+    }
+}

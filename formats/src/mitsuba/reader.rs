@@ -1,0 +1,177 @@
+//! Last pass: objects to IR. This file walks the scene and serves the readers of the concepts.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::expand::{find, not_found};
+use super::object::{Class, Object, ObjectIndex, Value};
+use super::plugin::{self, Found, Plugin};
+use super::props::Props;
+use super::version::Dialect;
+use crate::diagnostic::{Diagnostic, Severity, SourceMap};
+use crate::files::Files;
+use crate::ir::{AreaEmission, Arena, Bsdf, Id, Scene, ShapeGroup, Texture};
+use crate::read::ReadOptions;
+
+pub(super) struct Reader<'a> {
+    pub objects: &'a [Object],
+    pub dialect: Dialect,
+    pub scene: Scene,
+    pub problems: Vec<Diagnostic>,
+    files: &'a dyn Files,
+    sources: &'a SourceMap,
+    folders: &'a [PathBuf],
+    options: &'a ReadOptions,
+    /// Objects that several others refer to are read once.
+    pub bsdfs: HashMap<ObjectIndex, Id<Bsdf>>,
+    pub textures: HashMap<ObjectIndex, Id<Texture>>,
+    pub groups: HashMap<ObjectIndex, Id<ShapeGroup>>,
+    pub emissions: HashMap<ObjectIndex, Option<AreaEmission>>,
+}
+
+impl<'a> Reader<'a> {
+    pub fn new(
+        objects: &'a [Object],
+        dialect: Dialect,
+        files: &'a dyn Files,
+        sources: &'a SourceMap,
+        folders: &'a [PathBuf],
+        options: &'a ReadOptions,
+    ) -> Self {
+        let scene = Scene {
+            spectrum_rule: dialect.spectrum_rule(),
+            hide_emitters: dialect.hide_emitters(),
+            integrator: None,
+            sensors: Vec::new(),
+            default_sensor: 0,
+            shapes: Vec::new(),
+            groups: Arena::default(),
+            bsdfs: Arena::default(),
+            textures: Arena::default(),
+            emitters: Vec::new(),
+        };
+        Self {
+            objects,
+            dialect,
+            scene,
+            problems: Vec::new(),
+            files,
+            sources,
+            folders,
+            options,
+            bsdfs: HashMap::new(),
+            textures: HashMap::new(),
+            groups: HashMap::new(),
+            emissions: HashMap::new(),
+        }
+    }
+
+    /// Reads everything below the scene.
+    pub fn scene(mut self) -> (Scene, Vec<Diagnostic>) {
+        let root = &self.objects[0];
+        let mut integrators = Vec::new();
+        for entry in &root.entries {
+            let Value::Object(index) = entry.value else {
+                if !matches!(entry.value, Value::Broken) {
+                    let name = entry.name.as_deref().unwrap_or_default();
+                    let text = format!("the scene takes no parameter `{name}`");
+                    self.problems.push(Diagnostic::error(text, Some(entry.name_span)));
+                }
+                continue;
+            };
+            match self.objects[index].class {
+                Class::Shape => self.top_level_shape(index),
+                Class::Bsdf => {
+                    self.bsdf(index);
+                }
+                Class::Texture | Class::Spectrum => self.top_level_texture(index),
+                Class::Emitter => self.top_level_emitter(index),
+                Class::Sensor => self.sensor(index),
+                Class::Integrator => integrators.push((index, entry.span)),
+                Class::Medium | Class::Phase | Class::Volume | Class::Subsurface => {
+                    self.skip_unsupported(index, "it is skipped");
+                }
+                // Only meaningful where something refers to them, and read there.
+                Class::Film | Class::Sampler | Class::Rfilter | Class::Null | Class::Scene => {}
+            }
+        }
+        self.integrators(&integrators);
+        if self.dialect == Dialect::Old && !self.scene.sensors.is_empty() {
+            self.scene.default_sensor = self.scene.sensors.len() - 1;
+        }
+        self.check_emitters();
+        (self.scene, self.problems)
+    }
+
+    pub fn props(&self, index: ObjectIndex) -> Props<'a> {
+        Props::new(self.objects, index)
+    }
+
+    /// Ends the reading of an object.
+    pub fn finish(&mut self, props: Props<'a>) {
+        self.problems.extend(props.finish());
+    }
+
+    /// The reader of an object's plugin, or `None` after reporting that there is none and what
+    /// happens instead.
+    pub fn plugin<F: Copy>(&mut self, table: &[Plugin<F>], index: ObjectIndex, instead: &str) -> Option<F> {
+        let object = &self.objects[index];
+        if object.plugin.is_empty() {
+            return None;
+        }
+        match plugin::find(table, object) {
+            Found::Reader(reader) => Some(reader),
+            Found::Unsupported => {
+                self.unsupported(index, instead);
+                None
+            }
+            Found::Unknown => {
+                self.problems.push(plugin::unknown(table, object));
+                None
+            }
+        }
+    }
+
+    /// Reports an object that is known but not rendered.
+    pub fn unsupported(&mut self, index: ObjectIndex, instead: &str) {
+        let object = &self.objects[index];
+        let what = format!("{} plugin `{}` is not supported yet", object.class.name(), object.plugin);
+        let problem = if !object.used {
+            Diagnostic::warning(format!("{what}, but nothing uses it"), Some(object.span))
+        } else if self.options.allow_unsupported {
+            Diagnostic::warning(format!("{what}: {instead}"), Some(object.span))
+        } else {
+            let help = format!("--allow-unsupported renders without it: {instead}");
+            Diagnostic::error(what, Some(object.span)).help(help)
+        };
+        self.problems.push(problem);
+    }
+
+    /// [`Self::unsupported`] for classes without a table.
+    pub fn skip_unsupported(&mut self, index: ObjectIndex, instead: &str) {
+        if !self.objects[index].plugin.is_empty() {
+            self.unsupported(index, instead);
+        }
+    }
+
+    /// The file that parameter `filename` names; `None` after reporting that there is none.
+    pub fn asset(&mut self, props: &mut Props<'a>, what: &str) -> Option<PathBuf> {
+        if !props.has("filename") {
+            let text = format!("{} needs the parameter `filename`", props.object.plugin);
+            props.problems.push(Diagnostic::error(text, Some(props.object.span)));
+        }
+        let (name, span) = props.optional_string("filename")?;
+        let mut folders = self.folders.to_vec();
+        folders.push(self.sources.path(span.file).parent().unwrap_or(Path::new("")).to_path_buf());
+        let found = find(self.files, name, &folders);
+        if found.is_none() {
+            props.problems.push(not_found(self.files, what, name, span, &folders));
+        }
+        found
+    }
+
+    /// `Error` where Mitsuba 2 and 3 refuse a scene that 0.6 renders.
+    pub fn strict(&self) -> Severity {
+        if self.dialect == Dialect::Old { Severity::Warning } else { Severity::Error }
+    }
+}

@@ -1,0 +1,162 @@
+//! Sensors and samplers.
+
+use super::number;
+use super::object::{Class, ObjectIndex};
+use super::plugin::{Plugin, read, unsupported};
+use super::props::Props;
+use super::reader::Reader;
+use crate::diagnostic::Diagnostic;
+use crate::ir::{Fov, FovAxis, Lens, Sampler, Sensor, Transform};
+
+type ReadLens = fn(&mut Props<'_>, f64) -> Option<Lens>;
+
+const SENSORS: &[Plugin<ReadLens>] = &[
+    read("perspective", pinhole),
+    read("thinlens", thin_lens),
+    unsupported("orthographic"),
+    unsupported("radiancemeter"),
+    unsupported("irradiancemeter"),
+    unsupported("distant"),
+    unsupported("batch"),
+    unsupported("spherical"),
+    unsupported("telecentric"),
+    unsupported("perspective_rdist"),
+    unsupported("fluencemeter"),
+];
+
+/// Our own sample points replace them all.
+const SAMPLERS: &[Plugin<()>] = &[
+    read("independent", ()),
+    read("stratified", ()),
+    read("multijitter", ()),
+    read("orthogonal", ()),
+    read("ldsampler", ()),
+    read("halton", ()),
+    read("hammersley", ()),
+    read("sobol", ()),
+];
+
+const AXES: &[(&str, FovAxis)] = &[
+    ("x", FovAxis::X),
+    ("y", FovAxis::Y),
+    ("diagonal", FovAxis::Diagonal),
+    ("smaller", FovAxis::Smaller),
+    ("larger", FovAxis::Larger),
+];
+
+impl<'a> Reader<'a> {
+    /// Reads a sensor of the scene.
+    pub fn sensor(&mut self, index: ObjectIndex) {
+        let Some(lens) = self.plugin(SENSORS, index, "it is skipped") else { return };
+        let mut props = self.props(index);
+        let near_clip = props.positive("near_clip", 0.01);
+        let far_clip = props.positive("far_clip", 10_000.0);
+        if near_clip >= far_clip {
+            let text = format!("`near_clip` ({near_clip}) must be below `far_clip` ({far_clip})");
+            props.complain("near_clip", text);
+        }
+        let lens = lens(&mut props, far_clip);
+        let fov = fov(&mut props);
+        let fov_axis = props.choice("fov_axis", FovAxis::X, AXES);
+        let to_world = props.transform("to_world");
+        check_rigid(&mut props, &to_world);
+        let principal_point_offset =
+            [props.float("principal_point_offset_x", 0.0), props.float("principal_point_offset_y", 0.0)];
+        props.ignore(&[
+            "shutter_open",
+            "shutter_close",
+            "shutter_open_time",
+            "focus_distance",
+            "aperture_radius",
+        ]);
+        props.ignore_with_warning(&["srf"], "the response of the sensor is that of linear RGB");
+        self.report_medium(&mut props);
+        let film = props.only_child(Class::Film).map(|nested| nested.index);
+        let sampler = props.only_child(Class::Sampler).map(|nested| nested.index);
+        let sensor = Sensor {
+            name: props.name(),
+            origin: props.origin(),
+            to_world,
+            fov,
+            fov_axis,
+            near_clip,
+            far_clip,
+            principal_point_offset,
+            lens,
+            film: self.film(film, props.origin()),
+            sampler: self.sampler(sampler),
+        };
+        if let Some(nested) = props.child(Class::Rfilter) {
+            let text = "a reconstruction filter belongs into the <film>, not beside it";
+            props.problems.push(Diagnostic::error(text, Some(nested.span)));
+        }
+        self.finish(props);
+        self.scene.sensors.push(sensor);
+    }
+
+    fn sampler(&mut self, index: Option<ObjectIndex>) -> Sampler {
+        let mut sampler = Sampler { plugin: "independent".to_owned(), sample_count: 4, seed: 0 };
+        let Some(index) = index else { return sampler };
+        let mut props = self.props(index);
+        let known = self.plugin(SAMPLERS, index, "independent samples are used").is_some();
+        sampler.sample_count = props.count("sample_count", 4, 1..=1 << 30);
+        sampler.seed = props.optional_integer("seed").map_or(0, i64::cast_unsigned);
+        props.ignore(&["jitter", "strength", "dimension", "scramble", "light_samples", "wrap"]);
+        props.warn_rest();
+        if known {
+            sampler.plugin.clone_from(&props.object.plugin);
+        }
+        self.finish(props);
+        sampler
+    }
+}
+
+fn pinhole(_: &mut Props<'_>, _: f64) -> Option<Lens> {
+    None
+}
+
+fn thin_lens(props: &mut Props<'_>, far_clip: f64) -> Option<Lens> {
+    let focus_distance = props.positive("focus_distance", far_clip);
+    if !props.has("aperture_radius") {
+        props.complain("aperture_radius", "thinlens needs the parameter `aperture_radius`");
+    }
+    let aperture_radius = props.optional_float("aperture_radius")?;
+    if aperture_radius < 0.0 {
+        props.complain(
+            "aperture_radius",
+            format!("`aperture_radius` must be positive, not {aperture_radius}"),
+        );
+    }
+    // Mitsuba nudges a zero radius up; a pinhole is what it approaches.
+    (aperture_radius > 0.0).then_some(Lens { aperture_radius, focus_distance })
+}
+
+fn fov(props: &mut Props<'_>) -> Fov {
+    props.exclusive("fov", "focal_length");
+    let length = props.optional_string("focal_length");
+    if let Some(degrees) = props.optional_float("fov") {
+        if degrees <= 0.0 || degrees >= 180.0 {
+            props.complain("fov", format!("`fov` must lie between 0 and 180 degrees, not {degrees}"));
+        }
+        return Fov::Degrees(degrees);
+    }
+    let Some((text, _)) = length else { return Fov::FocalLength(50.0) };
+    match number::float(text.trim().trim_end_matches("mm")) {
+        Some(length) if length > 0.0 => Fov::FocalLength(length),
+        _ => {
+            props.complain("focal_length", format!("`{text}` is not a focal length; write it as in 50mm"));
+            Fov::FocalLength(50.0)
+        }
+    }
+}
+
+/// Rays of a scaled camera would not have unit length; Mitsuba refuses it as well. Mirroring is fine.
+fn check_rigid(props: &mut Props<'_>, to_world: &Transform) {
+    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| to_world.vector(axis));
+    let length = columns.map(|c| (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).sqrt());
+    if length.iter().any(|l| (l - 1.0).abs() > 1e-3) {
+        let text =
+            format!("`to_world` of a sensor may not scale, but scales by {:?}", length.map(|l| l as f32));
+        props.complain("to_world", text);
+    }
+}

@@ -1,0 +1,193 @@
+//! Shapes, groups and instances.
+
+use super::object::{Class, ObjectIndex};
+use super::plugin::{Plugin, read, unsupported};
+use super::props::Props;
+use super::reader::Reader;
+use crate::diagnostic::Diagnostic;
+use crate::ir::{MeshFile, MeshFormat, Shape, ShapeGroup, ShapeKind};
+
+type ReadShape = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<ShapeKind>;
+
+const SHAPES: &[Plugin<ReadShape>] = &[
+    read("obj", obj),
+    read("ply", ply),
+    read("serialized", serialized),
+    read("sphere", sphere),
+    read("rectangle", |_, _| Some(ShapeKind::Rectangle)),
+    read("cube", |_, _| Some(ShapeKind::Cube)),
+    read("disk", |_, _| Some(ShapeKind::Disk)),
+    read("cylinder", cylinder),
+    read("instance", instance),
+    // `shape` reads groups, which are no shapes by themselves.
+    read("shapegroup", |_, _| None),
+    unsupported("merge"),
+    unsupported("linearcurve"),
+    unsupported("bsplinecurve"),
+    unsupported("sdfgrid"),
+    unsupported("ellipsoids"),
+    unsupported("ellipsoidsmesh"),
+    unsupported("hair"),
+    unsupported("heightfield"),
+    unsupported("deformable"),
+];
+
+/// Marks of renderers that sample specular chains, and of differentiable ones: not for us.
+const HARMLESS: &[&str] = &[
+    "silhouette_sampling_weight",
+    "caustic_caster_single",
+    "caustic_caster_multi",
+    "caustic_receiver",
+    "caustic_bouncer",
+];
+
+impl<'a> Reader<'a> {
+    pub fn top_level_shape(&mut self, index: ObjectIndex) {
+        if self.objects[index].plugin == "shapegroup" {
+            self.group(index);
+        } else {
+            let shape = self.shape(index);
+            self.scene.shapes.extend(shape);
+        }
+    }
+
+    fn shape(&mut self, index: ObjectIndex) -> Option<Shape> {
+        let reader = self.plugin(SHAPES, index, "it is skipped")?;
+        let mut props = self.props(index);
+        let kind = reader(self, &mut props);
+        let is_instance = props.object.plugin == "instance";
+        let to_world = props.transform("to_world");
+        props.ignore(HARMLESS);
+        self.report_medium(&mut props);
+        for class in [Class::Sensor, Class::Subsurface] {
+            while let Some(nested) = props.child(class) {
+                self.skip_unsupported(nested.index, "it is skipped");
+            }
+        }
+        // An instance has the materials of its group; what is left over is reported as unknown.
+        let bsdf = if is_instance { None } else { props.only_child(Class::Bsdf) };
+        let emitter = if is_instance { None } else { props.only_child(Class::Emitter) };
+        let flip_normals = !is_instance && props.boolean("flip_normals", false);
+        while props.child(Class::Null).is_some() {}
+        let shape = Shape {
+            name: props.name(),
+            origin: props.origin(),
+            to_world,
+            bsdf: bsdf.map(|nested| self.bsdf(nested.index)),
+            emission: emitter.and_then(|nested| self.area_emission(nested.index)),
+            flip_normals,
+            kind: ShapeKind::Cube,
+        };
+        if to_world.inverse().is_none() {
+            props.complain("to_world", "`to_world` flattens the shape: it has no inverse");
+        }
+        self.finish(props);
+        Some(Shape { kind: kind?, ..shape })
+    }
+
+    fn group(&mut self, index: ObjectIndex) -> crate::ir::Id<ShapeGroup> {
+        if let Some(id) = self.groups.get(&index) {
+            return *id;
+        }
+        let mut props = self.props(index);
+        let mut shapes = Vec::new();
+        while let Some(nested) = props.child(Class::Shape) {
+            let inner = &self.objects[nested.index];
+            if matches!(inner.plugin.as_str(), "shapegroup" | "instance") {
+                let text = format!("a shapegroup may not contain a shape of type `{}`", inner.plugin);
+                props.problems.push(Diagnostic::error(text, Some(nested.span)));
+                continue;
+            }
+            let shape = self.shape(nested.index);
+            if let Some(emission) = shape.as_ref().and_then(|s| s.emission.as_ref()) {
+                let text = "shapes of a shapegroup may not emit light";
+                props.problems.push(Diagnostic::error(text, emission.origin.0));
+            }
+            shapes.extend(shape);
+        }
+        let group = ShapeGroup { name: props.name(), origin: props.origin(), shapes };
+        self.finish(props);
+        let id = self.scene.groups.push(group);
+        self.groups.insert(index, id);
+        id
+    }
+
+    /// Media are not rendered.
+    pub fn report_medium(&mut self, props: &mut Props<'a>) {
+        while let Some(nested) = props.child(Class::Medium) {
+            self.skip_unsupported(nested.index, "it is skipped");
+        }
+    }
+
+    fn mesh(
+        &mut self,
+        props: &mut Props<'a>,
+        format: MeshFormat,
+        flip_by_default: bool,
+    ) -> Option<ShapeKind> {
+        let path = self.asset(props, "mesh");
+        let face_normals = props.boolean("face_normals", false);
+        let flip_tex_coords = match format {
+            MeshFormat::Serialized { .. } => false,
+            _ => props.boolean("flip_tex_coords", flip_by_default),
+        };
+        let max_smooth_angle = props.optional_float("max_smooth_angle");
+        Some(ShapeKind::Mesh(MeshFile {
+            path: path?,
+            format,
+            face_normals,
+            flip_tex_coords,
+            max_smooth_angle,
+        }))
+    }
+}
+
+fn obj<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
+    props.ignore(&["collapse", "load_materials"]);
+    if props.optional_integer("shape_index").is_some_and(|index| index >= 0) {
+        let entry = props.entry("shape_index").map(|e| e.name_span);
+        let text = "`shape_index` of an obj file is not supported: all its objects are loaded";
+        props.problems.push(Diagnostic::warning(text, entry));
+    }
+    reader.mesh(props, MeshFormat::Obj, true)
+}
+
+fn ply<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
+    props.ignore(&["srgb"]);
+    reader.mesh(props, MeshFormat::Ply, false)
+}
+
+fn serialized<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
+    let index = props.count("shape_index", 0, 0..=u32::MAX);
+    reader.mesh(props, MeshFormat::Serialized { index }, false)
+}
+
+fn sphere<'a>(_: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
+    Some(ShapeKind::Sphere {
+        center: props.triple("center").unwrap_or_default(),
+        radius: props.positive("radius", 1.0),
+    })
+}
+
+fn cylinder<'a>(_: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
+    let p0 = props.triple("p0").unwrap_or_default();
+    let p1 = props.triple("p1").unwrap_or([0.0, 0.0, 1.0]);
+    if p0 == p1 {
+        props.complain("p1", "the ends of the cylinder are the same point");
+    }
+    Some(ShapeKind::Cylinder { p0, p1, radius: props.positive("radius", 1.0) })
+}
+
+fn instance<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
+    let group = props.only_child(Class::Shape);
+    let Some(group) = group else {
+        props.problems.push(Diagnostic::error("instance needs a nested shapegroup", Some(props.object.span)));
+        return None;
+    };
+    if reader.objects[group.index].plugin != "shapegroup" {
+        let text = format!("instance wants a shapegroup, got `{}`", reader.objects[group.index].plugin);
+        props.problems.push(Diagnostic::error(text, Some(group.span)));
+        return None;
+    }
+    Some(ShapeKind::Instance { group: reader.group(group.index) })
+}
