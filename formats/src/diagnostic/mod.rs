@@ -62,6 +62,15 @@ impl Diagnostic {
     }
 }
 
+/// The last boundary between characters of `text` at or before `offset`.
+pub(crate) fn char_floor(text: &str, offset: usize) -> usize {
+    let mut offset = offset.min(text.len());
+    while !text.is_char_boundary(offset) {
+        offset -= 1;
+    }
+    offset
+}
+
 /// The name in `known` nearest to `name`, if any is near enough to be a slip of the hand.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
@@ -96,7 +105,7 @@ impl SourceMap {
     /// 1-based line and column (in characters) of the start of `span`.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
         let text = self.text(span.file);
-        let before = &text[..text.floor_char_boundary((span.start as usize).min(text.len()))];
+        let before = &text[..char_floor(text, span.start as usize)];
         let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
         let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
         (line, column)

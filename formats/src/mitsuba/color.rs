@@ -1,10 +1,11 @@
 //! Colour parameters: numbers, spectra and the spectrum plugins.
 
 use super::number;
-use super::object::{Class, Entry, ObjectIndex, Value};
+use super::object::{Class, Entry, Object, ObjectIndex, Value};
 use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
+use super::texture::is_texture_plugin;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
 
@@ -22,8 +23,14 @@ const SPECTRA: &[Plugin<ReadSpectrum>] = &[
     unsupported("srgb_d65"),
 ];
 
-pub(super) fn is_spectrum_plugin(name: &str) -> bool {
-    SPECTRA.iter().any(|row| row.name == name)
+/// Mitsuba 2 and 3 make no difference between spectra and textures but the name of the plugin.
+pub(super) fn is_texture(object: &Object) -> bool {
+    let is_spectrum = SPECTRA.iter().any(|row| row.name == object.plugin);
+    match object.class {
+        Class::Texture => !is_spectrum,
+        Class::Spectrum => !is_spectrum && is_texture_plugin(&object.plugin),
+        _ => false,
+    }
 }
 
 impl<'a> Reader<'a> {
@@ -88,10 +95,9 @@ impl<'a> Reader<'a> {
                 let luminance = 0.212671 * r + 0.715160 * g + 0.072169 * b;
                 Some(FloatInput::Value(if r == g && g == b { *r } else { luminance }))
             }
-            Value::Object(index) => match self.objects[*index].class {
-                Class::Texture => self.texture(*index).map(FloatInput::Texture),
-                _ => props.wrong(entry, "a float or texture"),
-            },
+            Value::Object(index) if is_texture(&self.objects[*index]) => {
+                self.texture(*index).map(FloatInput::Texture)
+            }
             _ => props.wrong(entry, "a float or texture"),
         }
     }
@@ -109,7 +115,7 @@ impl<'a> Reader<'a> {
             Value::Object(index) => {
                 let object = &self.objects[*index];
                 match object.class {
-                    Class::Texture if !is_spectrum_plugin(&object.plugin) => {
+                    Class::Texture | Class::Spectrum if is_texture(object) => {
                         return self.texture(*index).map(ColorInput::Texture);
                     }
                     Class::Texture | Class::Spectrum => self.spectrum(*index)?,

@@ -37,6 +37,8 @@ pub(super) struct Expander<'a> {
     stack: Vec<(PathBuf, Option<Span>)>,
     /// All `<default>`s of each file of `stack`, to recognise a use before the definition.
     defaults: Vec<Vec<(String, String)>>,
+    /// The files each file of `stack` includes, until one had to be searched for a definition.
+    later_includes: Vec<Vec<PathBuf>>,
     included: usize,
 }
 
@@ -58,6 +60,7 @@ impl<'a> Expander<'a> {
             scene_folder: PathBuf::new(),
             stack: Vec::new(),
             defaults: Vec::new(),
+            later_includes: Vec::new(),
             included: 0,
         }
     }
@@ -99,11 +102,15 @@ impl<'a> Expander<'a> {
         collect_defaults(&root, &mut defaults);
         self.defaults.push(defaults);
         self.stack.push((path.to_path_buf(), from));
+        let names = root.children.iter().filter(|c| c.tag == "include").filter_map(|c| c.value("filename"));
+        let folders = self.include_folders();
+        self.later_includes.push(names.filter_map(|name| find(self.files, name, &folders)).collect());
         self.versions[file as usize] = self.version(&root, inherited);
         let mut out = Vec::new();
         self.element(root, depth, &mut out);
         self.stack.pop();
         self.defaults.pop();
+        self.later_includes.pop();
         out.pop()
     }
 
@@ -145,6 +152,26 @@ impl<'a> Expander<'a> {
     }
 
     fn substituted(&mut self, text: &str, span: Span) -> Result<Option<String>, ()> {
+        let before = self.problems.len();
+        let result = self.substitute(text, span);
+        if result.is_ok() || self.later_includes.iter().all(Vec::is_empty) {
+            return result;
+        }
+        // Perhaps a file that is included further down defines it.
+        self.problems.truncate(before);
+        for level in 0..self.later_includes.len() {
+            for path in std::mem::take(&mut self.later_includes[level]) {
+                let Some(root) = self.text(&path).ok().and_then(|text| xml::parse(0, &text, &mut Vec::new()))
+                else {
+                    continue;
+                };
+                collect_defaults(&root, &mut self.defaults[level]);
+            }
+        }
+        self.substitute(text, span)
+    }
+
+    fn substitute(&mut self, text: &str, span: Span) -> Result<Option<String>, ()> {
         let defaults = &self.defaults;
         let later = |rest: &str| {
             let all = defaults.iter().rev().flatten().filter(|(name, _)| rest.starts_with(name.as_str()));
@@ -196,9 +223,7 @@ impl<'a> Expander<'a> {
     fn include(&mut self, element: &Element, depth: usize, out: &mut Vec<Element>) {
         let Some([name]) = self.required(element, ["filename"]) else { return };
         let span = element.place("filename");
-        let mut folders = vec![self.own_folder(), self.scene_folder.clone()];
-        folders.extend(self.folders.iter().cloned());
-        folders.extend(self.options.search.iter().cloned());
+        let folders = self.include_folders();
         let Some(path) = find(self.files, &name, &folders) else {
             self.problems.push(not_found(self.files, "included file", &name, span, &folders));
             return;
@@ -232,6 +257,14 @@ impl<'a> Expander<'a> {
         } else {
             out.push(root);
         }
+    }
+
+    fn include_folders(&self) -> Vec<PathBuf> {
+        let own = [self.own_folder(), self.scene_folder.clone()];
+        own.into_iter()
+            .chain(self.folders.iter().cloned())
+            .chain(self.options.search.iter().cloned())
+            .collect()
     }
 
     fn own_folder(&self) -> PathBuf {
@@ -306,10 +339,10 @@ pub(super) fn not_found(
 }
 
 fn collect_defaults(element: &Element, out: &mut Vec<(String, String)>) {
-    if element.tag == "default" {
-        if let (Some(name), Some(value)) = (element.value("name"), element.value("value")) {
-            out.push((name.to_owned(), value.to_owned()));
-        }
+    if element.tag == "default"
+        && let (Some(name), Some(value)) = (element.value("name"), element.value("value"))
+    {
+        out.push((name.to_owned(), value.to_owned()));
     }
     element.children.iter().for_each(|child| collect_defaults(child, out));
 }

@@ -81,10 +81,10 @@ impl<'a> Reader<'a> {
         if let Some(read) = tonemap {
             film.tonemap = read(p);
         }
-        if let Some(nested) = p.only_child(Class::Rfilter) {
-            if let Some(filter) = self.filter(nested.index) {
-                film.filter = filter;
-            }
+        if let Some(nested) = p.only_child(Class::Rfilter)
+            && let Some(filter) = self.filter(nested.index)
+        {
+            film.filter = filter;
         }
         for entry in &props.object.entries {
             if let Some(name) = entry.name.as_deref().filter(|n| n.contains('[')) {

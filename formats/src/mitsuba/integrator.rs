@@ -192,11 +192,11 @@ impl<'a> Reader<'a> {
                 read_setting(props, name, *kind, &mut settings);
             }
         }
-        if let Some(entry) = props.entry("strict_normals") {
-            if matches!(entry.value, Value::Boolean(true)) {
-                let text = "`strict_normals` is ignored; Mitsuba 3 has no such thing either";
-                props.problems.push(Diagnostic::new(Severity::Note, text, Some(entry.name_span)));
-            }
+        if let Some(entry) = props.entry("strict_normals")
+            && matches!(entry.value, Value::Boolean(true))
+        {
+            let text = "`strict_normals` is ignored; Mitsuba 3 has no such thing either";
+            props.problems.push(Diagnostic::new(Severity::Note, text, Some(entry.name_span)));
         }
         settings
     }

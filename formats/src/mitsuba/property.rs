@@ -47,10 +47,10 @@ impl PropertyReader<'_> {
 
     fn read(&mut self, element: &Element) -> Option<Value> {
         let tag = element.tag.as_str();
-        if !matches!(tag, "transform" | "animation") {
-            if let Some(child) = element.children.first() {
-                self.error::<()>(format!("<{tag}> may not contain other elements"), child.tag_span);
-            }
+        if !matches!(tag, "transform" | "animation")
+            && let Some(child) = element.children.first()
+        {
+            self.error::<()>(format!("<{tag}> may not contain other elements"), child.tag_span);
         }
         match tag {
             "transform" => {

@@ -41,7 +41,8 @@ impl<'a> Props<'a> {
     /// The entry called `name`, now accounted for.
     pub fn entry(&mut self, name: &'static str) -> Option<&'a Entry> {
         self.known.push(name);
-        let at = self.object.entries.iter().position(|e| e.name.as_deref() == Some(name))?;
+        // Given twice, the later one counts, as in Mitsuba.
+        let at = self.object.entries.iter().rposition(|e| e.name.as_deref() == Some(name))?;
         for (taken, entry) in self.taken.iter_mut().zip(&self.object.entries) {
             *taken |= entry.name.as_deref() == Some(name);
         }

@@ -70,7 +70,7 @@ impl<'a> Resolver<'a> {
             let text = format!("<{}> needs the attribute `type`", element.tag);
             self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
         }
-        let old = self.versions[element.tag_span.file as usize].dialect() == Dialect::Old;
+        let dialect = self.versions[element.tag_span.file as usize].dialect();
         let id = element.value("id").filter(|_| !element.broken).map(str::to_owned);
         self.objects.push(Object {
             class,
@@ -79,7 +79,7 @@ impl<'a> Resolver<'a> {
             id: id.clone(),
             entries: Vec::new(),
             used: false,
-            camel_case: old,
+            camel_case: dialect == Dialect::Old,
         });
         if let Some(id) = id {
             self.register(id, index, element.place("id"));
@@ -87,7 +87,7 @@ impl<'a> Resolver<'a> {
         let mut entries: Vec<Entry> = Vec::with_capacity(element.children.len());
         for child in &element.children {
             let Some(entry) = self.entry(child) else { continue };
-            self.report_repeated(&entries, &entry, old);
+            self.report_repeated(&entries, &entry, dialect != Dialect::Three);
             entries.push(entry);
         }
         self.objects[index].entries = entries;
@@ -171,14 +171,14 @@ impl<'a> Resolver<'a> {
         });
     }
 
-    fn report_repeated(&mut self, entries: &[Entry], new: &Entry, old_dialect: bool) {
+    fn report_repeated(&mut self, entries: &[Entry], new: &Entry, tolerant: bool) {
         let is_object = |e: &Entry| matches!(e.value, Value::Object(_) | Value::Reference(_));
         let Some(name) = new.name.as_ref().filter(|_| !is_object(new)) else { return };
         if let Some(first) = entries.iter().find(|e| e.name.as_ref() == Some(name) && !is_object(e)) {
             let text = format!("parameter `{name}` is given twice");
-            // 0.6 warned and went on with the later value.
-            let problem = if old_dialect {
-                Diagnostic::warning(text, Some(new.name_span)).help("the first one counts")
+            // Mitsuba 0.6 and 2 warned and went on with the later value.
+            let problem = if tolerant {
+                Diagnostic::warning(text, Some(new.name_span)).help("the last one counts")
             } else {
                 Diagnostic::error(text, Some(new.name_span))
             };

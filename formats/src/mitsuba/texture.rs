@@ -1,6 +1,6 @@
 //! Textures.
 
-use super::color::is_spectrum_plugin;
+use super::color::is_texture;
 use super::object::{Class, ObjectIndex};
 use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
@@ -36,6 +36,10 @@ const WRAP_MODES: &[(&str, WrapMode)] = &[
     ("white", WrapMode::One),
 ];
 
+pub(super) fn is_texture_plugin(name: &str) -> bool {
+    TEXTURES.iter().any(|row| row.name == name)
+}
+
 impl<'a> Reader<'a> {
     /// The texture at `index`; `None` after reporting why there is none.
     pub fn texture(&mut self, index: ObjectIndex) -> Option<Id<Texture>> {
@@ -54,11 +58,10 @@ impl<'a> Reader<'a> {
 
     /// Reads it for its problems; it counts only where something refers to it.
     pub fn top_level_texture(&mut self, index: ObjectIndex) {
-        let object = &self.objects[index];
-        if object.class == Class::Spectrum || is_spectrum_plugin(&object.plugin) {
-            self.spectrum(index);
-        } else {
+        if is_texture(&self.objects[index]) {
             self.texture(index);
+        } else {
+            self.spectrum(index);
         }
     }
 }

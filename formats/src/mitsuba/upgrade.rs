@@ -187,19 +187,19 @@ fn named<'a>(element: &'a mut Element, name: &'a str) -> impl Iterator<Item = &'
 
 fn rename(element: &mut Element, table: &[(&str, &str)]) {
     for child in &mut element.children {
-        if let Some(name) = child.attributes.iter_mut().find(|a| a.name == "name") {
-            if let Some((_, new)) = table.iter().find(|(old, _)| *old == name.value) {
-                name.value = (*new).to_owned();
-            }
+        if let Some(name) = child.attributes.iter_mut().find(|a| a.name == "name")
+            && let Some((_, new)) = table.iter().find(|(old, _)| *old == name.value)
+        {
+            name.value = (*new).to_owned();
         }
     }
 }
 
 fn set_plugin(element: &mut Element, table: &[(&str, &str)]) {
-    if let Some(kind) = element.attributes.iter_mut().find(|a| a.name == "type") {
-        if let Some((_, new)) = table.iter().find(|(old, _)| *old == kind.value) {
-            kind.value = (*new).to_owned();
-        }
+    if let Some(kind) = element.attributes.iter_mut().find(|a| a.name == "type")
+        && let Some((_, new)) = table.iter().find(|(old, _)| *old == kind.value)
+    {
+        kind.value = (*new).to_owned();
     }
 }
 

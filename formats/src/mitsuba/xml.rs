@@ -7,7 +7,7 @@ use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
 use super::tree::{Attribute, Element, MAX_DEPTH};
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Span, char_floor};
 
 /// Parses `text`, which is file `file` of the source map. `None` when it is not well-formed; then
 /// an error was pushed.
@@ -129,10 +129,7 @@ impl Parser<'_> {
     }
 
     fn span(&self, start: u64, end: u64) -> Span {
-        let clamp = |offset: u64| {
-            let offset = usize::try_from(offset).unwrap_or(usize::MAX).min(self.text.len());
-            self.text.floor_char_boundary(offset) as u32
-        };
+        let clamp = |offset: u64| char_floor(self.text, usize::try_from(offset).unwrap_or(usize::MAX)) as u32;
         Span { file: self.file, start: clamp(start), end: clamp(end) }
     }
 }
