@@ -8,7 +8,14 @@
 pub mod accel;
 pub mod bsdf;
 pub mod emitter;
+pub mod film;
+pub mod integrator;
 pub mod math;
+pub mod photon;
+pub mod render;
 pub mod sampling;
+pub mod scene;
+pub mod sensor;
+pub mod settings;
 pub mod shape;
 pub mod texture;

@@ -1,0 +1,24 @@
+/// The family of Mitchell and Netravali 1988; Catmull–Rom is B = 0, C = ½.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cubic {
+    pub b: f64,
+    pub c: f64,
+}
+
+impl Cubic {
+    pub fn weight(&self, x: f64) -> f64 {
+        let (b, c, x) = (self.b, self.c, x.abs());
+        if x < 1.0 {
+            ((12.0 - 9.0 * b - 6.0 * c) * x * x * x + (-18.0 + 12.0 * b + 6.0 * c) * x * x + (6.0 - 2.0 * b))
+                / 6.0
+        } else if x < 2.0 {
+            ((-b - 6.0 * c) * x * x * x
+                + (6.0 * b + 30.0 * c) * x * x
+                + (-12.0 * b - 48.0 * c) * x
+                + (8.0 * b + 24.0 * c))
+                / 6.0
+        } else {
+            0.0
+        }
+    }
+}

@@ -1,0 +1,16 @@
+/// Gaussian cut at 4σ, lowered so that it ends at zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gaussian {
+    pub stddev: f64,
+}
+
+impl Gaussian {
+    pub fn radius(&self) -> f64 {
+        4.0 * self.stddev
+    }
+
+    pub fn weight(&self, x: f64) -> f64 {
+        let g = |x: f64| (-x * x / (2.0 * self.stddev * self.stddev)).exp();
+        (g(x) - g(self.radius())).max(0.0)
+    }
+}

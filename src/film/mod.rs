@@ -1,0 +1,28 @@
+//! The film: what is stored per pixel, and reconstruction filters.
+
+pub mod filter;
+mod pixels;
+
+pub use filter::Filter;
+pub use pixels::{LAYERS, Layer, Pixels, Radiance, STRIDE, accumulate};
+
+/// Size of the picture and the part of it that is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmSize {
+    /// Full film, which decides the field of view.
+    pub width: u32,
+    pub height: u32,
+    /// Rendered part: x, y, width, height in pixels of the full film.
+    pub crop: [u32; 4],
+}
+
+impl FilmSize {
+    pub fn full(width: u32, height: u32) -> Self {
+        Self { width, height, crop: [0, 0, width, height] }
+    }
+
+    /// Pixels that are rendered.
+    pub fn pixel_count(&self) -> usize {
+        self.crop[2] as usize * self.crop[3] as usize
+    }
+}

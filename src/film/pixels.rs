@@ -1,0 +1,140 @@
+use crate::math::{Rgb, luminance};
+
+/// The parts a picture is made of; they sum to the beauty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    /// Lamps and environment seen directly or through specular surfaces.
+    Emission,
+    /// Light that reaches the first rough surface straight from a lamp.
+    Direct,
+    /// Light that reaches it through specular surfaces only.
+    Caustic,
+    /// Everything else.
+    Indirect,
+}
+
+/// Layers in storage order with their names in files.
+pub const LAYERS: [(Layer, &str); 4] = [
+    (Layer::Emission, "emission"),
+    (Layer::Direct, "direct"),
+    (Layer::Caustic, "caustic"),
+    (Layer::Indirect, "indirect"),
+];
+
+/// One camera sample, by layer.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Radiance {
+    pub layers: [Rgb; LAYERS.len()],
+    /// 1 where the camera ray met a surface.
+    pub alpha: f32,
+}
+
+impl Radiance {
+    #[inline]
+    pub fn add(&mut self, layer: Layer, value: Rgb) {
+        self.layers[layer as usize] += value;
+    }
+
+    pub fn sum(&self) -> Rgb {
+        self.layers.iter().copied().sum()
+    }
+}
+
+/// Sums over passes. f64: after 10⁴ passes f32 sums would drop the small additions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pixels {
+    /// Per pixel: layers × RGB, then alpha, then the square of the sample's luminance.
+    sums: Vec<[f64; STRIDE]>,
+}
+
+const ALPHA: usize = 3 * LAYERS.len();
+const SQUARE: usize = ALPHA + 1;
+/// Numbers kept per pixel.
+pub const STRIDE: usize = SQUARE + 1;
+
+impl Pixels {
+    pub fn new(count: usize) -> Self {
+        Self { sums: vec![[0.0; STRIDE]; count] }
+    }
+
+    pub fn len(&self) -> usize {
+        self.sums.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.sums.is_empty()
+    }
+
+    pub fn rows_mut(&mut self, width: usize) -> std::slice::ChunksMut<'_, [f64; STRIDE]> {
+        self.sums.chunks_mut(width)
+    }
+
+    pub fn as_slice(&self) -> &[[f64; STRIDE]] {
+        &self.sums
+    }
+
+    pub fn as_mut_slice(&mut self) -> &mut [[f64; STRIDE]] {
+        &mut self.sums
+    }
+
+    /// Mean of a layer after `passes`.
+    pub fn layer(&self, pixel: usize, layer: Layer, passes: u32) -> [f64; 3] {
+        let at = 3 * layer as usize;
+        let s = &self.sums[pixel];
+        [s[at], s[at + 1], s[at + 2]].map(|v| v / f64::from(passes.max(1)))
+    }
+
+    /// Mean of the sum of all layers.
+    pub fn beauty(&self, pixel: usize, passes: u32) -> [f64; 3] {
+        let s = &self.sums[pixel];
+        std::array::from_fn(|c| {
+            (0..LAYERS.len()).map(|l| s[3 * l + c]).sum::<f64>() / f64::from(passes.max(1))
+        })
+    }
+
+    pub fn alpha(&self, pixel: usize, passes: u32) -> f64 {
+        self.sums[pixel][ALPHA] / f64::from(passes.max(1))
+    }
+
+    /// Variance of the mean luminance: the sample variance over passes divided by their number.
+    /// Passes of progressive photon mapping are nearly independent; its bias is not in this figure.
+    pub fn variance(&self, pixel: usize, passes: u32) -> f64 {
+        let n = f64::from(passes);
+        if passes < 2 {
+            return f64::INFINITY;
+        }
+        let [r, g, b] = self.beauty(pixel, passes);
+        let mean = 0.212671 * r + 0.715160 * g + 0.072169 * b;
+        ((self.sums[pixel][SQUARE] / n - mean * mean) / (n - 1.0)).max(0.0)
+    }
+
+    /// Standard error of the picture relative to its mean: √mean(variance) / mean luminance.
+    pub fn relative_error(&self, passes: u32) -> f64 {
+        let (mut variance, mut mean) = (0.0, 0.0);
+        for i in 0..self.sums.len() {
+            variance += self.variance(i, passes);
+            let [r, g, b] = self.beauty(i, passes);
+            mean += 0.212671 * r + 0.715160 * g + 0.072169 * b;
+        }
+        let n = self.sums.len().max(1) as f64;
+        if mean > 0.0 { (variance / n).sqrt() / (mean / n) } else { f64::INFINITY }
+    }
+}
+
+/// Adds one sample to a pixel's sums; false (and nothing added) when it is not finite.
+#[inline]
+pub fn accumulate(sums: &mut [f64; STRIDE], sample: &Radiance, weight: f32) -> bool {
+    let total = sample.sum();
+    if !total.is_finite() {
+        return false;
+    }
+    for (l, layer) in sample.layers.iter().enumerate() {
+        sums[3 * l] += f64::from(layer.x * weight);
+        sums[3 * l + 1] += f64::from(layer.y * weight);
+        sums[3 * l + 2] += f64::from(layer.z * weight);
+    }
+    sums[ALPHA] += f64::from(sample.alpha * weight);
+    let y = f64::from(luminance(total) * weight);
+    sums[SQUARE] += y * y;
+    true
+}

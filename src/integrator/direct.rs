@@ -1,0 +1,113 @@
+//! Direct light at a surface point: next event estimation, and lamps met by scattered rays, weighed by
+//! the power heuristic (Veach 1997, §9.2).
+
+use crate::bsdf::{Closure, Event, Transport};
+use crate::math::{Rgb, Vec3};
+use crate::sampling::Sampler;
+use crate::scene::{Plan, Scene, Surface};
+
+/// β = 2.
+#[inline]
+pub fn power_heuristic(a: f32, b: f32) -> f32 {
+    // Ratios first: squares of densities near a small lamp overflow f32.
+    if a >= b {
+        let r = b / a;
+        1.0 / (1.0 + r * r)
+    } else {
+        let r = a / b;
+        r * r / (1.0 + r * r)
+    }
+}
+
+/// Light from one sampled emitter point, scattered towards `wi` (local). With `mis` the sample shares
+/// its weight with scattered rays. `segments` is how many path segments may follow.
+#[inline]
+pub fn next_event(
+    scene: &Scene,
+    plan: &Plan,
+    s: &Surface,
+    closure: &Closure,
+    wi: Vec3,
+    mis: bool,
+    segments: u32,
+    sampler: &mut Sampler,
+    rays: &mut u64,
+) -> Rgb {
+    let (pick, u) = (sampler.next_1d(), sampler.next_2d());
+    if segments == 0 || !closure.has_smooth() {
+        return Rgb::ZERO;
+    }
+    let Some(light) = scene.sample_direct(s.p, pick, u) else { return Rgb::ZERO };
+    let wo = s.frame.to_local(light.dir);
+    let f = closure.eval(wi, wo, Transport::Radiance) * wo.z.abs();
+    if f.max_element() <= 0.0 {
+        return Rgb::ZERO;
+    }
+    *rays += 1;
+    let visible = scene.visibility(s, &light, plan.transparent_shadows, segments);
+    if visible == 0.0 {
+        return Rgb::ZERO;
+    }
+    let weight = if mis && light.pdf > 0.0 { power_heuristic(light.pdf, closure.pdf(wi, wo)) } else { 1.0 };
+    f * light.value * (weight * visible)
+}
+
+/// The other half of multiple importance sampling: a direction from the smooth part of the BSDF, and
+/// the lamp it meets.
+pub fn scattered_lamp(
+    scene: &Scene,
+    s: &Surface,
+    closure: &Closure,
+    wi: Vec3,
+    segments: u32,
+    sampler: &mut Sampler,
+    rays: &mut u64,
+) -> Rgb {
+    let u = sampler.next_2d();
+    if segments == 0 {
+        return Rgb::ZERO;
+    }
+    let Some(sample) = closure.sample_smooth(wi, u, Transport::Radiance) else { return Rgb::ZERO };
+    // The density that next_event compares with includes the choice of the smooth lobe.
+    let pdf = closure.pdf(wi, sample.wo);
+    let d = s.frame.to_world(sample.wo);
+    let mut ray = s.leave(d);
+    let mut through = 1.0;
+    for _ in 0..segments {
+        *rays += 1;
+        let Some(hit) = scene.geometry.closest(&ray) else {
+            return sample.weight
+                * scene.background()
+                * (through * power_heuristic(pdf, scene.pdf_direct_background()));
+        };
+        let at = scene.surface(&ray, &hit);
+        let emitted = scene.emitted(&at, -d);
+        if emitted.max_element() > 0.0 {
+            let weight = power_heuristic(pdf, scene.pdf_direct_surface(s.p, d, &at));
+            return sample.weight * emitted * (through * weight);
+        }
+        through *= scene.closure(&at, at.frame.to_local(-d)).transparency();
+        if through == 0.0 {
+            break;
+        }
+        ray = at.leave(d);
+    }
+    Rgb::ZERO
+}
+
+/// Whether a sampled continuation leaves the density of the previous rough surface in force.
+pub fn keeps_density(event: Event) -> bool {
+    event == Event::Null
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heuristic_weights_sum_to_one_even_for_extreme_densities() {
+        for (a, b) in [(1.0, 1.0), (1e30, 1.0), (1e-30, 1e30), (0.0, 2.0)] {
+            assert!((power_heuristic(a, b) + power_heuristic(b, a) - 1.0).abs() < 1e-6);
+        }
+    }
+}

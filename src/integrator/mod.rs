@@ -1,0 +1,49 @@
+//! What computes a camera sample.
+//!
+//! The contract: a render is passes 0..n. `begin_pass` makes what all pixels of a pass share (photon
+//! maps); `sample` then gives one camera sample of one pixel. Both depend on the scene, the settings
+//! and the pass number only, so passes can run anywhere, be resumed, and give the same bytes.
+
+mod direct;
+mod path;
+mod photon_map;
+
+pub use path::PathTracer;
+pub use photon_map::PhotonMapper;
+
+use crate::film::Radiance;
+use crate::math::Ray;
+use crate::photon::Gather;
+use crate::sampling::Sampler;
+
+/// Scratch and counters of one thread's share of a pass.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    pub rays: u64,
+    pub gather: Gather,
+}
+
+/// What a pass prepared, as counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PassStats {
+    pub light_paths: u64,
+    pub photons: u64,
+    pub photon_rays: u64,
+    pub map_bytes: u64,
+    pub rejected_photons: u64,
+    /// Seconds of tracing photons and of building maps.
+    pub trace_seconds: f64,
+    pub build_seconds: f64,
+    /// Search radii of the pass, 0 without a map.
+    pub radius: f32,
+    pub caustic_radius: f32,
+}
+
+/// See the module's contract.
+pub trait Integrator: Sync {
+    type Pass: Sync + Send;
+
+    fn begin_pass(&self, pass: u32) -> (Self::Pass, PassStats);
+
+    fn sample(&self, pass: &Self::Pass, ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance;
+}

@@ -1,0 +1,375 @@
+//! Photon mapping: camera paths end at the first rough surface, where direct light is sampled and
+//! everything else is read from the photon maps.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use super::direct::{next_event, scattered_lamp};
+use super::{Integrator, PassStats, Scratch};
+use crate::bsdf::{Closure, Transport};
+use crate::film::{Layer, Radiance};
+use crate::math::{Ray, Rgb, Vec2, Vec3};
+use crate::photon::trace::{TraceJob, trace};
+use crate::photon::{Estimator, Owner, PhotonMap, boundary, radius};
+use crate::sampling::{Sampler, mix};
+use crate::scene::{Plan, Scene, Settings, Surface};
+use crate::settings::{Count, Lookup, Mode, Radius, Roulette};
+
+/// Numbers that every pass uses.
+#[derive(Debug)]
+pub struct PhotonMapper<'a> {
+    scene: &'a Scene,
+    plan: &'a Plan,
+    settings: &'a Settings,
+    /// Light paths a pass.
+    paths: [u64; 2],
+    /// Search radii of the first pass.
+    radii: [f32; 2],
+    /// Classic mode traces once.
+    kept: OnceLock<Arc<Maps>>,
+}
+
+/// The maps of a pass.
+#[derive(Clone, Debug)]
+pub struct Maps {
+    global: Option<(PhotonMap, Estimator)>,
+    caustic: Option<(PhotonMap, Estimator)>,
+}
+
+/// Which of the two maps; also the index into `paths` and `radii`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    Global = 0,
+    Caustic = 1,
+}
+
+/// What a camera path does at a surface.
+enum Step {
+    Gather(Rgb),
+    Follow { wo: Vec3, weight: Rgb, eta: f32 },
+    End,
+}
+
+impl<'a> PhotonMapper<'a> {
+    /// Measures what the settings leave open: path counts from a pilot, radii from the density of the
+    /// first pass. Deterministic: a resumed render measures the same.
+    pub fn new(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings) -> Self {
+        let mut mapper =
+            Self { scene, plan, settings, paths: [0; 2], radii: [0.0; 2], kept: OnceLock::new() };
+        for which in [Which::Global, Which::Caustic] {
+            mapper.paths[which as usize] = mapper.path_count(which);
+            mapper.radii[which as usize] = mapper.first_radius(which);
+        }
+        mapper
+    }
+
+    fn wanted(&self, which: Which) -> bool {
+        match which {
+            Which::Global => self.plan.global_paths != Count::Paths(0),
+            Which::Caustic => self.plan.caustic_map,
+        }
+    }
+
+    fn job(&self, which: Which, pass: u32, paths: u64) -> TraceJob {
+        TraceJob {
+            key: mix(mix(self.settings.seed ^ 0x9d07_0b5e) ^ (u64::from(pass) << 2 | which as u64)),
+            paths,
+            owner: if which == Which::Global { Owner::GlobalMap } else { Owner::CausticMap },
+            next_event: self.settings.nee,
+            caustic_map: self.plan.caustic_map,
+            max_depth: self.settings.max_depth.0,
+        }
+    }
+
+    fn path_count(&self, which: Which) -> u64 {
+        let count = if which == Which::Global { self.plan.global_paths } else { self.plan.caustic_paths };
+        match count {
+            Count::Paths(n) => n,
+            Count::Auto => 0,
+            Count::Stored(wanted) => {
+                let pilot = 1 << 14;
+                let stored = trace(self.scene, &self.job(which, u32::MAX, pilot)).photons.len() as u64;
+                // A map that hardly fills would take for ever: a thousand paths a photon is the most.
+                (wanted * pilot).div_ceil(stored.max(1)).min(wanted.saturating_mul(1000))
+            }
+        }
+    }
+
+    fn first_radius(&self, which: Which) -> f32 {
+        let wanted = if which == Which::Global { self.settings.radius } else { self.settings.caustic_radius };
+        match wanted {
+            Radius::Absolute(r) => r,
+            Radius::Relative(r) => r * self.scene.sphere.radius,
+            Radius::Auto if !self.wanted(which) => 0.0,
+            Radius::Auto => {
+                let traced = trace(self.scene, &self.job(which, 0, self.paths[which as usize]));
+                let places = match which {
+                    Which::Global => self.gather_places(),
+                    Which::Caustic => radius::photon_places(&traced.photons),
+                };
+                radius::first(&traced.photons, &places, self.scene.sphere.radius)
+            }
+        }
+    }
+
+    /// Where camera rays through a regular grid of the film gather.
+    fn gather_places(&self) -> Vec<radius::Place> {
+        let side = (radius::PLACES as f32).sqrt() as u32;
+        let [x0, y0, w, h] = self.scene.film.crop.map(|v| v as f32);
+        let full = Vec2::new(self.scene.film.width as f32, self.scene.film.height as f32);
+        let footprint = self.scene.sensor.pixel_footprint(self.scene.film.height);
+        let at = |i: u32| (i as f32 + 0.5) / side as f32;
+        (0..side * side)
+            .filter_map(|i| {
+                let mut sampler = Sampler::new(mix(self.settings.seed ^ 0x7ad1_05), i);
+                let film = Vec2::new(x0 + at(i % side) * w, y0 + at(i / side) * h) / full;
+                let mut ray = self.scene.sensor.ray(film, sampler.next_2d());
+                let mut length = self.scene.sensor.near;
+                for _ in 0..16 {
+                    let hit = self.scene.geometry.closest(&ray)?;
+                    length += hit.t * ray.d.length();
+                    let s = self.scene.surface(&ray, &hit);
+                    let wi = s.frame.to_local(-ray.d);
+                    match self.step(&self.scene.closure(&s, wi), wi, &mut sampler) {
+                        Step::Gather(_) => {
+                            let n = if s.ng.dot(ray.d) <= 0.0 { s.ng } else { -s.ng };
+                            return Some(radius::Place {
+                                p: s.p,
+                                n,
+                                lift: s.lift,
+                                footprint: footprint * length,
+                            });
+                        }
+                        Step::Follow { wo, .. } => ray = s.leave(s.frame.to_world(wo)),
+                        Step::End => return None,
+                    }
+                }
+                None
+            })
+            .collect()
+    }
+
+    /// Radius of pass i: computed from i alone, so that passes can run in any order.
+    fn radius(&self, which: Which, pass: u32) -> f32 {
+        let first = f64::from(self.radii[which as usize]);
+        if self.settings.mode == Mode::Classic {
+            return first as f32;
+        }
+        let alpha = match which {
+            Which::Global => self.settings.alpha,
+            Which::Caustic => self.settings.caustic_alpha,
+        };
+        (first * radius::shrinkage(pass, f64::from(alpha)).sqrt()) as f32
+    }
+
+    fn build(&self, which: Which, pass: u32, stats: &mut PassStats) -> Option<(PhotonMap, Estimator)> {
+        if !self.wanted(which) {
+            return None;
+        }
+        let s = self.settings;
+        let paths = self.paths[which as usize];
+        let start = Instant::now();
+        let traced = trace(self.scene, &self.job(which, pass, paths));
+        stats.trace_seconds += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let radius = self.radius(which, pass);
+        let estimator = match which {
+            Which::Global => Estimator::new(s.kernel, radius, s.lookup, s.neighbours, u32::MAX),
+            Which::Caustic => {
+                Estimator::new(s.caustic_kernel, radius, s.lookup, s.caustic_neighbours, s.caustic_cap.0)
+            }
+        };
+        let map = if s.lookup == Lookup::Nearest {
+            PhotonMap::build_for_nearest(&traced.photons, estimator.cap, radius)
+        } else {
+            PhotonMap::build(&traced.photons, 2.0 * radius)
+        };
+        stats.build_seconds += start.elapsed().as_secs_f64();
+        stats.light_paths += paths;
+        stats.photons += map.len() as u64;
+        stats.photon_rays += traced.rays;
+        stats.rejected_photons += traced.rejected;
+        stats.map_bytes += map.bytes() as u64;
+        match which {
+            Which::Global => stats.radius = radius,
+            Which::Caustic => stats.caustic_radius = radius,
+        }
+        Some((map, estimator))
+    }
+
+    /// Everything a rough surface sends towards the camera.
+    fn gather(
+        &self,
+        maps: &Maps,
+        s: &Surface,
+        closure: &Closure,
+        back: Vec3,
+        throughput: Rgb,
+        depth: u32,
+        sampler: &mut Sampler,
+        scratch: &mut Scratch,
+        out: &mut Radiance,
+    ) {
+        let wi = s.frame.to_local(back);
+        let left = self.settings.max_depth.0 - depth;
+        if self.settings.nee {
+            let mis = self.plan.direct_mis;
+            let mut direct =
+                next_event(self.scene, self.plan, s, closure, wi, mis, left, sampler, &mut scratch.rays);
+            if mis {
+                direct += scattered_lamp(self.scene, s, closure, wi, left, sampler, &mut scratch.rays);
+            }
+            out.add(Layer::Direct, throughput * direct);
+        }
+        let maps = [&maps.global, &maps.caustic];
+        for (map, estimator) in maps.into_iter().flatten() {
+            let correction = if self.settings.boundary && !map.is_empty() {
+                boundary::correction(self.scene, s, back, estimator, sampler, &mut scratch.rays)
+            } else {
+                1.0
+            };
+            scratch.gather.estimate(map, estimator, s, closure, back, throughput * correction, left, out);
+        }
+    }
+
+    /// Chooses among gathering and the specular directions, by the roulette policy.
+    fn step(&self, closure: &Closure, wi: Vec3, sampler: &mut Sampler) -> Step {
+        let u = sampler.next_1d();
+        let through = closure.transparency();
+        if u < through {
+            return Step::Follow { wo: -wi, weight: Rgb::ONE, eta: 1.0 };
+        }
+        let solid = 1.0 - through;
+        let deltas = closure.deltas(wi, Transport::Radiance);
+        // `smooth_albedo` of a masked surface is that of the whole; events here are those of its solid part.
+        let smooth = closure.smooth_albedo(wi).max_element() / solid;
+        // A refracted share counts by the power it carries, without the 1/eta² of radiance.
+        let share = |l: &crate::bsdf::DeltaLobe| (l.weight * (l.eta * l.eta)).max_element();
+        let total = smooth + deltas.iter().map(share).sum::<f32>();
+        if total <= 0.0 {
+            return Step::End;
+        }
+        let mut rest = (u - through) / solid;
+        // `scale` turns a share into the probability with which it ends up being chosen.
+        let scale = match self.settings.roulette {
+            Roulette::Renormalise => 1.0 / total,
+            Roulette::Absorb => 1.0 / total.max(1.0),
+            Roulette::Retry => {
+                let absorbed = (1.0 - total).max(0.0);
+                let full = total.max(1.0);
+                // Draw until something else than absorption comes up.
+                while rest >= 1.0 - absorbed / full {
+                    rest = sampler.random();
+                }
+                rest *= full / total;
+                1.0 / total
+            }
+        };
+        if rest < smooth * scale {
+            // The closure's smooth part is dimmed by the opacity already, which was also drawn for above.
+            return Step::Gather(Rgb::splat(1.0 / (smooth * scale * solid)));
+        }
+        rest -= smooth * scale;
+        for lobe in deltas.iter() {
+            let p = share(lobe) * scale;
+            if rest < p {
+                return Step::Follow { wo: lobe.wo, weight: lobe.weight / p, eta: lobe.eta };
+            }
+            rest -= p;
+        }
+        Step::End
+    }
+}
+
+impl Integrator for PhotonMapper<'_> {
+    type Pass = Arc<Maps>;
+
+    fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {
+        let mut stats = PassStats::default();
+        let mut make = |pass| {
+            Arc::new(Maps {
+                global: self.build(Which::Global, pass, &mut stats),
+                caustic: self.build(Which::Caustic, pass, &mut stats),
+            })
+        };
+        let maps = match self.settings.mode {
+            Mode::Progressive => make(pass),
+            Mode::Classic => self.kept.get_or_init(|| make(0)).clone(),
+        };
+        (maps, stats)
+    }
+
+    fn sample(
+        &self,
+        maps: &Arc<Maps>,
+        mut ray: Ray,
+        sampler: &mut Sampler,
+        scratch: &mut Scratch,
+    ) -> Radiance {
+        let scene = self.scene;
+        let max_depth = self.settings.max_depth.0;
+        let mut out = Radiance::default();
+        let mut throughput = Rgb::ONE;
+        let mut eta = 1.0f32;
+        let mut depth = 0u32;
+        let mut seen = false;
+        while depth < max_depth {
+            depth += 1;
+            scratch.rays += 1;
+            let visible_lamps = seen || !self.settings.hide_emitters;
+            let Some(hit) = scene.geometry.closest(&ray) else {
+                if visible_lamps {
+                    out.add(Layer::Emission, throughput * scene.background());
+                }
+                break;
+            };
+            let s = scene.surface(&ray, &hit);
+            let back = -ray.d;
+            if !visible_lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
+                depth -= 1;
+                ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
+                continue;
+            }
+            out.alpha = 1.0;
+            if visible_lamps {
+                out.add(Layer::Emission, throughput * scene.emitted(&s, back));
+            }
+            seen = true;
+            if depth >= max_depth {
+                break;
+            }
+            let wi = s.frame.to_local(back);
+            let closure = scene.closure(&s, wi);
+            match self.step(&closure, wi, sampler) {
+                Step::Gather(weight) => {
+                    self.gather(
+                        maps,
+                        &s,
+                        &closure,
+                        back,
+                        throughput * weight,
+                        depth,
+                        sampler,
+                        scratch,
+                        &mut out,
+                    );
+                    break;
+                }
+                Step::Follow { wo, weight, eta: ratio } => {
+                    throughput *= weight;
+                    eta *= ratio;
+                    ray = s.leave(s.frame.to_world(wo));
+                }
+                Step::End => break,
+            }
+            if depth >= self.settings.rr_depth {
+                let survival = (throughput.max_element() * eta * eta).min(0.95);
+                if sampler.random() >= survival {
+                    break;
+                }
+                throughput /= survival;
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,127 @@
+//! Radiance from photon density (Jensen 1996): L = Σ f(wi, wo)·Φ·k(d/r)/r². No cosine: the density of
+//! photons on the surface already contains it.
+
+use std::f32::consts::FRAC_1_PI;
+
+use super::kernel::{Kernel, KernelKind, with_kernel};
+use super::store::{PhotonMap, Query};
+use super::{LightPath, scan};
+use crate::bsdf::{Closure, Transport};
+use crate::film::Radiance;
+use crate::math::{Rgb, Vec3, decode_direction};
+use crate::scene::Surface;
+use crate::settings::Lookup;
+
+/// How one map is read.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimator {
+    pub kernel: KernelKind,
+    pub radius: f32,
+    /// Most photons of one estimate: beyond it the nearest count, in their own smaller disc.
+    pub cap: usize,
+}
+
+impl Estimator {
+    pub fn new(kernel: KernelKind, radius: f32, lookup: Lookup, neighbours: u32, cap: u32) -> Self {
+        let nearest = if lookup == Lookup::Nearest { neighbours as usize } else { usize::MAX };
+        Self { kernel, radius, cap: nearest.min(if cap == u32::MAX { usize::MAX } else { cap as usize }) }
+    }
+}
+
+/// Scratch of one thread.
+#[derive(Debug, Default)]
+pub struct Gather {
+    found: Vec<(f32, u32)>,
+    hint: f32,
+    pub lookups: u64,
+    pub photons: u64,
+}
+
+impl Gather {
+    /// Adds the radiance that `map` sends from `s` towards `wi` (world) times `throughput`.
+    /// `boundary` is what part of the disc's mass lies on the surface; `max_photon_depth` the longest
+    /// light path that counts.
+    pub fn estimate(
+        &mut self,
+        map: &PhotonMap,
+        estimator: &Estimator,
+        s: &Surface,
+        closure: &Closure,
+        wi: Vec3,
+        throughput: Rgb,
+        max_photon_depth: u32,
+        out: &mut Radiance,
+    ) {
+        if map.is_empty() {
+            return;
+        }
+        self.lookups += 1;
+        let n = if s.ng.dot(wi) >= 0.0 { s.ng } else { -s.ng };
+        let q = Query { p: s.p, n, lift: s.lift, radius: estimator.radius };
+        let local = s.frame.to_local(wi);
+        let lambertian = closure.lambertian(local);
+        let all_depths = max_photon_depth >= u32::from(map.deepest);
+        if let (Some(albedo), Some(path), true, usize::MAX) =
+            (lambertian, map.uniform_path, all_depths, estimator.cap)
+        {
+            let (sum, count) = with_kernel!(estimator.kernel, K => {
+                let (sum, count) = scan::accumulate::<K>(map, &q);
+                (sum * normalisation::<K>(q.radius * q.radius), count)
+            });
+            self.photons += u64::from(count);
+            out.add(path.layer(), throughput * albedo * sum * FRAC_1_PI);
+            return;
+        }
+        let r2 = self.find(map, &q, estimator.cap);
+        self.photons += self.found.len() as u64;
+        with_kernel!(estimator.kernel, K => {
+            let scale = normalisation::<K>(r2);
+            for &(d2, i) in &self.found {
+                let i = i as usize;
+                if u32::from(map.depth[i]) > max_photon_depth {
+                    continue;
+                }
+                let f = match lambertian {
+                    Some(albedo) => albedo * FRAC_1_PI,
+                    None => {
+                        let wo = s.frame.to_local(decode_direction(map.direction[i]));
+                        closure.eval(local, wo, Transport::Radiance)
+                    }
+                };
+                let flux = Rgb::new(map.flux[0][i], map.flux[1][i], map.flux[2][i]);
+                let weight = K::shape(d2 / r2) * scale;
+                out.add(LightPath::from_tag(map.path[i]).layer(), throughput * f * flux * weight);
+            }
+        });
+    }
+
+    /// Fills `found` and returns the squared radius it stands for. With more than `cap` photons in the
+    /// disc, the distance of the cap-th is the radius and that photon itself is left out: k − 1 photons
+    /// in the disc through the k-th is the unbiased density of a uniform pattern.
+    fn find(&mut self, map: &PhotonMap, q: &Query, cap: usize) -> f32 {
+        if cap == usize::MAX {
+            self.found.clear();
+            let found = &mut self.found;
+            map.within(q, &mut |i, d2| found.push((d2, i)));
+            return q.radius * q.radius;
+        }
+        map.nearest(q, cap, &mut self.hint, &mut self.found);
+        if self.found.len() < cap {
+            return q.radius * q.radius;
+        }
+        let last =
+            self.found.iter().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.1.1.cmp(&b.1.1)));
+        let Some((at, &(d2, _))) = last else { return q.radius * q.radius };
+        if d2 <= q.lift * q.lift {
+            // All of them in one point: their own distance is rounding; spread them over the lift.
+            return (q.lift * q.lift).max(f32::MIN_POSITIVE);
+        }
+        self.found.swap_remove(at);
+        d2
+    }
+}
+
+/// 1/(mass·r²): makes the profile a density per area.
+fn normalisation<K: Kernel>(r2: f32) -> f32 {
+    (1.0 / (K::mass() * f64::from(r2))) as f32
+}

@@ -1,0 +1,14 @@
+//! Photons: tracing them from the lamps, storing, finding and weighing them.
+
+pub mod boundary;
+pub mod estimate;
+pub mod kernel;
+pub mod owner;
+pub mod radius;
+mod scan;
+pub mod store;
+pub mod trace;
+
+pub use estimate::{Estimator, Gather};
+pub use owner::{LightPath, Owner};
+pub use store::{Photon, PhotonMap, Query};

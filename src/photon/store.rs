@@ -1,0 +1,246 @@
+//! The photon map: structure of arrays sorted by grid cell. Knows no BSDF.
+//!
+//! Cells are numbered x-fastest, so that the cells of one query in a row are one run of photons. A
+//! query reads its runs front to back; nothing is followed by pointer.
+
+use rayon::prelude::*;
+
+use super::LightPath;
+use super::scan::{self, LANES};
+use crate::math::{Bounds, Rgb, Vec3, encode_direction};
+
+/// A photon as traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Photon {
+    pub p: Vec3,
+    /// W per channel.
+    pub flux: Rgb,
+    /// Unit, back towards where it came from.
+    pub wi: Vec3,
+    /// Unit geometric normal of the side it arrived at.
+    pub n: Vec3,
+    pub path: LightPath,
+    /// Path segments from the lamp, saturating.
+    pub depth: u8,
+}
+
+/// A disc on a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Query {
+    pub p: Vec3,
+    /// Unit geometric normal of the side whose photons are wanted.
+    pub n: Vec3,
+    /// Rounding of positions at this place: photons this near to the tangent plane always count.
+    pub lift: f32,
+    pub radius: f32,
+}
+
+/// Smallest cosine between the normals of photon and query for the two to be on one surface.
+pub const NORMAL_AGREEMENT: f32 = 0.6;
+/// Height over the tangent plane, as a share of the distance, up to which a photon is on the surface.
+/// Spheres of radius R keep all photons nearer than 0.6·R.
+pub const HEIGHT: f32 = 0.3;
+
+/// Sorted photons and the grid that finds them.
+#[derive(Clone, Debug, Default)]
+pub struct PhotonMap {
+    pub(super) position: [Vec<f32>; 3],
+    pub(super) flux: [Vec<f32>; 3],
+    pub(super) normal: [Vec<i8>; 3],
+    pub(super) direction: Vec<u32>,
+    pub(super) path: Vec<u8>,
+    pub(super) depth: Vec<u8>,
+    count: usize,
+    /// First photon of each cell, and the count at the end.
+    starts: Vec<u32>,
+    origin: Vec3,
+    inverse_cell: f32,
+    dims: [usize; 3],
+    /// All photons have this history.
+    pub uniform_path: Option<LightPath>,
+    pub deepest: u8,
+}
+
+/// Cells a grid may have for `n` photons: more cost time to clear than they save in tests.
+fn cell_budget(n: usize) -> f32 {
+    (16 * n).clamp(1 << 12, 1 << 27) as f32
+}
+
+impl PhotonMap {
+    /// Sorts photons into cells of about `cell`, which for a fixed-radius query is best twice the radius.
+    /// The result depends on the order of `photons` only through ties of position.
+    pub fn build(photons: &[Photon], cell: f32) -> Self {
+        let mut bounds = Bounds::EMPTY;
+        photons.iter().for_each(|p| bounds.add(p.p));
+        if photons.is_empty() {
+            return Self { starts: vec![0, 0], dims: [1; 3], inverse_cell: 0.0, ..Self::default() };
+        }
+        let extent = bounds.extent();
+        let mut cell = cell.max(extent.max_element() / 1e6).max(f32::MIN_POSITIVE);
+        let dims = loop {
+            let d = (extent / cell).floor() + Vec3::ONE;
+            if d.x * d.y * d.z <= cell_budget(photons.len()) {
+                break [d.x as usize, d.y as usize, d.z as usize];
+            }
+            cell *= 1.1;
+        };
+        let mut map = Self {
+            origin: bounds.min,
+            inverse_cell: 1.0 / cell,
+            dims,
+            count: photons.len(),
+            deepest: photons.iter().map(|p| p.depth).max().unwrap_or(0),
+            ..Self::default()
+        };
+        let first = photons[0].path;
+        map.uniform_path = photons.iter().all(|p| p.path == first).then_some(first);
+
+        let mut order: Vec<u64> = photons
+            .par_iter()
+            .with_min_len(1 << 14)
+            .enumerate()
+            .map(|(i, p)| (map.cell_of(p.p) as u64) << 32 | i as u64)
+            .collect();
+        order.par_sort_unstable();
+        map.starts = vec![0; dims.iter().product::<usize>() + 1];
+        let mut next = 0;
+        for (i, key) in order.iter().enumerate() {
+            let c = (key >> 32) as usize;
+            // Cells between the last photon's and this one's start here too.
+            if c >= next {
+                map.starts[next..=c].fill(i as u32);
+                next = c + 1;
+            }
+        }
+        map.starts[next..].fill(photons.len() as u32);
+
+        let sorted = |i: usize| &photons[(order[i] & 0xffff_ffff) as usize];
+        let n = photons.len();
+        let floats = |f: &(dyn Fn(&Photon) -> f32 + Sync)| -> Vec<f32> {
+            let padding = rayon::iter::repeat_n(f32::INFINITY, LANES);
+            (0..n).into_par_iter().with_min_len(1 << 14).map(|i| f(sorted(i))).chain(padding).collect()
+        };
+        map.position = [floats(&|p| p.p.x), floats(&|p| p.p.y), floats(&|p| p.p.z)];
+        map.flux = [floats(&|p| p.flux.x), floats(&|p| p.flux.y), floats(&|p| p.flux.z)];
+        // Padding is never within any radius, but 0·inf must not appear either.
+        map.flux.iter_mut().for_each(|f| f[n..].fill(0.0));
+        let bytes = |f: &(dyn Fn(&Photon) -> f32 + Sync)| -> Vec<i8> {
+            (0..n + LANES).map(|i| if i < n { (f(sorted(i)) * 127.0).round() as i8 } else { 0 }).collect()
+        };
+        map.normal = [bytes(&|p| p.n.x), bytes(&|p| p.n.y), bytes(&|p| p.n.z)];
+        map.direction = (0..n).map(|i| encode_direction(sorted(i).wi)).collect();
+        map.path = (0..n).map(|i| sorted(i).path as u8).collect();
+        map.depth = (0..n).map(|i| sorted(i).depth).collect();
+        map
+    }
+
+    /// Cell size for k-nearest queries: about as large as the disc that holds `k` photons, found from
+    /// how many photons share an occupied cell of a trial grid.
+    pub fn build_for_nearest(photons: &[Photon], k: usize, max_radius: f32) -> Self {
+        let mut bounds = Bounds::EMPTY;
+        photons.iter().for_each(|p| bounds.add(p.p));
+        if photons.is_empty() {
+            return Self::build(photons, max_radius);
+        }
+        let trial_cell =
+            (bounds.extent().max_element() / (photons.len() as f32).cbrt()).max(f32::MIN_POSITIVE);
+        let trial = Self::build(photons, trial_cell);
+        let occupied = trial.starts.windows(2).filter(|w| w[1] > w[0]).count().max(1);
+        let per_cell = photons.len() as f32 / occupied as f32;
+        let cell = (k as f32 / per_cell).sqrt() / trial.inverse_cell;
+        Self::build(photons, cell.min(2.0 * max_radius))
+    }
+
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    pub fn bytes(&self) -> usize {
+        (self.count + LANES) * (6 * 4 + 3) + self.count * 6 + self.starts.len() * 4
+    }
+
+    /// Sum of stored flux.
+    pub fn total_flux(&self) -> [f64; 3] {
+        std::array::from_fn(|c| self.flux[c][..self.count].iter().map(|&f| f64::from(f)).sum())
+    }
+
+    pub fn photon_position(&self, i: usize) -> Vec3 {
+        Vec3::new(self.position[0][i], self.position[1][i], self.position[2][i])
+    }
+
+    pub fn photon_normal(&self, i: usize) -> Vec3 {
+        let n = |c: usize| f32::from(self.normal[c][i]);
+        Vec3::new(n(0), n(1), n(2)).normalize_or(Vec3::Z)
+    }
+
+    fn coordinate(&self, x: f32, axis: usize) -> usize {
+        // The cast saturates: positions outside the box fall into its border cells, so that a query
+        // outside still reaches every neighbour inside.
+        (((x - self.origin[axis]) * self.inverse_cell) as usize).min(self.dims[axis] - 1)
+    }
+
+    fn cell_of(&self, p: Vec3) -> usize {
+        let [nx, ny, _] = self.dims;
+        (self.coordinate(p.z, 2) * ny + self.coordinate(p.y, 1)) * nx + self.coordinate(p.x, 0)
+    }
+
+    /// Runs of photons whose cells the cube around the query touches.
+    #[inline(always)]
+    pub(super) fn runs(&self, q: &Query, mut run: impl FnMut(usize, usize)) {
+        let (lo, hi) = (q.p - q.radius, q.p + q.radius);
+        let [nx, ny, _] = self.dims;
+        let (x0, x1) = (self.coordinate(lo.x, 0), self.coordinate(hi.x, 0));
+        let (y0, y1) = (self.coordinate(lo.y, 1), self.coordinate(hi.y, 1));
+        for z in self.coordinate(lo.z, 2)..=self.coordinate(hi.z, 2) {
+            for y in y0..=y1 {
+                let row = (z * ny + y) * nx;
+                let (a, b) = (self.starts[row + x0] as usize, self.starts[row + x1 + 1] as usize);
+                if a < b {
+                    run(a, b);
+                }
+            }
+        }
+    }
+
+    /// Calls `found(index, squared distance)` for every photon of the disc, in storage order.
+    #[inline]
+    pub fn within(&self, q: &Query, found: &mut impl FnMut(u32, f32)) {
+        if self.count > 0 {
+            scan::visit(self, q, found);
+        }
+    }
+
+    /// The `k` nearest photons of the disc (fewer if it holds fewer) as (squared distance, index) in
+    /// `out`, unordered. Ties go to the lower index, so the set does not depend on how it is searched.
+    /// `hint` is where to start; it is updated and affects speed only.
+    pub fn nearest(&self, q: &Query, k: usize, hint: &mut f32, out: &mut Vec<(f32, u32)>) {
+        out.clear();
+        if self.count == 0 || k == 0 {
+            return;
+        }
+        let mut radius =
+            if *hint > 0.0 { hint.min(q.radius) } else { (1.0 / self.inverse_cell).min(q.radius) };
+        loop {
+            out.clear();
+            self.within(&Query { radius, ..*q }, &mut |i, d2| out.push((d2, i)));
+            if out.len() >= k || radius >= q.radius {
+                break;
+            }
+            let growth = if out.len() > 8 { (k as f32 / out.len() as f32).sqrt() * 1.1 } else { 2.0 };
+            radius = (radius * growth.clamp(1.1, 2.0)).min(q.radius);
+        }
+        if out.len() > k {
+            let by_distance = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+            out.select_nth_unstable_by(k - 1, by_distance);
+            out.truncate(k);
+            // A tenth more than this query needed: its neighbour will need about as much.
+            *hint = out[k - 1].0.sqrt() * 1.1;
+        } else {
+            *hint = radius;
+        }
+    }
+}

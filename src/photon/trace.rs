@@ -1,0 +1,161 @@
+//! Light paths: from the lamps through the scene, leaving photons on rough surfaces.
+
+use rayon::prelude::*;
+
+use super::{LightPath, Owner, Photon};
+use crate::bsdf::{Event, Transport};
+use crate::math::Rgb;
+use crate::sampling::{Sampler, mix};
+use crate::scene::{Scene, Surface};
+
+/// Which photons a trace is for.
+#[derive(Clone, Copy, Debug)]
+pub struct TraceJob {
+    /// Number family of this (seed, pass, map).
+    pub key: u64,
+    /// Paths to start. Each carries the scene's power divided by this.
+    pub paths: u64,
+    /// Photons of other owners are not stored.
+    pub owner: Owner,
+    pub next_event: bool,
+    pub caustic_map: bool,
+    /// Path segments from camera to lamp, at most.
+    pub max_depth: u32,
+}
+
+/// Stored photons with what happened on the way.
+#[derive(Debug, Default)]
+pub struct Traced {
+    pub photons: Vec<Photon>,
+    pub rays: u64,
+    /// Photons that were not finite, and were dropped.
+    pub rejected: u64,
+}
+
+/// Paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
+const CHUNK: u64 = 2048;
+
+/// Traces all paths of a job. The result does not depend on the number of threads.
+pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
+    let chunks: Vec<Traced> = (0..job.paths.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|c| {
+            let mut out = Traced::default();
+            for i in c * CHUNK..((c + 1) * CHUNK).min(job.paths) {
+                trace_path(scene, job, i, &mut out);
+            }
+            out
+        })
+        .collect();
+    let mut all = Traced {
+        photons: Vec::with_capacity(chunks.iter().map(|c| c.photons.len()).sum()),
+        ..Traced::default()
+    };
+    for c in chunks {
+        all.photons.extend(c.photons);
+        all.rays += c.rays;
+        all.rejected += c.rejected;
+    }
+    all
+}
+
+/// From this depth on a path survives with 95 % at most, so that light trapped between perfect mirrors ends.
+const FORCED_ROULETTE: u32 = 64;
+
+fn trace_path(scene: &Scene, job: &TraceJob, index: u64, out: &mut Traced) {
+    // Sobol indices have 32 bits; every further 2³² paths use a family of their own.
+    let mut sampler = Sampler::new(job.key ^ mix(index >> 32), index as u32);
+    let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
+    let Some(start) = scene.sample_emission(pick, place, direction) else {
+        return;
+    };
+    let mut flux = start.flux / job.paths as f32;
+    let mut ray = crate::math::Ray::new(start.o, start.d);
+    let mut path = LightPath::Direct;
+    let mut depth = 1u32;
+    loop {
+        out.rays += 1;
+        let Some(hit) = scene.geometry.closest(&ray) else { return };
+        let surface = scene.surface(&ray, &hit);
+        let to_lamp = -ray.d;
+        let wi = surface.frame.to_local(to_lamp);
+        let closure = scene.closure(&surface, wi);
+        if closure.has_smooth() && path.owner(job.next_event, job.caustic_map) == job.owner {
+            store(&surface, to_lamp, wi.z, flux, path, depth, out);
+        }
+        // A photon at the next surface needs two more segments: there, and from there to the camera.
+        if depth.saturating_add(2) > job.max_depth {
+            return;
+        }
+        let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+        let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Importance) else { return };
+        if sample.event == Event::Smooth && job.owner == Owner::CausticMap {
+            return;
+        }
+        let d = surface.frame.to_world(sample.wo);
+        let Some(correction) = adjoint(&surface, to_lamp, wi.z, d, sample.wo.z, sample.event) else { return };
+        let next = flux * sample.weight * correction;
+        // Survivors keep the power they had: stored photons stay alike.
+        let mut survival = next.max_element() / flux.max_element();
+        if depth >= FORCED_ROULETTE {
+            survival = survival.min(0.95);
+        }
+        if survival < 1.0 && sampler.random() >= survival {
+            return;
+        }
+        flux = next / survival.min(1.0);
+        path = path.after(sample.event);
+        depth += 1;
+        ray = surface.leave(d);
+    }
+}
+
+/// Correction for scattering with a shading normal when light is traced (Veach 1997, eq. 5.19):
+/// |wi·ns||wo·ng| / (|wi·ng||wo·ns|), `wi` towards the lamp. `None` when a direction lies on different
+/// sides of the two normals. Specular events keep the flux of the ray itself.
+fn adjoint(
+    s: &Surface,
+    wi: crate::math::Vec3,
+    wi_ns: f32,
+    wo: crate::math::Vec3,
+    wo_ns: f32,
+    event: Event,
+) -> Option<f32> {
+    if event == Event::Null || s.ng == s.frame.n {
+        return Some(1.0);
+    }
+    let (wi_ng, wo_ng) = (wi.dot(s.ng), wo.dot(s.ng));
+    if wi_ng * wi_ns <= 0.0 || wo_ng * wo_ns <= 0.0 {
+        return None;
+    }
+    match event {
+        Event::Smooth => Some(((wi_ns * wo_ng) / (wi_ng * wo_ns)).abs().min(MAX_CORRECTION)),
+        Event::Delta | Event::Null => Some(1.0),
+    }
+}
+
+/// Grazing light on a strongly bent normal: the correction has a finite mean but no bound.
+const MAX_CORRECTION: f32 = 100.0;
+
+fn store(
+    s: &Surface,
+    wi: crate::math::Vec3,
+    wi_ns: f32,
+    flux: Rgb,
+    path: LightPath,
+    depth: u32,
+    out: &mut Traced,
+) {
+    let wi_ng = wi.dot(s.ng);
+    if wi_ng * wi_ns <= 0.0 {
+        return;
+    }
+    // Density is counted per geometric area, but irradiance is wanted on the shading plane.
+    let flux = flux * (wi_ns / wi_ng).min(MAX_CORRECTION);
+    if !flux.is_finite() || !s.p.is_finite() {
+        out.rejected += 1;
+        return;
+    }
+    let n = if wi_ng > 0.0 { s.ng } else { -s.ng };
+    out.photons.push(Photon { p: s.p, flux, wi, n, path, depth: depth.min(255) as u8 });
+}

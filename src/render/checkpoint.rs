@@ -1,0 +1,160 @@
+//! Checkpoints: the sums so far, and what they are sums of.
+
+use std::io;
+use std::path::Path;
+
+use thiserror::Error;
+
+use crate::film::{Pixels, STRIDE};
+
+/// A render that can go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// What must agree for a resumed render to be the same render: name and value, such as the scene's
+    /// hash, the settings, the film and the program's version.
+    pub identity: Vec<(String, String)>,
+    pub passes: u32,
+    pub pixels: Pixels,
+}
+
+#[derive(Debug, Error)]
+pub enum CheckpointError {
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    #[error("it is not a checkpoint, or it is damaged ({0})")]
+    Invalid(&'static str),
+    #[error("it belongs to another render: {name} was `{was}`, now it is `{now}`")]
+    Different { name: String, was: String, now: String },
+}
+
+const MAGIC: &[u8; 8] = b"caustic1";
+
+fn text(out: &mut Vec<u8>, s: &str) {
+    out.extend((s.len() as u32).to_le_bytes());
+    out.extend(s.as_bytes());
+}
+
+/// FNV-1a over the payload: a torn or damaged file is noticed, not trusted.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+}
+
+struct Reader<'a>(&'a [u8]);
+
+impl<'a> Reader<'a> {
+    fn take(&mut self, n: usize) -> Result<&'a [u8], CheckpointError> {
+        let (head, tail) = self.0.split_at_checked(n).ok_or(CheckpointError::Invalid("it ends too early"))?;
+        self.0 = tail;
+        Ok(head)
+    }
+
+    fn u32(&mut self) -> Result<u32, CheckpointError> {
+        let bytes = self.take(4)?;
+        Ok(u32::from_le_bytes(bytes.try_into().map_err(|_| CheckpointError::Invalid("it ends too early"))?))
+    }
+
+    fn text(&mut self) -> Result<String, CheckpointError> {
+        let n = self.u32()? as usize;
+        String::from_utf8(self.take(n)?.to_vec()).map_err(|_| CheckpointError::Invalid("a text is not UTF-8"))
+    }
+}
+
+impl Checkpoint {
+    pub fn encode(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(64 + size_of_val(self.pixels.as_slice()));
+        out.extend(MAGIC);
+        out.extend((self.identity.len() as u32).to_le_bytes());
+        for (name, value) in &self.identity {
+            text(&mut out, name);
+            text(&mut out, value);
+        }
+        out.extend(self.passes.to_le_bytes());
+        out.extend((self.pixels.len() as u32).to_le_bytes());
+        out.extend(self.pixels.as_slice().iter().flatten().flat_map(|v| v.to_le_bytes()));
+        let sum = checksum(&out);
+        out.extend(sum.to_le_bytes());
+        out
+    }
+
+    /// # Errors
+    /// When the bytes are no whole checkpoint.
+    pub fn decode(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        let damaged = CheckpointError::Invalid("its checksum is wrong");
+        let (payload, sum) = bytes
+            .split_at_checked(bytes.len().saturating_sub(8))
+            .ok_or(CheckpointError::Invalid("it is empty"))?;
+        if payload.len() < MAGIC.len() || &payload[..MAGIC.len()] != MAGIC {
+            return Err(CheckpointError::Invalid("its first bytes are not ours"));
+        }
+        if sum != checksum(payload).to_le_bytes() {
+            return Err(damaged);
+        }
+        let mut r = Reader(&payload[MAGIC.len()..]);
+        let fields = r.u32()?;
+        let mut identity = Vec::new();
+        for _ in 0..fields {
+            identity.push((r.text()?, r.text()?));
+        }
+        let passes = r.u32()?;
+        let count = r.u32()? as usize;
+        let numbers =
+            r.take(count.checked_mul(STRIDE * 8).ok_or(CheckpointError::Invalid("its size is absurd"))?)?;
+        let mut pixels = Pixels::new(count);
+        let values = numbers.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default()));
+        pixels.as_mut_slice().iter_mut().flatten().zip(values).for_each(|(to, from)| *to = from);
+        Ok(Self { identity, passes, pixels })
+    }
+
+    /// # Errors
+    /// When the file cannot be read or is no whole checkpoint.
+    pub fn read(path: &Path) -> Result<Self, CheckpointError> {
+        Self::decode(&std::fs::read(path)?)
+    }
+
+    /// # Errors
+    /// The first thing in which the two renders differ.
+    pub fn check(&self, identity: &[(String, String)]) -> Result<(), CheckpointError> {
+        for (name, now) in identity {
+            let was = self.identity.iter().find(|(n, _)| n == name).map_or("absent", |(_, v)| v.as_str());
+            if was != now {
+                return Err(CheckpointError::Different {
+                    name: name.clone(),
+                    was: was.to_owned(),
+                    now: now.clone(),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Checkpoint {
+        let mut pixels = Pixels::new(3);
+        pixels.as_mut_slice()[1][2] = 0.1 + 0.2;
+        Checkpoint { identity: vec![("seed".into(), "7".into())], passes: 12, pixels }
+    }
+
+    #[test]
+    fn reads_back_every_bit_and_refuses_damage() {
+        let c = example();
+        let bytes = c.encode();
+        assert_eq!(Checkpoint::decode(&bytes).unwrap(), c);
+        for n in 0..bytes.len() {
+            assert!(Checkpoint::decode(&bytes[..n]).is_err());
+            let mut broken = bytes.clone();
+            broken[n] ^= 4;
+            assert!(Checkpoint::decode(&broken).is_err());
+        }
+    }
+
+    #[test]
+    fn names_what_differs() {
+        let other = [("seed".to_owned(), "8".to_owned())];
+        let message = example().check(&other).unwrap_err().to_string();
+        assert_eq!(message, "it belongs to another render: seed was `7`, now it is `8`");
+    }
+}

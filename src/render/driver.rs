@@ -1,0 +1,220 @@
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::film::{Pixels, accumulate};
+use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch};
+use crate::math::Vec2;
+use crate::sampling::{Sampler, mix};
+use crate::scene::{Plan, Scene, Settings};
+use crate::settings::IntegratorKind;
+
+/// When to end; whichever comes first.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget<'a> {
+    /// Passes in all, resumed ones included.
+    pub passes: Option<u32>,
+    pub time: Option<Duration>,
+    /// Relative standard error of the picture, see `Pixels::relative_error`.
+    pub error: Option<f64>,
+    /// Set from outside (Ctrl-C) to end after the running pass.
+    pub interrupt: Option<&'a AtomicBool>,
+}
+
+/// Why a render ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Stop {
+    Passes,
+    Time,
+    Error,
+    Interrupted,
+}
+
+/// State after a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    pub pixels: &'a Pixels,
+    /// Passes in `pixels`.
+    pub passes: u32,
+    pub elapsed: Duration,
+    pub pass: PassStats,
+}
+
+/// What was done and how long it took.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Statistics {
+    pub passes: u32,
+    pub seconds: f64,
+    /// Choosing radii and path counts.
+    pub prepare_seconds: f64,
+    pub trace_seconds: f64,
+    pub build_seconds: f64,
+    pub camera_seconds: f64,
+    pub light_paths: u64,
+    pub photons_stored: u64,
+    pub rays: u64,
+    pub lookups: u64,
+    pub photons_gathered: u64,
+    /// Largest photon maps and sums held at once.
+    pub map_bytes: u64,
+    pub film_bytes: u64,
+    pub scene_bytes: u64,
+    pub first_radius: f32,
+    pub last_radius: f32,
+    pub first_caustic_radius: f32,
+    pub last_caustic_radius: f32,
+    /// Samples and photons that were NaN or infinite, and were left out.
+    pub rejected_samples: u64,
+    pub rejected_photons: u64,
+}
+
+/// A finished render.
+#[derive(Debug)]
+pub struct Outcome {
+    pub pixels: Pixels,
+    pub statistics: Statistics,
+    pub stop: Stop,
+}
+
+/// Renders passes `done..` into `pixels` (sums of the passes before). `progress` is called after each.
+pub fn render(
+    scene: &Scene,
+    plan: &Plan,
+    settings: &Settings,
+    budget: Budget<'_>,
+    pixels: Pixels,
+    done: u32,
+    progress: &mut dyn FnMut(&Progress<'_>),
+) -> Outcome {
+    let start = Instant::now();
+    match settings.integrator {
+        IntegratorKind::Path => {
+            let integrator = PathTracer::new(scene, plan, settings);
+            run(scene, &integrator, settings, budget, pixels, done, start, progress)
+        }
+        IntegratorKind::PhotonMap => {
+            let integrator = PhotonMapper::new(scene, plan, settings);
+            run(scene, &integrator, settings, budget, pixels, done, start, progress)
+        }
+    }
+}
+
+/// Rows of a block: a unit of parallel work is a band of the picture this high, walked in squares so
+/// that neighbouring lookups share cache lines.
+const BLOCK: usize = 8;
+
+fn run<I: Integrator>(
+    scene: &Scene,
+    integrator: &I,
+    settings: &Settings,
+    budget: Budget<'_>,
+    mut pixels: Pixels,
+    done: u32,
+    start: Instant,
+    progress: &mut dyn FnMut(&Progress<'_>),
+) -> Outcome {
+    let mut stats = Statistics {
+        prepare_seconds: start.elapsed().as_secs_f64(),
+        film_bytes: size_of_val(pixels.as_slice()) as u64,
+        scene_bytes: (scene.geometry.bytes() + scene.textures.bytes()) as u64,
+        ..Statistics::default()
+    };
+    let mut passes = done;
+    let mut longest = Duration::ZERO;
+    let stop = loop {
+        let elapsed = start.elapsed();
+        if budget.passes.is_some_and(|n| passes >= n) {
+            break Stop::Passes;
+        }
+        if budget.interrupt.is_some_and(|i| i.load(Ordering::Relaxed)) {
+            break Stop::Interrupted;
+        }
+        // A pass that would end late by more than half of itself is not begun; one is always made.
+        if budget.time.is_some_and(|t| passes > done && elapsed + longest / 2 > t) {
+            break Stop::Time;
+        }
+        if passes >= 8 && budget.error.is_some_and(|e| pixels.relative_error(passes) <= e) {
+            break Stop::Error;
+        }
+        let begun = Instant::now();
+        let (shared, pass) = integrator.begin_pass(passes);
+        let camera = Instant::now();
+        sample_all(scene, integrator, &shared, settings.seed, passes, &mut pixels, &mut stats);
+        drop(shared);
+        stats.camera_seconds += camera.elapsed().as_secs_f64();
+        count(&mut stats, &pass, passes == done);
+        passes += 1;
+        // The mean length follows passes that grow cheaper as the radius shrinks.
+        longest = begun.elapsed().max(longest.mul_f32(0.9));
+        progress(&Progress { pixels: &pixels, passes, elapsed: start.elapsed(), pass });
+    };
+    stats.passes = passes;
+    stats.seconds = start.elapsed().as_secs_f64();
+    Outcome { pixels, statistics: stats, stop }
+}
+
+fn count(stats: &mut Statistics, pass: &PassStats, first: bool) {
+    stats.trace_seconds += pass.trace_seconds;
+    stats.build_seconds += pass.build_seconds;
+    stats.light_paths += pass.light_paths;
+    stats.photons_stored += pass.photons;
+    stats.rays += pass.photon_rays;
+    stats.rejected_photons += pass.rejected_photons;
+    stats.map_bytes = stats.map_bytes.max(pass.map_bytes);
+    if first {
+        (stats.first_radius, stats.first_caustic_radius) = (pass.radius, pass.caustic_radius);
+    }
+    if pass.radius > 0.0 || pass.caustic_radius > 0.0 {
+        (stats.last_radius, stats.last_caustic_radius) = (pass.radius, pass.caustic_radius);
+    }
+}
+
+fn sample_all<I: Integrator>(
+    scene: &Scene,
+    integrator: &I,
+    shared: &I::Pass,
+    seed: u64,
+    pass: u32,
+    pixels: &mut Pixels,
+    stats: &mut Statistics,
+) {
+    let [x0, y0, width, height] = scene.film.crop.map(|v| v as usize);
+    let inverse = Vec2::new(1.0 / scene.film.width as f32, 1.0 / scene.film.height as f32);
+    let band = width * BLOCK;
+    let counted: Vec<(Scratch, u64)> = pixels
+        .as_mut_slice()
+        .par_chunks_mut(band)
+        .enumerate()
+        .map(|(b, sums)| {
+            let mut scratch = Scratch::default();
+            let mut rejected = 0;
+            let rows = (height - b * BLOCK).min(BLOCK);
+            for column in (0..width).step_by(BLOCK) {
+                for row in 0..rows {
+                    for x in column..(column + BLOCK).min(width) {
+                        let (px, py) = (x0 + x, y0 + b * BLOCK + row);
+                        // Keyed by the place on the full film: a crop shows the same noise.
+                        let pixel = (py as u64) << 32 | px as u64;
+                        let mut sampler = Sampler::new(mix(seed ^ mix(pixel)), pass);
+                        let (offset, weight) = scene.filter.sample(sampler.next_2d());
+                        let film = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * inverse;
+                        let ray = scene.sensor.ray(film, sampler.next_2d());
+                        let sample = integrator.sample(shared, ray, &mut sampler, &mut scratch);
+                        if !accumulate(&mut sums[row * width + x], &sample, weight) {
+                            rejected += 1;
+                        }
+                    }
+                }
+            }
+            (scratch, rejected)
+        })
+        .collect();
+    for (scratch, rejected) in counted {
+        stats.rays += scratch.rays;
+        stats.lookups += scratch.gather.lookups;
+        stats.photons_gathered += scratch.gather.photons;
+        stats.rejected_samples += rejected;
+    }
+}

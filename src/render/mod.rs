@@ -1,0 +1,7 @@
+//! The pass driver: runs passes in order, samples every pixel, knows when to stop.
+
+mod checkpoint;
+mod driver;
+
+pub use checkpoint::{Checkpoint, CheckpointError};
+pub use driver::{Budget, Outcome, Progress, Statistics, Stop, render};

@@ -1,0 +1,76 @@
+//! Analytic shapes of the IR placed in the world.
+
+use caustica_formats::ir::{ShapeKind, Transform};
+
+use crate::math::{Frame, Vec3};
+use crate::shape::{Analytic, Cylinder, Disk, Sphere};
+
+pub fn is_quadric(kind: &ShapeKind) -> bool {
+    matches!(kind, ShapeKind::Sphere { .. } | ShapeKind::Cylinder { .. })
+}
+
+fn columns(m: &Transform) -> [[f64; 3]; 3] {
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|a| m.vector(a))
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Whether the transform keeps angles, to the 1e-4 that matrices printed with six digits have.
+pub fn is_similarity(m: &Transform) -> bool {
+    let [x, y, z] = columns(m);
+    let s = dot(x, x);
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-4 * s;
+    same(dot(y, y), s)
+        && same(dot(z, z), s)
+        && same(dot(x, y), 0.0)
+        && same(dot(x, z), 0.0)
+        && same(dot(y, z), 0.0)
+}
+
+fn vec3(v: [f64; 3]) -> Vec3 {
+    Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)
+}
+
+/// The shape under `m`, which must be a similarity for spheres and cylinders. `None` when nothing of
+/// it is left. Mirroring turns the normals of spheres and cylinders inwards, as in Mitsuba 3.9.
+pub fn place(kind: &ShapeKind, m: &Transform, flip: bool) -> Option<Analytic> {
+    let axes = columns(m);
+    let scale = dot(axes[0], axes[0]).sqrt();
+    let inward = flip != (m.determinant3() < 0.0);
+    let unit = axes.map(|a| vec3(a.map(|x| x / scale)));
+    match kind {
+        ShapeKind::Sphere { center, radius } => {
+            let radius = (radius.abs() * scale) as f32;
+            let to_object = Frame { s: unit[0], t: unit[1], n: unit[2] };
+            (radius > 0.0 && radius.is_finite()).then(|| {
+                Analytic::Sphere(Sphere { center: vec3(m.point(*center)), radius, to_object, inward })
+            })
+        }
+        ShapeKind::Cylinder { p0, p1, radius } => {
+            let (a, b) = (m.point(*p0), m.point(*p1));
+            let d = vec3([b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
+            let length = d.length();
+            let radius = (radius.abs() * scale) as f32;
+            (radius > 0.0 && length > 0.0 && length.is_finite()).then(|| {
+                Analytic::Cylinder(Cylinder {
+                    p0: vec3(a),
+                    axis: Frame::from_normal(d / length),
+                    length,
+                    radius,
+                    inward,
+                })
+            })
+        }
+        ShapeKind::Disk => {
+            let (u, v) = (vec3(axes[0]), vec3(axes[1]));
+            // The image of +Z as a normal lies on the side that the transformed Z axis points to.
+            let n = u.cross(v).normalize_or_zero();
+            let n = if n.dot(vec3(axes[2])) < 0.0 { -n } else { n };
+            (n != Vec3::ZERO)
+                .then(|| Analytic::Disk(Disk::new(vec3(m.point([0.0; 3])), u, v, if flip { -n } else { n })))
+        }
+        _ => None,
+    }
+}

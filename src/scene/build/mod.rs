@@ -1,0 +1,122 @@
+//! IR → [`Scene`]. Everything that can fail fails here, with the place in the author's file; all
+//! problems are listed at once.
+
+mod analytic;
+mod builtin;
+mod emitters;
+mod integrator;
+mod materials;
+mod sensor;
+mod shapes;
+mod textures;
+
+use caustica_formats::diagnostic::{Diagnostic, Severity};
+use caustica_formats::files::Files;
+use caustica_formats::ir;
+use caustica_formats::spectrum::to_linear_rgb;
+
+use super::{Scene, emitter_distributions};
+use crate::math::Rgb;
+
+/// How to compile.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BuildOptions {
+    /// Which sensor; `None` is the scene's default.
+    pub sensor: Option<usize>,
+    /// Replace what cannot be rendered by something near, with a warning.
+    pub allow_unsupported: bool,
+}
+
+/// A compiled scene and what to say about it.
+#[derive(Debug)]
+pub struct Built {
+    pub scene: Scene,
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// Collects problems while the scene is put together.
+struct Builder<'a> {
+    ir: &'a ir::Scene,
+    files: &'a dyn Files,
+    options: BuildOptions,
+    diagnostics: Vec<Diagnostic>,
+    textures: textures::TextureTable,
+    materials: materials::MaterialTable,
+}
+
+impl Builder<'_> {
+    fn error(&mut self, message: impl Into<String>, origin: ir::Origin) {
+        self.diagnostics.push(Diagnostic::error(message, origin.0));
+    }
+
+    fn warn(&mut self, message: impl Into<String>, origin: ir::Origin) {
+        self.diagnostics.push(Diagnostic::warning(message, origin.0));
+    }
+
+    /// An error, or with `--allow-unsupported` a warning that names the substitute.
+    fn unsupported(&mut self, what: &str, substitute: &str, origin: ir::Origin) {
+        if self.options.allow_unsupported {
+            self.warn(format!("{what} is not rendered yet; {substitute} instead"), origin);
+        } else {
+            self.diagnostics.push(
+                Diagnostic::error(format!("{what} is not rendered yet"), origin.0)
+                    .help(format!("--allow-unsupported renders {substitute} instead")),
+            );
+        }
+    }
+
+    fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Rgb {
+        match to_linear_rgb(color, slot, self.ir.spectrum_rule) {
+            Ok(c) => Rgb::new(c[0] as f32, c[1] as f32, c[2] as f32),
+            Err(e) => {
+                self.error(e.to_string(), origin);
+                Rgb::ZERO
+            }
+        }
+    }
+}
+
+/// Compiles a scene for rendering.
+///
+/// # Errors
+/// Every problem found: missing or broken meshes and textures, unsupported features, no sensor.
+pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result<Built, Vec<Diagnostic>> {
+    let mut b = Builder {
+        ir,
+        files,
+        options,
+        diagnostics: Vec::new(),
+        textures: textures::TextureTable::default(),
+        materials: materials::MaterialTable::default(),
+    };
+    let sensor = sensor::choose(&mut b);
+    let shapes = shapes::build(&mut b);
+    let mut emitters = shapes.emitters;
+    let environment = emitters::build(&mut b, shapes.origin, &mut emitters);
+    let camera = sensor.map(|s| sensor::build(&mut b, s, shapes.origin));
+    let settings = integrator::settings(ir);
+    let failed = b.diagnostics.iter().any(|d| d.severity == Severity::Error);
+    let Some((sensor, film, filter)) = camera.filter(|_| !failed) else {
+        return Err(b.diagnostics);
+    };
+    let textures = b.textures.finish();
+    let (direct, emission) = emitter_distributions(&emitters, &textures, &shapes.sphere);
+    let scene = Scene {
+        geometry: shapes.geometry,
+        shapes: shapes.records,
+        materials: b.materials.finish(),
+        textures,
+        emitters,
+        emission,
+        direct,
+        environment,
+        sphere: shapes.sphere,
+        origin: shapes.origin,
+        sensor,
+        film,
+        filter,
+        hidden_lamps_are_transparent: ir.hide_emitters == ir::HideEmitters::Surface,
+        settings,
+    };
+    Ok(Built { scene, warnings: b.diagnostics })
+}

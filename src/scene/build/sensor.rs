@@ -1,0 +1,121 @@
+//! Sensor and film.
+
+use caustica_formats::diagnostic::Diagnostic;
+use caustica_formats::ir;
+
+use super::Builder;
+use crate::film::filter::{Box, Cubic, Gaussian, Lanczos, Shape, Tent};
+use crate::film::{FilmSize, Filter};
+use crate::math::{Vec2, Vec3};
+use crate::sensor::{Axis, Lens, Perspective, Sensor, ThinLens};
+
+/// Diagonal of the 36 × 24 mm frame that focal lengths refer to.
+const FRAME_DIAGONAL: f64 = 43.266_615_305_567_87;
+
+/// The sensor to render.
+pub fn choose<'a>(b: &mut Builder<'a>) -> Option<&'a ir::Sensor> {
+    let ir: &'a ir::Scene = b.ir;
+    let index = b.options.sensor.unwrap_or(ir.default_sensor);
+    let sensor = ir.sensors.get(index);
+    if sensor.is_none() {
+        b.diagnostics.push(if ir.sensors.is_empty() {
+            Diagnostic::error("the scene has no sensor", None)
+                .help("add <sensor type=\"perspective\"> with a to_world transform")
+        } else {
+            Diagnostic::error(format!("there is no sensor {index}: the scene has {}", ir.sensors.len()), None)
+        });
+    }
+    sensor
+}
+
+pub fn build(b: &mut Builder<'_>, s: &ir::Sensor, origin: [f64; 3]) -> (Sensor, FilmSize, Filter) {
+    let film = film_size(b, &s.film);
+    let aspect = f64::from(film.width) / f64::from(film.height);
+    let (fov, axis) = match s.fov {
+        ir::Fov::Degrees(d) => (d, fov_axis(s.fov_axis)),
+        ir::Fov::FocalLength(mm) => (2.0 * (FRAME_DIAGONAL * 0.5 / mm).atan().to_degrees(), Axis::Diagonal),
+    };
+    if !(fov > 0.0 && fov < 180.0) {
+        b.error(format!("the field of view must lie between 0 and 180 degrees, not {fov}"), s.origin);
+    }
+    if !(s.near_clip > 0.0 && s.far_clip > s.near_clip) {
+        b.error("the clipping planes must satisfy 0 < near_clip < far_clip", s.origin);
+    }
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|a| {
+        let v = s.to_world.vector(a);
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if !length.is_normal() {
+            b.error("the sensor's to_world is singular", s.origin);
+        } else if (length - 1.0).abs() > 1e-3 {
+            b.warn("the sensor's to_world scales; the scale is removed", s.origin);
+        }
+        Vec3::new((v[0] / length) as f32, (v[1] / length) as f32, (v[2] / length) as f32)
+    });
+    let p = s.to_world.point([0.0; 3]);
+    let pinhole = Perspective::new(fov, axis, aspect);
+    let lens = match s.lens {
+        None => Lens::Perspective(pinhole),
+        Some(l) => Lens::ThinLens(ThinLens {
+            pinhole,
+            aperture_radius: l.aperture_radius as f32,
+            focus_distance: l.focus_distance as f32,
+        }),
+    };
+    let [ox, oy] = s.principal_point_offset;
+    let sensor = Sensor {
+        lens,
+        axes,
+        position: Vec3::new((p[0] - origin[0]) as f32, (p[1] - origin[1]) as f32, (p[2] - origin[2]) as f32),
+        near: s.near_clip as f32,
+        far: s.far_clip as f32,
+        principal_point_offset: Vec2::new(ox as f32, oy as f32),
+    };
+    (sensor, film, Filter::new(filter(&s.film.filter)))
+}
+
+/// Largest film, in pixels: 2³⁰ of them need 112 GB of sums.
+const MAX_PIXELS: u64 = 1 << 30;
+
+fn film_size(b: &mut Builder<'_>, f: &ir::Film) -> FilmSize {
+    if f.width == 0 || f.height == 0 || u64::from(f.width) * u64::from(f.height) > MAX_PIXELS {
+        b.error(format!("a film of {}×{} pixels cannot be rendered", f.width, f.height), f.origin);
+        return FilmSize::full(1, 1);
+    }
+    let mut size = FilmSize::full(f.width, f.height);
+    if let Some(c) = f.crop {
+        let fits = |o: u32, n: u32, full: u32| n > 0 && o.checked_add(n).is_some_and(|end| end <= full);
+        if !fits(c.x, c.width, f.width) || !fits(c.y, c.height, f.height) {
+            b.error(
+                format!(
+                    "the crop {}×{} at {},{} does not lie within the film of {}×{}",
+                    c.width, c.height, c.x, c.y, f.width, f.height
+                ),
+                f.origin,
+            );
+        } else {
+            size.crop = [c.x, c.y, c.width, c.height];
+        }
+    }
+    size
+}
+
+fn fov_axis(axis: ir::FovAxis) -> Axis {
+    match axis {
+        ir::FovAxis::X => Axis::X,
+        ir::FovAxis::Y => Axis::Y,
+        ir::FovAxis::Diagonal => Axis::Diagonal,
+        ir::FovAxis::Smaller => Axis::Smaller,
+        ir::FovAxis::Larger => Axis::Larger,
+    }
+}
+
+fn filter(f: &ir::Filter) -> Shape {
+    match *f {
+        ir::Filter::Box { radius } => Shape::Box(Box { radius }),
+        ir::Filter::Tent { radius } => Shape::Tent(Tent { radius }),
+        ir::Filter::Gaussian { stddev } => Shape::Gaussian(Gaussian { stddev }),
+        ir::Filter::Mitchell { b, c } => Shape::Cubic(Cubic { b, c }),
+        ir::Filter::CatmullRom => Shape::Cubic(Cubic { b: 0.0, c: 0.5 }),
+        ir::Filter::Lanczos { lobes } => Shape::Lanczos(Lanczos { lobes }),
+    }
+}

@@ -1,0 +1,381 @@
+//! Shapes → world-space primitives, instances and area emitters.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use caustica_formats::ir::{self, ColorSlot, ShapeKind, Transform};
+use caustica_formats::mesh::{self, Mesh, MeshOptions};
+use rayon::prelude::*;
+
+use super::{Builder, analytic, builtin};
+use crate::emitter::{Area, Emitter, MeshTriangle, SceneSphere, Surface};
+use crate::math::{Bounds, Vec2, Vec3};
+use crate::scene::geometry::{Geometry, Instance, Level, MAX_INDEX, Placement, Primitive};
+use crate::scene::{LIFT, ShapeRecord};
+use crate::shape::{Analytic, triangle};
+
+/// What the shapes of a scene become.
+pub struct Shapes {
+    pub geometry: Geometry,
+    pub records: Vec<ShapeRecord>,
+    /// Area emitters, in shape order.
+    pub emitters: Vec<Emitter>,
+    pub sphere: SceneSphere,
+    /// The author's coordinates of our (0, 0, 0).
+    pub origin: [f64; 3],
+}
+
+/// A mesh file with the options it is read with.
+type MeshKey = (PathBuf, ir::MeshFormat, bool, bool, Option<u64>);
+
+fn mesh_key(m: &ir::MeshFile) -> MeshKey {
+    (m.path.clone(), m.format, m.face_normals, m.flip_tex_coords, m.max_smooth_angle.map(f64::to_bits))
+}
+
+type Meshes = HashMap<(PathBuf, String), Option<Mesh>>;
+
+fn cache_key(m: &ir::MeshFile) -> (PathBuf, String) {
+    let (path, ..) = mesh_key(m);
+    (path, format!("{:?}", mesh_key(m)))
+}
+
+pub fn build(b: &mut Builder<'_>) -> Shapes {
+    let meshes = load_meshes(b);
+    let origin = middle(b, &meshes);
+    let mut level = LevelBuilder::default();
+    let mut records = Vec::new();
+    let mut emitters = Vec::new();
+    let mut groups = Vec::new();
+    for (_, group) in b.ir.groups.iter() {
+        let mut g = LevelBuilder::default();
+        for shape in &group.shapes {
+            if let Some(e) = &shape.emission {
+                b.error("a shape inside a shapegroup cannot emit light", e.origin);
+            }
+            if matches!(shape.kind, ShapeKind::Instance { .. }) {
+                b.error("an instance cannot stand inside a shapegroup", shape.origin);
+                continue;
+            }
+            add_shape(b, &meshes, shape, &shape.to_world, &mut g, &mut records, None);
+        }
+        groups.push(Level::new(g.primitives, g.analytic, &[]));
+    }
+    let to_ours = Transform::translate(origin.map(|x| -x));
+    let mut instances = Vec::new();
+    let mut instance_bounds = Vec::new();
+    let ir = b.ir;
+    for shape in &ir.shapes {
+        let to_world = to_ours.after(&shape.to_world);
+        let group = match &shape.kind {
+            ShapeKind::Instance { group } => group.index() as u32,
+            // A stretched quadric is the plain one seen through an instance.
+            kind if analytic::is_quadric(kind) && !analytic::is_similarity(&shape.to_world) => {
+                if let Some(e) = &shape.emission {
+                    b.error("a sphere or cylinder that is not scaled evenly cannot emit light", e.origin);
+                }
+                let mut g = LevelBuilder::default();
+                add_shape(b, &meshes, shape, &Transform::IDENTITY, &mut g, &mut records, None);
+                groups.push(Level::new(g.primitives, g.analytic, &[]));
+                groups.len() as u32 - 1
+            }
+            _ => {
+                add_shape(b, &meshes, shape, &to_world, &mut level, &mut records, Some(&mut emitters));
+                continue;
+            }
+        };
+        let Some(placement) = placement(&to_world) else {
+            b.error("the to_world of this shape is singular", shape.origin);
+            continue;
+        };
+        let bounds = transform_bounds(&placement, &groups[group as usize].bounds);
+        if bounds.is_empty() {
+            continue;
+        }
+        level.primitives.push(Primitive::instance(instances.len() as u32));
+        instances.push(Instance { group, placement });
+        instance_bounds.push(bounds);
+    }
+    let world = Level::new(level.primitives, level.analytic, &instance_bounds);
+    let bounds = world.bounds;
+    let sphere = if bounds.is_empty() {
+        SceneSphere { center: Vec3::ZERO, radius: 1.0 }
+    } else {
+        // A little larger than the corners need, so that light from infinity starts outside everything.
+        SceneSphere { center: bounds.center(), radius: bounds.radius() * 1.001 }
+    };
+    Shapes { geometry: Geometry { world, groups, instances }, records, emitters, sphere, origin }
+}
+
+fn every_shape<'a>(ir: &'a ir::Scene) -> impl Iterator<Item = &'a ir::Shape> {
+    ir.shapes.iter().chain(ir.groups.iter().flat_map(|(_, g)| g.shapes.iter()))
+}
+
+/// Reads every mesh file once, in parallel; problems are reported at the first shape that uses it.
+fn load_meshes(b: &mut Builder<'_>) -> Meshes {
+    let mut wanted: Vec<(&ir::MeshFile, ir::Origin)> = Vec::new();
+    let mut seen = HashMap::new();
+    for shape in every_shape(b.ir) {
+        if let ShapeKind::Mesh(m) = &shape.kind {
+            seen.entry(cache_key(m)).or_insert_with(|| wanted.push((m, shape.origin)));
+        }
+    }
+    let files = b.files;
+    let loaded: Vec<Result<Mesh, String>> = wanted
+        .par_iter()
+        .map(|(m, _)| {
+            let bytes = files.read(&m.path).map_err(|e| e.to_string())?;
+            let options = MeshOptions {
+                face_normals: m.face_normals,
+                flip_tex_coords: m.flip_tex_coords,
+                max_smooth_angle: m.max_smooth_angle,
+            };
+            mesh::read(m.format, &bytes, &options).map_err(|e| e.to_string())
+        })
+        .collect();
+    let mut meshes = Meshes::new();
+    for ((m, origin), result) in wanted.into_iter().zip(loaded) {
+        let mesh = match result {
+            Ok(mesh) => {
+                if mesh.triangles.is_empty() {
+                    b.warn(format!("mesh `{}` has no triangles", m.path.display()), origin);
+                }
+                Some(mesh)
+            }
+            Err(e) => {
+                b.error(format!("cannot read mesh `{}`: {e}", m.path.display()), origin);
+                None
+            }
+        };
+        meshes.insert(cache_key(m), mesh);
+    }
+    meshes
+}
+
+/// Middle of the scene's bounds in the author's coordinates, in f64.
+fn middle(b: &Builder<'_>, meshes: &Meshes) -> [f64; 3] {
+    let mut min = [f64::INFINITY; 3];
+    let mut max = [f64::NEG_INFINITY; 3];
+    let mut add = |p: [f64; 3]| {
+        for i in 0..3 {
+            min[i] = min[i].min(p[i]);
+            max[i] = max[i].max(p[i]);
+        }
+    };
+    for shape in &b.ir.shapes {
+        let m = &shape.to_world;
+        match &shape.kind {
+            ShapeKind::Mesh(file) => {
+                if let Some(Some(mesh)) = meshes.get(&cache_key(file)) {
+                    mesh.positions.iter().for_each(|p| add(m.point(p.map(f64::from))));
+                }
+            }
+            ShapeKind::Instance { group } => {
+                for inner in &b.ir.groups[*group].shapes {
+                    let both = m.after(&inner.to_world);
+                    corners(&inner.kind, meshes).into_iter().for_each(|p| add(both.point(p)));
+                }
+            }
+            kind => corners(kind, meshes).into_iter().for_each(|p| add(m.point(p))),
+        }
+    }
+    std::array::from_fn(|i| {
+        let c = 0.5 * (min[i] + max[i]);
+        if c.is_finite() { c } else { 0.0 }
+    })
+}
+
+/// Points whose hull contains the shape, in object space.
+fn corners(kind: &ShapeKind, meshes: &Meshes) -> Vec<[f64; 3]> {
+    let around = |lo: [f64; 3], hi: [f64; 3]| {
+        (0..8).map(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { lo[a] } else { hi[a] })).collect()
+    };
+    match kind {
+        ShapeKind::Mesh(file) => match meshes.get(&cache_key(file)) {
+            Some(Some(mesh)) => mesh.positions.iter().map(|p| p.map(f64::from)).collect(),
+            _ => Vec::new(),
+        },
+        ShapeKind::Sphere { center, radius } => {
+            around(center.map(|c| c - radius.abs()), center.map(|c| c + radius.abs()))
+        }
+        ShapeKind::Cylinder { p0, p1, radius } => around(
+            std::array::from_fn(|i| p0[i].min(p1[i]) - radius.abs()),
+            std::array::from_fn(|i| p0[i].max(p1[i]) + radius.abs()),
+        ),
+        ShapeKind::Rectangle | ShapeKind::Disk => around([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]),
+        ShapeKind::Cube => around([-1.0; 3], [1.0; 3]),
+        ShapeKind::Instance { .. } => Vec::new(),
+    }
+}
+
+#[derive(Default)]
+struct LevelBuilder {
+    primitives: Vec<Primitive>,
+    analytic: Vec<Analytic>,
+}
+
+/// Adds a shape that is not an instance, placed by `to_level`.
+fn add_shape(
+    b: &mut Builder<'_>,
+    meshes: &Meshes,
+    shape: &ir::Shape,
+    to_level: &Transform,
+    level: &mut LevelBuilder,
+    records: &mut Vec<ShapeRecord>,
+    emitters: Option<&mut Vec<Emitter>>,
+) {
+    if to_level.inverse().is_none() {
+        b.error("the to_world of this shape is singular", shape.origin);
+        return;
+    }
+    let index = records.len() as u32;
+    let material = b.material(shape.bsdf, shape.emission.is_some());
+    let mut record = ShapeRecord {
+        material,
+        emitter: None,
+        flip: shape.flip_normals,
+        triangles: Vec::new(),
+        normals: Vec::new(),
+        uvs: Vec::new(),
+    };
+    let built;
+    let mesh = match &shape.kind {
+        ShapeKind::Mesh(file) => match meshes.get(&cache_key(file)) {
+            Some(Some(mesh)) => Some(mesh),
+            _ => return,
+        },
+        ShapeKind::Rectangle => {
+            built = builtin::rectangle(to_level.determinant3() < 0.0);
+            Some(&built)
+        }
+        ShapeKind::Cube => {
+            built = builtin::cube();
+            Some(&built)
+        }
+        _ => None,
+    };
+    let surface = match mesh {
+        Some(mesh) => {
+            if mesh.triangles.len() > MAX_INDEX {
+                b.error(format!("a mesh of {} triangles is too large", mesh.triangles.len()), shape.origin);
+                return;
+            }
+            let first = level.primitives.len();
+            add_mesh(mesh, to_level, index, level, &mut record);
+            if shape.emission.is_some() { Some(lamp_mesh(&level.primitives[first..], &record)) } else { None }
+        }
+        None => {
+            let Some(quadric) = analytic::place(&shape.kind, to_level, shape.flip_normals) else {
+                b.error("the shape's radius, length or axes are degenerate", shape.origin);
+                return;
+            };
+            record.flip = false;
+            level.primitives.push(Primitive::analytic(index, level.analytic.len() as u32));
+            level.analytic.push(quadric.clone());
+            Some(Surface::Analytic(quadric))
+        }
+    };
+    if let (Some(emission), Some(surface), Some(emitters)) = (&shape.emission, surface, emitters) {
+        let radiance = b.param(&emission.radiance, ColorSlot::Emission, emission.origin);
+        let extent = match &surface {
+            Surface::Mesh { triangles, .. } => triangles
+                .iter()
+                .flat_map(|t| t.v)
+                .map(|v| Vec3::from(v).abs().max_element())
+                .fold(0.0, f32::max),
+            Surface::Analytic(a) => a.bounds().magnitude(),
+        };
+        let area = Area::new(surface, radiance, extent * LIFT);
+        if area.area() > 0.0 {
+            record.emitter = Some(emitters.len() as u32);
+            emitters.push(Emitter::Area(area));
+        } else {
+            b.warn("a lamp without area gives no light", shape.origin);
+        }
+    }
+    records.push(record);
+}
+
+fn add_mesh(
+    mesh: &Mesh,
+    to_level: &Transform,
+    index: u32,
+    level: &mut LevelBuilder,
+    record: &mut ShapeRecord,
+) {
+    // In f64 and rounded once, so that meshes which share an edge in the file share it here.
+    let positions: Vec<[f32; 3]> = mesh
+        .positions
+        .par_iter()
+        .with_min_len(4096)
+        .map(|p| to_level.point(p.map(f64::from)).map(|x| x as f32))
+        .collect();
+    level.primitives.extend(
+        mesh.triangles
+            .iter()
+            .enumerate()
+            .map(|(i, t)| Primitive::triangle(t.map(|v| positions[v as usize]), index, i as u32)),
+    );
+    if !mesh.normals.is_empty() {
+        if let Some(inverse) = to_level.inverse() {
+            record.normals = mesh
+                .normals
+                .par_iter()
+                .with_min_len(4096)
+                .map(|n| {
+                    let n = n.map(f64::from);
+                    let m = &inverse.0;
+                    let t: [f64; 3] =
+                        std::array::from_fn(|i| m[0][i] * n[0] + m[1][i] * n[1] + m[2][i] * n[2]);
+                    let length = t.iter().map(|x| x * x).sum::<f64>().sqrt();
+                    if length > 0.0 { t.map(|x| (x / length) as f32) } else { [0.0; 3] }
+                })
+                .collect();
+        }
+    }
+    record.uvs.clone_from(&mesh.uvs);
+    if !record.normals.is_empty() || !record.uvs.is_empty() {
+        record.triangles.clone_from(&mesh.triangles);
+    }
+}
+
+/// The lamp's triangles with the normal of the side that shines: the side of the shading normals.
+fn lamp_mesh(primitives: &[Primitive], record: &ShapeRecord) -> Surface {
+    let flip = if record.flip { -1.0 } else { 1.0 };
+    let triangles = primitives.iter().enumerate().map(|(i, p)| {
+        let geometric = triangle::cross_product(p.corners()).normalize_or_zero() * flip;
+        let corner = |k: usize| record.triangles.get(i).map(|t| t[k] as usize);
+        let shading: Vec3 = (0..3)
+            .filter_map(|k| corner(k).and_then(|v| record.normals.get(v)))
+            .map(|&n| Vec3::from(n) * flip)
+            .sum();
+        let uv = std::array::from_fn(|k| match corner(k).and_then(|v| record.uvs.get(v)) {
+            Some(&uv) => Vec2::from(uv),
+            None => [Vec2::ZERO, Vec2::X, Vec2::Y][k],
+        });
+        let normal = if shading.dot(geometric) < 0.0 { -geometric } else { geometric };
+        MeshTriangle { v: *p.corners(), uv, normal }
+    });
+    Surface::mesh(triangles.collect())
+}
+
+fn placement(m: &Transform) -> Option<Placement> {
+    let columns = |m: &Transform| {
+        std::array::from_fn(|c| Vec3::new(m.0[0][c] as f32, m.0[1][c] as f32, m.0[2][c] as f32))
+    };
+    Some(Placement { columns: columns(m), inverse: columns(&m.inverse()?) })
+}
+
+fn transform_bounds(m: &Placement, b: &Bounds) -> Bounds {
+    let mut out = Bounds::EMPTY;
+    if !b.is_empty() {
+        for i in 0..8 {
+            let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
+            out.add(m.point(Vec3::new(
+                pick(0, b.min.x, b.max.x),
+                pick(1, b.min.y, b.max.y),
+                pick(2, b.min.z, b.max.z),
+            )));
+        }
+    }
+    out
+}

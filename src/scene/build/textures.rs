@@ -1,0 +1,150 @@
+//! Textures and textured parameters. Only what is used is loaded, once per use as colour or emission.
+
+use std::collections::HashMap;
+
+use caustica_formats::image::{self, Encoding};
+use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
+
+use super::Builder;
+use crate::math::Rgb;
+use crate::texture::{Bitmap, Checkerboard, Param, Texture, Textures, UvTransform, Wrap};
+
+#[derive(Default)]
+pub struct TextureTable {
+    textures: Textures,
+    known: HashMap<(usize, bool), Param>,
+}
+
+impl TextureTable {
+    pub fn finish(self) -> Textures {
+        self.textures
+    }
+
+    fn push(&mut self, texture: Texture) -> Param {
+        self.textures.0.push(texture);
+        Param::Texture(self.textures.0.len() as u32 - 1)
+    }
+}
+
+impl Builder<'_> {
+    pub(super) fn param(&mut self, input: &ColorInput, slot: ColorSlot, origin: ir::Origin) -> Param {
+        match input {
+            ColorInput::Color(c) => Param::Constant(self.color(c, slot, origin)),
+            ColorInput::Texture(id) => self.texture(*id, slot),
+        }
+    }
+
+    pub(super) fn scalar_param(&mut self, input: &FloatInput) -> Param {
+        match input {
+            FloatInput::Value(v) => Param::gray(*v as f32),
+            FloatInput::Texture(id) => self.texture(*id, ColorSlot::Reflectance),
+        }
+    }
+
+    fn texture(&mut self, id: ir::Id<ir::Texture>, slot: ColorSlot) -> Param {
+        let key = (id.index(), slot == ColorSlot::Emission);
+        if let Some(param) = self.textures.known.get(&key) {
+            return *param;
+        }
+        let texture = &self.ir.textures[id];
+        let origin = texture.origin;
+        let param = match &texture.kind {
+            ir::TextureKind::Bitmap(b) => match self.bitmap(b, origin) {
+                Some(b) => self.textures.push(Texture::Bitmap(b)),
+                None => Param::gray(0.5),
+            },
+            ir::TextureKind::Checkerboard { color0, color1, to_uv } => {
+                let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
+                self.textures.push(Texture::Checkerboard(Checkerboard { colors, to_uv: uv_transform(to_uv) }))
+            }
+            ir::TextureKind::Scale { value, factor } => {
+                let inner = self.param(value, slot, origin);
+                let factor = self.color(factor, ColorSlot::Unbounded, origin);
+                match inner {
+                    Param::Constant(c) => Param::Constant(c * factor),
+                    Param::Texture(_) => self.textures.push(Texture::Scaled(inner, factor)),
+                }
+            }
+        };
+        self.textures.known.insert(key, param);
+        param
+    }
+
+    fn bitmap(&mut self, b: &ir::Bitmap, origin: ir::Origin) -> Option<Bitmap> {
+        let read = self
+            .files
+            .read(&b.path)
+            .map_err(|e| e.to_string())
+            .and_then(|bytes| image::read(&bytes).map_err(|e| e.to_string()));
+        let picture = match read {
+            Ok(picture) => picture,
+            Err(e) => {
+                self.error(format!("cannot read texture `{}`: {e}", b.path.display()), origin);
+                return None;
+            }
+        };
+        let channels = channels(&picture.channels, b.channel);
+        let Some(channels) = channels else {
+            let known = picture.channels.join(", ");
+            self.error(
+                format!("texture `{}` has channels {known}, none of them usable", b.path.display()),
+                origin,
+            );
+            return None;
+        };
+        let decode = decoder(b.encoding, picture.encoding);
+        let texels = picture
+            .data
+            .chunks_exact(picture.channels.len())
+            .map(|p| channels.map(|c| decode(p[c])))
+            .collect();
+        Some(Bitmap {
+            width: picture.width,
+            height: picture.height,
+            texels,
+            bilinear: b.filter == ir::TextureFilter::Bilinear,
+            wrap: [wrap(b.wrap_u), wrap(b.wrap_v)],
+            to_uv: uv_transform(&b.to_uv),
+        })
+    }
+}
+
+/// Indices of the channels to use as RGB. Alpha is dropped without un-premultiplying, as Mitsuba does.
+fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]> {
+    let find = |wanted: &str| names.iter().position(|n| n.eq_ignore_ascii_case(wanted));
+    if let Some(c) = one {
+        return find(&c.to_string()).map(|i| [i; 3]);
+    }
+    match (find("R"), find("G"), find("B")) {
+        (Some(r), Some(g), Some(b)) => Some([r, g, b]),
+        _ => find("Y").or((names.len() == 1).then_some(0)).map(|i| [i; 3]),
+    }
+}
+
+fn decoder(wanted: ir::TextureEncoding, stored: Encoding) -> impl Fn(f32) -> f32 {
+    let srgb = |x: f32| caustica_formats::spectrum::srgb_to_linear(f64::from(x)) as f32;
+    move |x| match (wanted, stored) {
+        (ir::TextureEncoding::Auto, Encoding::Srgb) | (ir::TextureEncoding::Srgb, _) => srgb(x),
+        (ir::TextureEncoding::Auto, Encoding::Linear) | (ir::TextureEncoding::Linear, _) => x,
+        (ir::TextureEncoding::Gamma(g), _) => x.max(0.0).powf(g as f32),
+    }
+}
+
+fn wrap(mode: ir::WrapMode) -> Wrap {
+    match mode {
+        ir::WrapMode::Repeat => Wrap::Repeat,
+        ir::WrapMode::Mirror => Wrap::Mirror,
+        ir::WrapMode::Clamp => Wrap::Clamp,
+        ir::WrapMode::Zero => Wrap::Zero,
+        ir::WrapMode::One => Wrap::One,
+    }
+}
+
+fn uv_transform(m: &ir::Transform) -> UvTransform {
+    // uv is the point (u, v, 0, 1): Mitsuba reads the upper-left 2×2 part and the translation.
+    let row = |r: usize| [m.0[r][0] as f32, m.0[r][1] as f32, m.0[r][3] as f32];
+    UvTransform { u: row(0), v: row(1) }
+}
+
+/// A gray of 0.5: Mitsuba's default reflectance.
+pub const DEFAULT_REFLECTANCE: Rgb = Rgb::splat(0.5);

@@ -1,0 +1,290 @@
+//! The compiled scene: world-space geometry, linear RGB, nothing left that can fail.
+
+pub mod build;
+mod geometry;
+mod plan;
+
+pub use crate::settings::Settings;
+pub use geometry::{Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement, Primitive};
+pub use plan::Plan;
+
+use crate::bsdf::{Closure, Material};
+use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere};
+use crate::film::{FilmSize, Filter};
+use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
+use crate::sampling::Discrete;
+use crate::sensor::Sensor;
+use crate::texture::Textures;
+
+/// A shape's material and what its mesh carries per vertex.
+#[derive(Debug)]
+pub struct ShapeRecord {
+    pub material: u32,
+    /// Index into `Scene::emitters`.
+    pub emitter: Option<u32>,
+    /// Normals are reversed.
+    pub flip: bool,
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit, in the frame of the level; empty for flat shading.
+    pub normals: Vec<[f32; 3]>,
+    /// Empty when absent.
+    pub uvs: Vec<[f32; 2]>,
+}
+
+/// A point on a surface, in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    pub p: Vec3,
+    /// Unit geometric normal.
+    pub ng: Vec3,
+    /// Shading frame.
+    pub frame: Frame,
+    pub uv: Vec2,
+    /// How far a ray must start from the surface for rounding not to find it again.
+    pub lift: f32,
+    pub shape: u32,
+}
+
+impl Surface {
+    /// Origin for a ray leaving along `d`, on that side of the surface.
+    #[inline]
+    pub fn origin(&self, d: Vec3) -> Vec3 {
+        self.p + self.ng * self.lift.copysign(self.ng.dot(d))
+    }
+
+    #[inline]
+    pub fn leave(&self, d: Vec3) -> Ray {
+        Ray::new(self.origin(d), d)
+    }
+}
+
+/// Relative size of [`Surface::lift`]: 2⁻¹⁹ of the largest coordinate involved, some sixteen roundings;
+/// measured errors of barycentric points and of the triangle test stay below eight.
+pub const LIFT: f32 = 1.0 / 524_288.0;
+
+/// Everything a render needs. Coordinates are relative to `origin`, the middle of the author's scene,
+/// so that a scene far from the author's origin loses no precision.
+#[derive(Debug)]
+pub struct Scene {
+    pub geometry: Geometry,
+    pub shapes: Vec<ShapeRecord>,
+    pub materials: Vec<Material>,
+    pub textures: Textures,
+    pub emitters: Vec<Emitter>,
+    /// By power, for photons.
+    pub emission: Discrete,
+    /// Half uniform, half by power, for direct light: a lamp in sight may be the weakest.
+    pub direct: Discrete,
+    /// The emitter at infinity, if any.
+    pub environment: Option<u32>,
+    pub sphere: SceneSphere,
+    pub origin: [f64; 3],
+    pub sensor: Sensor,
+    pub film: FilmSize,
+    pub filter: Filter,
+    /// Camera rays see through lamps (Mitsuba 3.7's `hide_emitters`) rather than see them dark.
+    pub hidden_lamps_are_transparent: bool,
+    /// Settings the scene asks for.
+    pub settings: Settings,
+}
+
+impl Scene {
+    /// Position, normals and uv at a hit.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let level = self.geometry.level(hit.instance);
+        let primitive = &level.primitives[hit.primitive as usize];
+        let shape = &self.shapes[primitive.shape as usize];
+        let mut s = match primitive.kind() {
+            Kind::Triangle(index) => triangle_surface(primitive, shape, index as usize, hit),
+            Kind::Analytic(i) => {
+                let p = match self.geometry.instances.get(hit.instance as usize) {
+                    Some(i) => i.placement.inverse_point(ray.at(hit.t)),
+                    None => ray.at(hit.t),
+                };
+                let l = level.analytic[i as usize].local(p);
+                let n = if shape.flip { -l.n } else { l.n };
+                let extent = level.analytic[i as usize].bounds().magnitude();
+                Surface {
+                    p: l.p,
+                    ng: n,
+                    frame: Frame::from_normal(n),
+                    uv: l.uv,
+                    lift: extent * LIFT,
+                    shape: primitive.shape,
+                }
+            }
+            Kind::Instance(_) => unreachable!("an instance's hit names a primitive of its group"),
+        };
+        if let Some(instance) = self.geometry.instances.get(hit.instance as usize) {
+            let m = &instance.placement;
+            let scale = m.columns[..3].iter().map(|c| c.length()).fold(0.0, f32::max);
+            s.p = m.point(s.p);
+            s.ng = m.normal(s.ng);
+            s.frame = Frame::from_normal(m.normal(s.frame.n));
+            s.lift = s.lift * scale + s.p.abs().max_element() * LIFT;
+        }
+        s
+    }
+
+    /// Scattering at a surface point for light handled on the side of the local direction `wi`.
+    #[inline]
+    pub fn closure(&self, s: &Surface, wi: Vec3) -> Closure {
+        let material = self.shapes[s.shape as usize].material;
+        self.materials[material as usize].closure(&self.textures, s.uv, wi)
+    }
+
+    /// Radiance leaving the surface towards `w` (world) by its own emission.
+    #[inline]
+    pub fn emitted(&self, s: &Surface, w: Vec3) -> Rgb {
+        match self.shapes[s.shape as usize].emitter {
+            Some(e) if s.frame.n.dot(w) > 0.0 => match &self.emitters[e as usize] {
+                Emitter::Area(a) => self.textures.eval(a.radiance, s.uv),
+                _ => Rgb::ZERO,
+            },
+            _ => Rgb::ZERO,
+        }
+    }
+
+    /// Whether the shape emits.
+    pub fn is_lamp(&self, s: &Surface) -> bool {
+        self.shapes[s.shape as usize].emitter.is_some()
+    }
+
+    /// Radiance from infinity.
+    pub fn background(&self) -> Rgb {
+        match self.environment.map(|e| &self.emitters[e as usize]) {
+            Some(Emitter::Constant(c)) => c.radiance,
+            _ => Rgb::ZERO,
+        }
+    }
+
+    /// Density with which [`Scene::sample_direct`] at `p` chooses the lamp point met by a ray along `d`.
+    pub fn pdf_direct_surface(&self, p: Vec3, d: Vec3, s: &Surface) -> f32 {
+        match self.shapes[s.shape as usize].emitter {
+            Some(e) => match &self.emitters[e as usize] {
+                Emitter::Area(a) => a.pdf_direct(p, d, s.p, s.ng) * self.direct.probability(e as usize),
+                _ => 0.0,
+            },
+            None => 0.0,
+        }
+    }
+
+    /// The same for a ray that leaves the scene.
+    pub fn pdf_direct_background(&self) -> f32 {
+        match self.environment {
+            Some(e) => match &self.emitters[e as usize] {
+                Emitter::Constant(c) => c.pdf_direct() * self.direct.probability(e as usize),
+                _ => 0.0,
+            },
+            None => 0.0,
+        }
+    }
+
+    /// Light at `p` from one emitter, with the probability of choosing it divided out.
+    #[inline]
+    pub fn sample_direct(&self, p: Vec3, pick: f32, u: Vec2) -> Option<DirectSample> {
+        if self.emitters.is_empty() {
+            return None;
+        }
+        let (i, _) = self.direct.sample(pick);
+        let probability = self.direct.probability(i);
+        let mut s = self.emitters[i].sample_direct(&self.textures, p, u)?;
+        s.value /= probability;
+        s.pdf *= probability;
+        Some(s)
+    }
+
+    /// Start of a light path; the expected flux over all draws is the scene's power.
+    pub fn sample_emission(&self, pick: f32, place: Vec2, direction: Vec2) -> Option<Emission> {
+        if self.emitters.is_empty() {
+            return None;
+        }
+        let (i, _) = self.emission.sample(pick);
+        let mut e = self.emitters[i].sample_emission(&self.textures, &self.sphere, place, direction)?;
+        e.flux /= self.emission.probability(i);
+        Some(e)
+    }
+
+    /// Shadow ray to a direct sample: 1 when nothing is in the way, else what masks and index-matched
+    /// boundaries let through. `segments` is how many more path segments may be used; each surface that
+    /// is passed costs one.
+    #[inline]
+    pub fn visibility(&self, s: &Surface, sample: &DirectSample, transparent: bool, segments: u32) -> f32 {
+        let o = s.origin(sample.dir);
+        let mut ray = match sample.target {
+            Some(target) => Ray { o, d: target - o, tmax: 1.0 },
+            None => Ray::new(o, sample.dir),
+        };
+        if !transparent {
+            return if self.geometry.occluded(&ray) { 0.0 } else { 1.0 };
+        }
+        let mut through = 1.0;
+        let mut left = segments;
+        while let Some(hit) = self.geometry.closest(&ray) {
+            let at = self.surface(&ray, &hit);
+            through *= self.closure(&at, at.frame.to_local(-sample.dir)).transparency();
+            if through == 0.0 || left <= 1 {
+                return 0.0;
+            }
+            left -= 1;
+            let end = sample.target.unwrap_or(Vec3::ZERO);
+            let o = at.origin(sample.dir);
+            ray = match sample.target {
+                Some(_) if (end - o).dot(sample.dir) <= 0.0 => return through,
+                Some(_) => Ray { o, d: end - o, tmax: 1.0 },
+                None => Ray::new(o, sample.dir),
+            };
+        }
+        through
+    }
+
+    /// Total emitted power, W per channel.
+    pub fn power(&self) -> Rgb {
+        self.emitters.iter().map(|e| e.power(&self.textures, &self.sphere)).sum()
+    }
+}
+
+fn triangle_surface(primitive: &Primitive, shape: &ShapeRecord, index: usize, hit: &Hit) -> Surface {
+    let v = primitive.corners();
+    let [v0, v1, v2] = v.map(Vec3::from);
+    let b0 = 1.0 - hit.b1 - hit.b2;
+    let mix = |a: Vec3, b: Vec3, c: Vec3| a * b0 + b * hit.b1 + c * hit.b2;
+    let flip = if shape.flip { -1.0 } else { 1.0 };
+    let ng = crate::shape::triangle::cross_product(v).normalize_or(Vec3::Z) * flip;
+    let mut ns = ng;
+    let mut uv = Vec2::new(hit.b1, hit.b2);
+    if !shape.normals.is_empty() || !shape.uvs.is_empty() {
+        let t = shape.triangles[index].map(|i| i as usize);
+        if !shape.normals.is_empty() {
+            let n = t.map(|i| Vec3::from(shape.normals[i]));
+            ns = (mix(n[0], n[1], n[2]) * flip).normalize_or(ng);
+        }
+        if !shape.uvs.is_empty() {
+            let c = t.map(|i| Vec2::from(shape.uvs[i]));
+            uv = c[0] * b0 + c[1] * hit.b1 + c[2] * hit.b2;
+        }
+    }
+    let extent = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
+    Surface {
+        p: mix(v0, v1, v2),
+        ng,
+        frame: Frame::from_normal(ns),
+        uv,
+        lift: extent * LIFT,
+        shape: primitive.shape,
+    }
+}
+
+/// Weights for choosing an emitter.
+pub(crate) fn emitter_distributions(
+    emitters: &[Emitter],
+    textures: &Textures,
+    sphere: &SceneSphere,
+) -> (Discrete, Discrete) {
+    let power: Vec<f64> =
+        emitters.iter().map(|e| f64::from(luminance(e.power(textures, sphere).max(Rgb::ZERO)))).collect();
+    let total: f64 = power.iter().sum();
+    let n = emitters.len() as f64;
+    let direct = power.iter().map(|p| if total > 0.0 { 0.5 * p / total + 0.5 / n } else { 1.0 });
+    (Discrete::new(direct), Discrete::new(power.iter().copied()))
+}
