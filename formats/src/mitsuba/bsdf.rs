@@ -210,7 +210,7 @@ fn rough_plastic<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<B
 fn two_sided<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
     let allowed = props.boolean("allow_transmission", false);
     let Some(front) = props.child(Class::Bsdf) else {
-        props.problems.push(Diagnostic::error("twosided needs a nested bsdf", Some(props.object.span)));
+        props.needs("a nested bsdf");
         return None;
     };
     let back = props.child(Class::Bsdf);
@@ -239,7 +239,7 @@ fn transmits(kind: &BsdfKind) -> bool {
 fn mask<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
     let opacity = reader.float_input(props, "opacity", 0.5);
     let Some(nested) = props.only_child(Class::Bsdf) else {
-        props.problems.push(Diagnostic::error("mask needs a nested bsdf", Some(props.object.span)));
+        props.needs("a nested bsdf");
         return None;
     };
     Some(BsdfKind::Mask { opacity, nested: reader.bsdf(nested.index) })

@@ -88,7 +88,8 @@ impl<'a> Props<'a> {
             let entry = &self.object.entries[i];
             let is_scalar = !matches!(entry.value, Value::Object(_));
             if let (false, true, Some(name)) = (self.taken[i], is_scalar, &entry.name) {
-                let text = format!("unknown parameter `{name}` of {} is ignored", self.object.plugin);
+                let text =
+                    format!("unknown parameter `{}` of {} is ignored", self.spelt(name), self.object.plugin);
                 let problem = Diagnostic::warning(text, Some(entry.name_span));
                 self.problems.push(self.suggest(name, problem, false));
                 self.taken[i] = true;
@@ -265,6 +266,14 @@ impl<'a> Props<'a> {
         }
     }
 
+    /// An error about a missing nested object, unless one is there that was reported already.
+    pub fn needs(&mut self, what: &str) {
+        if !self.object.entries.iter().any(|e| matches!(e.value, Value::Broken)) {
+            let text = format!("{} needs {what}", self.object.plugin);
+            self.problems.push(Diagnostic::error(text, Some(self.object.span)));
+        }
+    }
+
     /// An error about the value of parameter `name`, or about the object when it is not given.
     pub fn complain(&mut self, name: &str, text: impl Into<String>) {
         let entry = self.object.entries.iter().find(|e| e.name.as_deref() == Some(name));
@@ -279,7 +288,7 @@ impl<'a> Props<'a> {
             Value::Object(index) => format!("a {}", self.objects[*index].class.name()),
             other => other.describe().to_owned(),
         };
-        let name = entry.name.as_deref().unwrap_or_default();
+        let name = self.spelt(entry.name.as_deref().unwrap_or_default());
         let text = format!("parameter `{name}` of {} wants {wanted}, got {got}", self.object.plugin);
         self.problems.push(Diagnostic::error(text, Some(entry.span)));
         None
@@ -288,7 +297,7 @@ impl<'a> Props<'a> {
     /// All problems, including those of entries that nobody asked for.
     pub fn finish(mut self) -> Vec<Diagnostic> {
         for (entry, taken) in self.object.entries.iter().zip(&self.taken) {
-            if *taken || matches!(entry.value, Value::Broken) {
+            if *taken || (matches!(entry.value, Value::Broken) && entry.name.is_none()) {
                 continue;
             }
             let plugin = &self.object.plugin;
@@ -299,7 +308,7 @@ impl<'a> Props<'a> {
                 }
                 (name, _) => {
                     let name = name.as_deref().unwrap_or_default();
-                    let text = format!("unknown parameter `{name}` of {plugin}");
+                    let text = format!("unknown parameter `{}` of {plugin}", self.spelt(name));
                     self.suggest(name, Diagnostic::error(text, Some(entry.name_span)), true)
                 }
             };
@@ -308,16 +317,20 @@ impl<'a> Props<'a> {
         self.problems
     }
 
+    /// `name` as the author's version of the language spells it.
+    fn spelt(&self, name: &str) -> String {
+        if self.object.camel_case { camel_case(name) } else { name.to_owned() }
+    }
+
     fn suggest(&self, name: &str, problem: Diagnostic, list: bool) -> Diagnostic {
-        let spelt = |known: &str| if self.object.camel_case { camel_case(known) } else { known.to_owned() };
         let mut known = self.known.clone();
         known.sort_unstable();
         known.dedup();
         match nearest(name, known.iter().copied()) {
-            Some(near) => problem.help(format!("did you mean `{}`?", spelt(near))),
+            Some(near) => problem.help(format!("did you mean `{}`?", self.spelt(near))),
             None if known.is_empty() && list => problem.help("it takes no parameters"),
             None if list => {
-                let all: Vec<String> = known.iter().map(|k| spelt(k)).collect();
+                let all: Vec<String> = known.iter().map(|k| self.spelt(k)).collect();
                 problem.help(format!("it takes: {}", all.join(", ")))
             }
             None => problem,

@@ -181,7 +181,7 @@ fn cylinder<'a>(_: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> 
 fn instance<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
     let group = props.only_child(Class::Shape);
     let Some(group) = group else {
-        props.problems.push(Diagnostic::error("instance needs a nested shapegroup", Some(props.object.span)));
+        props.needs("a nested shapegroup");
         return None;
     };
     if reader.objects[group.index].plugin != "shapegroup" {

@@ -6,7 +6,6 @@ use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use super::version::Dialect;
-use crate::diagnostic::Diagnostic;
 use crate::ir::{
     Bitmap, Color, ColorInput, ColorSlot, Id, Texture, TextureEncoding, TextureFilter, TextureKind,
     Transform, WrapMode,
@@ -124,8 +123,7 @@ fn scale<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKi
     } else if let Some(nested) = props.only_child(Class::Texture) {
         reader.texture(nested.index).map_or(ColorInput::Color(Color::Gray(0.5)), ColorInput::Texture)
     } else {
-        let text = "scale needs a nested texture or the parameter `value`";
-        props.problems.push(Diagnostic::error(text, Some(props.object.span)));
+        props.needs("a nested texture or the parameter `value`");
         return None;
     };
     Some(TextureKind::Scale { value, factor })

@@ -70,7 +70,6 @@ impl Dialect {
 fn has_old_names(element: &Element) -> bool {
     let camel = |name: &str| name.len() > 1 && name.contains(|c: char| c.is_ascii_uppercase());
     matches!(element.tag.as_str(), "lookAt" | "camera" | "luminaire")
-        || (!element.children.is_empty() || element.attribute("value").is_some())
-            && element.value("name").is_some_and(camel)
+        || element.tag != "default" && element.value("name").is_some_and(camel)
         || element.children.iter().any(has_old_names)
 }

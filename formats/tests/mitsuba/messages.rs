@@ -1,0 +1,366 @@
+//! What an author is told, word for word.
+
+use insta::assert_snapshot;
+
+use crate::{failure, failure_with, warnings};
+
+#[test]
+fn unknown_plugin() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <shape type='spher'/>\n</scene>"), @r#"
+    error: unknown shape plugin `spher`
+      ┌─ scene.xml:2:16
+      │
+    2 │   <shape type='spher'/>
+      │                ^^^^^
+      │
+      = help: did you mean `sphere`?
+    "#);
+}
+
+#[test]
+fn misspelt_parameter() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <shape type='sphere'>\n    <float name='radus' value='2'/>\n  </shape>\n</scene>"), @r#"
+    error: unknown parameter `radus` of sphere
+      ┌─ scene.xml:3:18
+      │
+    3 │     <float name='radus' value='2'/>
+      │                  ^^^^^
+      │
+      = help: did you mean `radius`?
+    "#);
+    assert_snapshot!(failure("<scene version='0.6.0'>\n  <integrator type='path'>\n    <integer name='maxDepht' value='2'/>\n  </integrator>\n</scene>"), @r#"
+    error: unknown parameter `maxDepht` of path
+      ┌─ scene.xml:3:20
+      │
+    3 │     <integer name='maxDepht' value='2'/>
+      │                    ^^^^^^^^
+      │
+      = help: did you mean `maxDepth`?
+    "#);
+}
+
+#[test]
+fn missing_mesh() {
+    assert_snapshot!(failure_with(
+        "<scene version='3.0.0'>\n  <path value='assets'/>\n  <shape type='obj'>\n    <string name='filename' value='bunny.obj'/>\n  </shape>\n</scene>",
+        &[],
+        &[],
+    ), @r#"
+    error: mesh `bunny.obj` not found
+      ┌─ scene.xml:4:36
+      │
+    4 │     <string name='filename' value='bunny.obj'/>
+      │                                    ^^^^^^^^^
+      │
+      = help: searched in: assets, .
+    "#);
+}
+
+#[test]
+fn wrong_case_of_a_file_name() {
+    assert_snapshot!(failure_with(
+        "<scene version='3.0.0'>\n  <shape type='obj'>\n    <string name='filename' value='Meshes/Bunny.OBJ'/>\n  </shape>\n</scene>",
+        &[("meshes/bunny.obj", "")],
+        &[],
+    ), @r#"
+    error: mesh `Meshes/Bunny.OBJ` not found
+      ┌─ scene.xml:3:36
+      │
+    3 │     <string name='filename' value='Meshes/Bunny.OBJ'/>
+      │                                    ^^^^^^^^^^^^^^^^
+      │
+      = help: there is `meshes/bunny.obj`; upper and lower case matter
+    "#);
+}
+
+#[test]
+fn malformed_xml() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <shape type='sphere'>\n  </bsdf>\n</scene>"), @r#"
+    error: mismatched end tag </bsdf>, expected </shape>
+      ┌─ scene.xml:3:3
+      │
+    2 │   <shape type='sphere'>
+      │    ----- <shape> begins here
+    3 │   </bsdf>
+      │   ^^^^^^^
+    "#);
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <shape type='sphere'>"), @r#"
+    error: <shape> is never closed
+      ┌─ scene.xml:2:4
+      │
+    2 │   <shape type='sphere'>
+      │    ^^^^^
+    "#);
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <shape type='sphere' <"), @r#"
+    error: malformed XML: syntax error: tag not closed: `>` not found before end of input
+      ┌─ scene.xml:2:3
+      │
+    2 │   <shape type='sphere' <
+      │   ^
+    "#);
+    assert_snapshot!(failure(""), @r#"
+    error: the file contains no element
+      ┌─ scene.xml:1:1
+      │
+    1 │
+      │ ^
+    "#);
+    assert_snapshot!(failure("<!DOCTYPE a [<!ENTITY b 'c'>]>\n<scene version='3.0.0'/>"), @r#"
+    error: document type declarations are not allowed
+      ┌─ scene.xml:1:1
+      │
+    1 │ <!DOCTYPE a [<!ENTITY b 'c'>]>
+      │ ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+    "#);
+    assert_snapshot!(failure("<scene version='3.0.0'/>\n<scene version='3.0.0'/>"), @r#"
+    error: a file has one root element; this is a second one
+      ┌─ scene.xml:2:1
+      │
+    1 │ <scene version='3.0.0'/>
+      │  ----- the root
+    2 │ <scene version='3.0.0'/>
+      │ ^^^^^^^^^^^^^^^^^^^^^^^^
+    "#);
+}
+
+#[test]
+fn wrong_root() {
+    assert_snapshot!(failure("<bsdf type='diffuse' version='3.0.0'/>"), @r#"
+    error: a scene file begins with <scene>, not <bsdf>
+      ┌─ scene.xml:1:2
+      │
+    1 │ <bsdf type='diffuse' version='3.0.0'/>
+      │  ^^^^
+      │
+      = help: a single object can only be included by a scene
+    "#);
+}
+
+#[test]
+fn include_cycle() {
+    assert_snapshot!(failure_with(
+        "<scene version='3.0.0'>\n  <include filename='a.xml'/>\n</scene>",
+        &[("a.xml", "<scene version='3.0.0'>\n  <include filename='b.xml'/>\n</scene>"), ("b.xml", "<scene version='3.0.0'>\n  <include filename='a.xml'/>\n</scene>")],
+        &[],
+    ), @r#"
+    error: include cycle: a.xml → b.xml → a.xml
+      ┌─ b.xml:2:22
+      │
+    2 │   <include filename='a.xml'/>
+      │                      ^^^^^
+      │
+      ┌─ a.xml:2:22
+      │
+    2 │   <include filename='b.xml'/>
+      │                      ----- by way of this
+    "#);
+}
+
+#[test]
+fn unresolved_reference() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <bsdf type='diffuse' id='white'/>\n  <shape type='cube'>\n    <ref id='whiet'/>\n  </shape>\n</scene>"), @r#"
+    error: no object has the id `whiet`
+      ┌─ scene.xml:4:14
+      │
+    4 │     <ref id='whiet'/>
+      │              ^^^^^
+      │
+      = help: did you mean `white`?
+    "#);
+}
+
+#[test]
+fn reference_cycle() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <bsdf type='twosided' id='a'>\n    <ref id='b'/>\n  </bsdf>\n  <bsdf type='mask' id='b'>\n    <ref id='a'/>\n  </bsdf>\n</scene>"), @r#"
+    error: objects contain themselves: `a` → `b` → `a`
+      ┌─ scene.xml:6:14
+      │
+    3 │     <ref id='b'/>
+      │              - by way of this
+      ·
+    6 │     <ref id='a'/>
+      │              ^
+    "#);
+}
+
+#[test]
+fn duplicate_id() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <bsdf type='diffuse' id='a'/>\n  <bsdf type='dielectric' id='a'/>\n</scene>"), @r#"
+    error: the id `a` is given twice
+      ┌─ scene.xml:3:31
+      │
+    2 │   <bsdf type='diffuse' id='a'/>
+      │                            - first given here
+    3 │   <bsdf type='dielectric' id='a'/>
+      │                               ^
+    "#);
+}
+
+#[test]
+fn undefined_parameter() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <default name='depth' value='5'/>\n  <integrator type='path'>\n    <integer name='max_depth' value='$deth'/>\n  </integrator>\n</scene>"), @r#"
+    error: undefined parameter `$deth`
+      ┌─ scene.xml:4:38
+      │
+    4 │     <integer name='max_depth' value='$deth'/>
+      │                                      ^^^^^
+      │
+      = help: did you mean `$depth`?
+    "#);
+}
+
+#[test]
+fn unused_define() {
+    assert_snapshot!(failure_with("<scene version='3.0.0'>\n  <default name='spp' value='5'/>\n</scene>", &[], &[("ssp", "3")]), @r#"
+    error: the scene never uses the parameter `ssp` given by -D
+     = help: did you mean `spp`?
+    "#);
+}
+
+#[test]
+fn definition_after_use() {
+    assert_snapshot!(warnings("<scene version='3.0.0'>\n  <integrator type='$kind'/>\n  <default name='kind' value='path'/>\n</scene>", false), @r#"
+    warning: `$kind` is used before its <default>
+      ┌─ scene.xml:2:21
+      │
+    2 │   <integrator type='$kind'/>
+      │                     ^^^^^
+      │
+      = help: Mitsuba rejects this; move the <default> up
+    "#);
+}
+
+#[test]
+fn wrong_type() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <shape type='sphere'>\n    <string name='radius' value='2'/>\n  </shape>\n</scene>"), @r#"
+    error: parameter `radius` of sphere wants a float, got a string
+      ┌─ scene.xml:3:34
+      │
+    3 │     <string name='radius' value='2'/>
+      │                                  ^
+    "#);
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <integrator type='path'>\n    <float name='max_depth' value='2'/>\n  </integrator>\n</scene>"), @r#"
+    error: parameter `max_depth` of path wants an integer, got a float
+      ┌─ scene.xml:3:36
+      │
+    3 │     <float name='max_depth' value='2'/>
+      │                                    ^
+    "#);
+}
+
+#[test]
+fn reflectance_out_of_range() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <bsdf type='diffuse'>\n    <rgb name='reflectance' value='1.2 0.5 0'/>\n  </bsdf>\n</scene>"), @r#"
+    error: `reflectance` is a reflectance and must lie between 0 and 1, not [1.2, 0.5, 0]
+      ┌─ scene.xml:3:36
+      │
+    3 │     <rgb name='reflectance' value='1.2 0.5 0'/>
+      │                                    ^^^^^^^^^
+    "#);
+    assert_snapshot!(warnings("<scene version='0.6.0'>\n  <bsdf type='diffuse'>\n    <rgb name='reflectance' value='1.2 0.5 0'/>\n  </bsdf>\n</scene>", false), @r#"
+    warning: `reflectance` is a reflectance and must lie between 0 and 1, not [1.2, 0.5, 0]
+      ┌─ scene.xml:3:36
+      │
+    3 │     <rgb name='reflectance' value='1.2 0.5 0'/>
+      │                                    ^^^^^^^^^
+    "#);
+}
+
+#[test]
+fn unsupported_plugin() {
+    let text = "<scene version='3.0.0'>\n  <shape type='cube'>\n    <bsdf type='principled'>\n      <float name='roughness' value='0.2'/>\n    </bsdf>\n  </shape>\n</scene>";
+    assert_snapshot!(failure(text), @r#"
+    error: bsdf plugin `principled` is not supported yet
+      ┌─ scene.xml:3:17
+      │
+    3 │     <bsdf type='principled'>
+      │                 ^^^^^^^^^^
+      │
+      = help: --allow-unsupported renders without it: diffuse gray 0.5 is used
+    "#);
+    assert_snapshot!(warnings(text, true), @r#"
+    warning: bsdf plugin `principled` is not supported yet: diffuse gray 0.5 is used
+      ┌─ scene.xml:3:17
+      │
+    3 │     <bsdf type='principled'>
+      │                 ^^^^^^^^^^
+    "#);
+    assert_snapshot!(warnings("<scene version='3.0.0'>\n  <bsdf type='principled' id='a'/>\n</scene>", false), @r#"
+    warning: bsdf plugin `principled` is not supported yet, but nothing uses it
+      ┌─ scene.xml:2:15
+      │
+    2 │   <bsdf type='principled' id='a'/>
+      │               ^^^^^^^^^^
+    "#);
+}
+
+#[test]
+fn unknown_integrators_become_path() {
+    assert_snapshot!(warnings("<scene version='2.0.0'>\n  <integrator type='path_sms_ss'/>\n</scene>", false), @r#"
+    warning: unknown integrator plugin `path_sms_ss`: `path` is used
+      ┌─ scene.xml:2:21
+      │
+    2 │   <integrator type='path_sms_ss'/>
+      │                     ^^^^^^^^^^^
+    "#);
+    assert_snapshot!(warnings("<scene version='0.6.0'>\n  <integrator type='bdpt'/>\n</scene>", false), @r#"
+    warning: integrator `bdpt` is approximated by `path`
+      ┌─ scene.xml:2:21
+      │
+    2 │   <integrator type='bdpt'/>
+      │                     ^^^^
+    "#);
+}
+
+#[test]
+fn several_problems_in_source_order() {
+    assert_snapshot!(failure(
+        "<scene version='3.0.0'>\n  <integrator type='path'>\n    <integer name='max_depth' value='4.0'/>\n  </integrator>\n  <shape type='obj'>\n    <string name='filename' value='no.obj'/>\n    <ref id='nobody'/>\n  </shape>\n  <shape type='sphere'>\n    <float name='radius' value='nan'/>\n    <boolean name='flip' value='yes'/>\n  </shape>\n  <teapot/>\n</scene>"
+    ), @r#"
+    error: `4.0` is not an integer
+      ┌─ scene.xml:3:38
+      │
+    3 │     <integer name='max_depth' value='4.0'/>
+      │                                      ^^^
+
+    error: mesh `no.obj` not found
+      ┌─ scene.xml:6:36
+      │
+    6 │     <string name='filename' value='no.obj'/>
+      │                                    ^^^^^^
+      │
+      = help: searched in: .
+
+    error: no object has the id `nobody`
+      ┌─ scene.xml:7:14
+      │
+    7 │     <ref id='nobody'/>
+      │              ^^^^^^
+
+    error: `nan` is not a number
+       ┌─ scene.xml:10:33
+       │
+    10 │     <float name='radius' value='nan'/>
+       │                                 ^^^
+
+    error: unknown parameter `flip` of sphere
+       ┌─ scene.xml:11:20
+       │
+    11 │     <boolean name='flip' value='yes'/>
+       │                    ^^^^
+       │
+       = help: it takes: caustic_bouncer, caustic_caster_multi, caustic_caster_single, caustic_receiver, center, flip_normals, radius, silhouette_sampling_weight, to_world
+
+    error: `yes` is not a boolean; write `true` or `false`
+       ┌─ scene.xml:11:33
+       │
+    11 │     <boolean name='flip' value='yes'/>
+       │                                 ^^^
+
+    error: unknown element <teapot>
+       ┌─ scene.xml:13:4
+       │
+    13 │   <teapot/>
+       │    ^^^^^^
+    "#);
+}
