@@ -1,6 +1,5 @@
 //! Surface scattering models.
 
-use super::names::METALS;
 use super::object::{Class, ObjectIndex};
 use super::plugin::{Plugin, read, unsupported};
 use super::props::{Nested, Props};
@@ -11,6 +10,7 @@ use crate::ir::{
     Bsdf, BsdfKind, Color, ColorInput, ColorSlot, Conductor, ConductorMaterial, Dielectric, Id, Ior,
     Microfacet, MicrofacetDistribution, Plastic,
 };
+use crate::spectrum::conductor_names;
 
 type ReadBsdf = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<BsdfKind>;
 
@@ -160,10 +160,11 @@ fn conductor<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Conductor {
             None => ConductorMaterial::Mirror,
             Some((name, _)) if name.trim().eq_ignore_ascii_case("none") => ConductorMaterial::Mirror,
             Some((name, span)) => {
-                if !METALS.contains(&name) {
+                if conductor_names().all(|known| known != name) {
+                    let known: Vec<String> = conductor_names().collect();
                     let text = format!("no metal is called `{name}`");
                     let problem = Diagnostic::error(text, Some(span));
-                    props.problems.push(match nearest(name, METALS.iter().copied()) {
+                    props.problems.push(match nearest(name, known.iter().map(String::as_str)) {
                         Some(known) => problem.help(format!("did you mean `{known}`?")),
                         None => problem.help("the usual ones: Ag, Al, Au, Cr, Cu, W; `none` is a mirror"),
                     });

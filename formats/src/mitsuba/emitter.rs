@@ -37,14 +37,7 @@ impl<'a> Reader<'a> {
         let object = &self.objects[index];
         if object.plugin == "area" || object.plugin == "directionalarea" {
             // It may stand here only to be referred to by shapes.
-            let referred = self.objects.iter().any(|other| {
-                other.class == Class::Shape
-                    && other
-                        .entries
-                        .iter()
-                        .any(|e| matches!(e.value, super::object::Value::Object(i) if i == index))
-            });
-            if !referred {
+            if !object.used {
                 let text = format!("an {} emitter shines only as part of a shape", object.plugin);
                 self.problems.push(
                     Diagnostic::error(text, Some(object.span))

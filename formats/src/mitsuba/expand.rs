@@ -39,6 +39,8 @@ pub(super) struct Expander<'a> {
     defaults: Vec<Vec<(String, String)>>,
     /// The files each file of `stack` includes, until one had to be searched for a definition.
     later_includes: Vec<Vec<PathBuf>>,
+    /// Depth of the root element of each file of `stack`.
+    root_depths: Vec<usize>,
     included: usize,
 }
 
@@ -61,6 +63,7 @@ impl<'a> Expander<'a> {
             stack: Vec::new(),
             defaults: Vec::new(),
             later_includes: Vec::new(),
+            root_depths: Vec::new(),
             included: 0,
         }
     }
@@ -102,6 +105,7 @@ impl<'a> Expander<'a> {
         collect_defaults(&root, &mut defaults);
         self.defaults.push(defaults);
         self.stack.push((path.to_path_buf(), from));
+        self.root_depths.push(depth);
         let names = root.children.iter().filter(|c| c.tag == "include").filter_map(|c| c.value("filename"));
         let folders = self.include_folders();
         self.later_includes.push(names.filter_map(|name| find(self.files, name, &folders)).collect());
@@ -109,6 +113,7 @@ impl<'a> Expander<'a> {
         let mut out = Vec::new();
         self.element(root, depth, &mut out);
         self.stack.pop();
+        self.root_depths.pop();
         self.defaults.pop();
         self.later_includes.pop();
         out.pop()
@@ -212,7 +217,7 @@ impl<'a> Expander<'a> {
 
     fn path(&mut self, element: &Element, depth: usize) {
         let Some([value]) = self.required(element, ["value"]) else { return };
-        if depth != 1 {
+        if self.root_depths.last().is_none_or(|root| depth != root + 1) {
             let text = "<path> may only stand directly below <scene>";
             self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
             return;

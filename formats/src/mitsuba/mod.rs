@@ -10,7 +10,6 @@ mod emitter;
 mod expand;
 mod film;
 mod integrator;
-mod names;
 mod number;
 mod object;
 mod parameters;

@@ -43,24 +43,13 @@ pub(super) fn wavelengths(text: &str) -> Result<Vec<[f64; 2]>, String> {
     ascending(samples?)
 }
 
-/// An `.spd` file: a wavelength and a value on each line, `#` begins a comment.
-pub(super) fn spd(bytes: &[u8]) -> Result<Vec<[f64; 2]>, String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "not a text file".to_owned())?;
-    let mut samples = Vec::new();
-    for (i, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or_default();
-        match floats(line).as_deref() {
-            Some([]) => {}
-            Some([wavelength, value]) => samples.push([*wavelength, *value]),
-            _ => return Err(format!("line {} is not a wavelength and a value", i + 1)),
-        }
-    }
-    ascending(samples)
-}
-
+/// The samples, when they are finite and their wavelengths ascend.
 pub(super) fn ascending(samples: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, String> {
     if samples.is_empty() {
         return Err("the spectrum has no samples".to_owned());
+    }
+    if samples.as_flattened().iter().any(|v| !v.is_finite()) {
+        return Err("the spectrum has a value that is not a number".to_owned());
     }
     match samples.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
         Some(pair) => Err(format!("wavelengths must ascend, but {} follows {}", pair[1][0], pair[0][0])),

@@ -10,6 +10,7 @@ use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::files::Files;
 use crate::ir::{Color, Transform};
+use crate::spectrum::parse_spd;
 
 /// Elements that are parameters rather than objects.
 pub(super) const PROPERTY_TAGS: &[&str] = &[
@@ -138,7 +139,9 @@ impl PropertyReader<'_> {
                 self.problems.push(not_found(self.files, "spectrum file", name, span, &self.folders));
                 return None;
             };
-            let samples = self.files.read(&path).map_err(|e| e.to_string()).and_then(|b| number::spd(&b));
+            let bytes = self.files.read(&path).map_err(|e| e.to_string());
+            let samples =
+                bytes.and_then(|b| parse_spd(&b).map_err(|e| e.to_string())).and_then(number::ascending);
             return match samples {
                 Ok(samples) => Some(Color::Samples(samples)),
                 Err(reason) => self.error(format!("{}: {reason}", path.display()), span),

@@ -5,6 +5,7 @@ use super::object::{Class, Entry, Object, ObjectIndex, Value};
 use super::upgrade::camel_case;
 use crate::diagnostic::{Diagnostic, Span, nearest};
 use crate::ir::{Ior, Origin, Transform};
+use crate::spectrum::ior_names;
 
 /// Every entry that nobody took is reported by [`Props::finish`]; every name that was asked for
 /// is a valid name for its suggestion. So a reader asks for all names on every path.
@@ -209,16 +210,14 @@ impl<'a> Props<'a> {
             Value::String(text) => match number::float(text) {
                 Some(v) if v > 0.0 => Some(Ior::Value(v)),
                 _ => {
-                    let known = super::names::IORS;
-                    match known.iter().find(|k| k.eq_ignore_ascii_case(text.trim())) {
-                        Some(name) => Some(Ior::Named((*name).to_owned())),
-                        None => {
-                            let text = format!("no index of refraction is called `{text}`");
-                            let problem = Diagnostic::error(text, Some(entry.span));
-                            self.problems.push(problem.help(format!("known: {}", known.join(", "))));
-                            None
-                        }
+                    let name = ior_names().find(|known| known.eq_ignore_ascii_case(text.trim()));
+                    if name.is_none() {
+                        let known = ior_names().collect::<Vec<_>>().join(", ");
+                        let text = format!("no index of refraction is called `{text}`");
+                        let problem = Diagnostic::error(text, Some(entry.span));
+                        self.problems.push(problem.help(format!("known: {known}")));
                     }
+                    name.map(|name| Ior::Named(name.to_owned()))
                 }
             },
             Value::Float(_) | Value::Integer(_) => {

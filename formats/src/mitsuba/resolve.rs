@@ -85,9 +85,10 @@ impl<'a> Resolver<'a> {
             self.register(id, index, element.place("id"));
         }
         let mut entries: Vec<Entry> = Vec::with_capacity(element.children.len());
+        let mut seen = HashMap::new();
         for child in &element.children {
             let Some(entry) = self.entry(child) else { continue };
-            self.report_repeated(&entries, &entry, dialect != Dialect::Three);
+            self.report_repeated(&mut seen, &entry, dialect != Dialect::Three);
             entries.push(entry);
         }
         self.objects[index].entries = entries;
@@ -171,10 +172,12 @@ impl<'a> Resolver<'a> {
         });
     }
 
-    fn report_repeated(&mut self, entries: &[Entry], new: &Entry, tolerant: bool) {
-        let is_object = |e: &Entry| matches!(e.value, Value::Object(_) | Value::Reference(_));
-        let Some(name) = new.name.as_ref().filter(|_| !is_object(new)) else { return };
-        if let Some(first) = entries.iter().find(|e| e.name.as_ref() == Some(name) && !is_object(e)) {
+    fn report_repeated(&mut self, seen: &mut HashMap<String, Span>, new: &Entry, tolerant: bool) {
+        if matches!(new.value, Value::Object(_) | Value::Reference(_)) {
+            return;
+        }
+        let Some(name) = &new.name else { return };
+        if let Some(first) = seen.insert(name.clone(), new.name_span) {
             let text = format!("parameter `{name}` is given twice");
             // Mitsuba 0.6 and 2 warned and went on with the later value.
             let problem = if tolerant {
@@ -182,7 +185,7 @@ impl<'a> Resolver<'a> {
             } else {
                 Diagnostic::error(text, Some(new.name_span))
             };
-            self.problems.push(problem.label(first.name_span, "first given here"));
+            self.problems.push(problem.label(first, "first given here"));
         }
     }
 
@@ -229,6 +232,8 @@ impl<'a> Resolver<'a> {
                 let problem = Diagnostic::error(format!("no object has the id `{id}`"), Some(entry.span));
                 let mut known: Vec<&str> = self.ids.keys().map(String::as_str).collect();
                 known.sort_unstable();
+                // Comparing with more would take longer than finding the slip by hand.
+                known.truncate(10_000);
                 self.problems.push(match nearest(id, known) {
                     Some(known) => problem.help(format!("did you mean `{known}`?")),
                     None => problem,
@@ -257,10 +262,11 @@ impl<'a> Resolver<'a> {
         let mut open: Vec<ObjectIndex> = Vec::new();
         for entry in &self.objects[0].entries {
             if let Value::Object(index) = entry.value {
-                let passive = matches!(
-                    self.objects[index].class,
-                    Class::Bsdf | Class::Texture | Class::Spectrum | Class::Medium
-                );
+                let object = &self.objects[index];
+                // These stand in the scene only to be referred to.
+                let passive =
+                    matches!(object.class, Class::Bsdf | Class::Texture | Class::Spectrum | Class::Medium)
+                        || matches!(object.plugin.as_str(), "area" | "directionalarea");
                 if !passive {
                     open.push(index);
                 }

@@ -288,3 +288,24 @@ fn integrator_settings_keep_their_types() {
     assert_eq!(integrator.settings["global_lookup_radius"].value, Scalar::Float(0.1));
     assert_eq!(integrator.settings["kernel"].value, Scalar::String("cone".into()));
 }
+
+#[test]
+fn an_included_file_may_add_a_path() {
+    let text = "<scene version='3.0.0'><include filename='parts/p.xml'/><shape type='ply'><string name='filename' value='a.ply'/></shape></scene>";
+    let more =
+        [("parts/p.xml", "<scene version='3.0.0'><path value='lib'/></scene>"), ("parts/lib/a.ply", "")];
+    assert_eq!(try_read(text, &more, &ReadOptions::default()).unwrap().scene.shapes.len(), 1);
+}
+
+#[test]
+fn a_parameter_given_twice_counts_last_where_mitsuba_allows_it() {
+    let body =
+        "<shape type='sphere'><float name='radius' value='1'/><float name='radius' value='2'/></shape>";
+    let two =
+        try_read(&format!("<scene version='2.0.0'>{body}</scene>"), &[], &ReadOptions::default()).unwrap();
+    assert_eq!(two.scene.shapes[0].kind, ShapeKind::Sphere { center: [0.0; 3], radius: 2.0 });
+    assert_eq!(
+        headlines(&format!("<scene version='3.0.0'>{body}</scene>")),
+        ["parameter `radius` is given twice"]
+    );
+}
