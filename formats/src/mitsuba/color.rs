@@ -96,7 +96,7 @@ impl<'a> Reader<'a> {
                 Some(FloatInput::Value(if r == g && g == b { *r } else { luminance }))
             }
             Value::Object(index) if is_texture(&self.objects[*index]) => {
-                self.texture(*index).map(FloatInput::Texture)
+                Some(self.texture(*index).map_or(FloatInput::Value(0.5), FloatInput::Texture))
             }
             _ => props.wrong(entry, "a float or texture"),
         }
@@ -116,9 +116,10 @@ impl<'a> Reader<'a> {
                 let object = &self.objects[*index];
                 match object.class {
                     Class::Texture | Class::Spectrum if is_texture(object) => {
-                        return self.texture(*index).map(ColorInput::Texture);
+                        let gray = ColorInput::Color(Color::Gray(0.5));
+                        return Some(self.texture(*index).map_or(gray, ColorInput::Texture));
                     }
-                    Class::Texture | Class::Spectrum => self.spectrum(*index)?,
+                    Class::Texture | Class::Spectrum => self.spectrum(*index).unwrap_or(Color::Gray(0.5)),
                     _ => return props.wrong(entry, "a colour or texture"),
                 }
             }

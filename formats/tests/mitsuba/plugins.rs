@@ -6,7 +6,9 @@ use caustica_formats::ir::{
     Tonemap, WrapMode,
 };
 
-use crate::{headlines, v3, v06};
+use caustica_formats::ReadOptions;
+
+use crate::{headlines, try_read, v3, v06};
 
 fn bsdf(text: &str) -> BsdfKind {
     let scene = v3(text);
@@ -176,4 +178,23 @@ fn sensors_may_mirror_but_not_scale() {
     );
     let bare = "<scene version='3.0.0'><sensor type='thinlens'/></scene>";
     assert_eq!(headlines(bare), ["thinlens needs the parameter `aperture_radius`"]);
+}
+
+#[test]
+fn substitutes_are_those_that_the_warning_names() {
+    let text = "<scene version='3.0.0'><bsdf type='conductor' id='c'><texture type='mesh_attribute' name='specular_reflectance'>\
+        <string name='name' value='vertex_color'/></texture></bsdf><shape type='cube'><bsdf type='bumpmap'><ref id='c'/></bsdf></shape></scene>";
+    let options = ReadOptions { allow_unsupported: true, ..ReadOptions::default() };
+    let read = try_read(text, &[], &options).unwrap();
+    let messages: Vec<&str> = read.warnings.iter().map(|w| w.message.as_str()).collect();
+    assert_eq!(
+        messages,
+        [
+            "texture plugin `mesh_attribute` is not supported yet: gray 0.5 is used",
+            "bsdf plugin `bumpmap` is not supported yet: its nested bsdf is used",
+        ]
+    );
+    assert_eq!(read.scene.bsdfs.len(), 1);
+    let used = &read.scene.bsdfs[read.scene.shapes[0].bsdf.unwrap()];
+    assert!(matches!(&used.kind, BsdfKind::Conductor(c) if c.specular_reflectance == HALF));
 }
