@@ -62,13 +62,7 @@ impl<'a> Reader<'a> {
         check_rigid(&mut props, &to_world);
         let principal_point_offset =
             [props.float("principal_point_offset_x", 0.0), props.float("principal_point_offset_y", 0.0)];
-        props.ignore(&[
-            "shutter_open",
-            "shutter_close",
-            "shutter_open_time",
-            "focus_distance",
-            "aperture_radius",
-        ]);
+        props.ignore(&["shutter_open", "shutter_close", "shutter_open_time", "focus_distance"]);
         props.ignore_with_warning(&["srf"], "the response of the sensor is that of linear RGB");
         self.report_medium(&mut props);
         let film = props.only_child(Class::Film).map(|nested| nested.index);
@@ -111,7 +105,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-fn pinhole(_: &mut Props<'_>, _: f64) -> Option<Lens> {
+fn pinhole(props: &mut Props<'_>, _: f64) -> Option<Lens> {
+    props.ignore_with_warning(&["aperture_radius"], "a perspective sensor has no lens; thinlens has");
     None
 }
 

@@ -176,6 +176,11 @@ fn sensors_may_mirror_but_not_scale() {
         headlines(&sensor("<scale value='2'/>")),
         ["`to_world` of a sensor may not scale, but scales by [2.0, 2.0, 2.0]"]
     );
+    let pinhole = "<scene version='3.0.0'><sensor type='perspective'><float name='aperture_radius' value='1'/></sensor></scene>";
+    assert_eq!(
+        headlines(pinhole),
+        ["parameter `aperture_radius` is ignored: a perspective sensor has no lens; thinlens has"]
+    );
     let bare = "<scene version='3.0.0'><sensor type='thinlens'/></scene>";
     assert_eq!(headlines(bare), ["thinlens needs the parameter `aperture_radius`"]);
 }
