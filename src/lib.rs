@@ -7,6 +7,7 @@
 
 pub mod accel;
 pub mod bsdf;
+pub mod cli;
 pub mod emitter;
 pub mod film;
 pub mod integrator;

@@ -1,15 +1,17 @@
 //! The scene's integrator → [`Settings`].
 
-use caustica_formats::ir::{self, Scalar};
+use caustica_formats::ir::{Scalar, Setting};
+
+use super::Builder;
 
 use crate::photon::kernel::KernelKind;
-use crate::settings::{Count, IntegratorKind, Limit, Lookup, Mode, Radius, Settings};
+use crate::settings::{Count, Limit, Lookup, Mode, Radius, SettingError, Settings};
 
-/// Names of Mitsuba's integrators and of ours → settings. The reader has checked names and types; a
-/// value out of range keeps the default.
-pub fn settings(scene: &ir::Scene) -> Settings {
+/// Names of Mitsuba's integrators and of ours → settings. The reader has checked names and types.
+pub fn settings(b: &mut Builder<'_>) -> Settings {
+    let scene = b.ir;
     let mut s = Settings::default();
-    if let Some(sensor) = scene.sensors.get(scene.default_sensor) {
+    if let Some(sensor) = scene.sensors.get(b.options.sensor.unwrap_or(scene.default_sensor)) {
         s.passes = sensor.sampler.sample_count.max(1);
         s.seed = sensor.sampler.seed;
     }
@@ -39,41 +41,76 @@ pub fn settings(scene: &ir::Scene) -> Settings {
         _ => {}
     }
     for (name, setting) in &integrator.settings {
-        apply(&mut s, name, &setting.value);
+        apply(b, &mut s, &integrator.plugin, name, setting);
     }
     s
 }
 
-fn apply(s: &mut Settings, name: &str, value: &Scalar) {
-    let text = match value {
-        Scalar::Boolean(b) => b.to_string(),
-        Scalar::Integer(i) => i.to_string(),
-        Scalar::Float(f) => f.to_string(),
-        Scalar::String(t) => t.clone(),
+/// Mitsuba's names and what they set here; `{}` is the value.
+const ROWS: &[(&str, &[(&str, &str)])] = &[
+    ("global_photons", &[("photons", "stored:{}")]),
+    ("photon_count", &[("photons", "{}"), ("caustic_photons", "{}")]),
+    ("max_passes", &[("passes", "{}")]),
+    ("samples", &[("passes", "{}")]),
+    ("global_lookup_radius", &[("radius", "{}R")]),
+    ("caustic_lookup_radius", &[("caustic_radius", "{}R")]),
+    ("initial_radius", &[("radius", "{}"), ("caustic_radius", "{}")]),
+    ("lookup_size", &[("neighbours", "{}"), ("caustic_neighbours", "{}")]),
+    ("global_lookup_size", &[("neighbours", "{}")]),
+    ("caustic_lookup_size", &[("caustic_neighbours", "{}")]),
+];
+
+/// Pairs of name and value by which Mitsuba asks for its own default.
+const DEFAULTS: &[(&str, f64)] = &[("initial_radius", 0.0), ("max_passes", -1.0)];
+
+/// Parameters of Mitsuba's integrators that have no counterpart in ours and do not change what the
+/// picture converges to.
+const WITHOUT_EFFECT: &[&str] = &[
+    "direct_samples",
+    "glossy_samples",
+    "max_specular_depth",
+    "volume_photons",
+    "volume_lookup_size",
+    "granularity",
+    "gather_locally",
+    "auto_cancel_gathering",
+    "timeout",
+    "block_size",
+    "samples_per_pass",
+    "shading_samples",
+    "emitter_samples",
+    "bsdf_samples",
+    "strict_normals",
+    "use_spectral_mis",
+];
+
+fn apply(b: &mut Builder<'_>, s: &mut Settings, plugin: &str, name: &str, setting: &Setting) {
+    let text = match &setting.value {
+        Scalar::Boolean(v) => v.to_string(),
+        Scalar::Integer(v) => v.to_string(),
+        Scalar::Float(v) => v.to_string(),
+        Scalar::String(v) => v.clone(),
     };
-    // Rows of Mitsuba 0.6 first, then names of our own, which are those of the settings' table.
-    let rows: &[(&str, &[(&str, &str)])] = &[
-        ("global_photons", &[("photons", "stored:{}")]),
-        ("caustic_photons", &[("caustic_photons", "stored:{}")]),
-        ("photon_count", &[("photons", "{}"), ("caustic_photons", "{}")]),
-        ("max_passes", &[("passes", "{}")]),
-        ("samples", &[("passes", "{}")]),
-        ("global_lookup_radius", &[("radius", "{}R")]),
-        ("caustic_lookup_radius", &[("caustic_radius", "{}R")]),
-        ("initial_radius", &[("radius", "{}"), ("caustic_radius", "{}")]),
-        ("lookup_size", &[("neighbours", "{}"), ("caustic_neighbours", "{}")]),
-        ("global_lookup_size", &[("neighbours", "{}")]),
-        ("caustic_lookup_size", &[("caustic_neighbours", "{}")]),
-        ("alpha", &[("alpha", "{}"), ("caustic_alpha", "{}")]),
-    ];
-    let own = [(name, "{}")];
-    let targets = rows.iter().find(|(n, _)| *n == name).map_or(&own[..], |(_, t)| *t);
-    for (target, template) in targets {
-        // −1 passes and radius 0 mean "default"; settings that are not ours (direct_samples, …) are noted
-        // by the reader.
-        let _ignored = s.set(target, &template.replace("{}", &text));
+    let default = DEFAULTS.iter().any(|(n, v)| *n == name && text.parse() == Ok(*v));
+    if default || WITHOUT_EFFECT.contains(&name) {
+        return;
     }
-    if s.integrator != IntegratorKind::PhotonMap && name != "integrator" {
-        s.integrator = IntegratorKind::PhotonMap;
+    let own =
+        [(name, if plugin == "photonmapper" && name == "caustic_photons" { "stored:{}" } else { "{}" })];
+    let both = [("alpha", "{}"), ("caustic_alpha", "{}")];
+    let targets = match ROWS.iter().find(|(n, _)| *n == name) {
+        Some((_, targets)) => targets,
+        // One α serves both maps in Mitsuba.
+        None if name == "alpha" && plugin.ends_with("ppm") => &both[..],
+        None => &own[..],
+    };
+    for (target, template) in targets {
+        match s.set(target, &template.replace("{}", &text)) {
+            Ok(()) => {}
+            Err(SettingError::Unknown { .. }) => {
+                b.warn(format!("integrator parameter `{name}` has no effect here"), setting.origin);
+            }
+            Err(e) => b.error(e.to_string(), setting.origin),
+        }
     }
 }

@@ -94,7 +94,7 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
     let mut emitters = shapes.emitters;
     let environment = emitters::build(&mut b, shapes.origin, &mut emitters);
     let camera = sensor.map(|s| sensor::build(&mut b, s, shapes.origin));
-    let settings = integrator::settings(ir);
+    let settings = integrator::settings(&mut b);
     let failed = b.diagnostics.iter().any(|d| d.severity == Severity::Error);
     let Some((sensor, film, filter)) = camera.filter(|_| !failed) else {
         return Err(b.diagnostics);

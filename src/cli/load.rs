@@ -1,0 +1,182 @@
+//! Scene file → compiled scene, for every subcommand.
+
+use std::path::{Path, PathBuf};
+
+use caustica_formats::diagnostic::Diagnostic;
+use caustica_formats::files::Disk;
+use caustica_formats::ir;
+use caustica_formats::{Read, ReadOptions, read_scene};
+use clap::Args;
+
+use super::hashing::Hashing;
+use super::report;
+use crate::scene::build::{BuildOptions, build};
+use crate::scene::{Plan, Scene, Settings};
+
+/// Arguments that decide what scene is rendered, and how.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// Mitsuba scene (.xml, versions 0.4 to 3.x)
+    #[arg(required_unless_present = "help_settings")]
+    pub scene: Option<PathBuf>,
+    /// Value of a scene parameter `$NAME`
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
+    define: Vec<(String, String)>,
+    /// Which sensor, counted from 0 in file order
+    #[arg(long, value_name = "N")]
+    sensor: Option<usize>,
+    /// photonmap or path
+    #[arg(long, value_name = "NAME")]
+    integrator: Option<String>,
+    /// progressive (a new photon map each pass) or classic (one map)
+    #[arg(long, value_name = "NAME")]
+    mode: Option<String>,
+    /// Any setting of `--help-settings`
+    #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
+    set: Vec<(String, String)>,
+    /// Camera samples a pixel; in progressive mode also photon passes
+    #[arg(long, value_name = "N")]
+    pub spp: Option<u32>,
+    /// The same as --spp
+    #[arg(long, value_name = "N", conflicts_with = "spp")]
+    pub passes: Option<u32>,
+    /// Light paths a pass, for each photon map
+    #[arg(long, value_name = "N")]
+    photons: Option<String>,
+    /// Path segments from camera to lamp, at most; -1 is no limit
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    max_depth: Option<String>,
+    /// Random seed
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Size of the full film
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<(u32, u32)>,
+    /// Render this part of the film only, in pixels
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
+    crop: Option<ir::Crop>,
+    /// Reconstruction filter: box, tent, gaussian, mitchell, catmullrom or lanczos
+    #[arg(long, value_name = "NAME", value_parser = filter)]
+    filter: Option<ir::Filter>,
+    /// Render what is not supported as something near, with a warning
+    #[arg(long)]
+    allow_unsupported: bool,
+    /// Folder to search for files that the scene names
+    #[arg(long, value_name = "DIR")]
+    allow_path: Vec<PathBuf>,
+}
+
+fn pair(text: &str) -> Result<(String, String), String> {
+    text.split_once('=')
+        .filter(|(name, _)| !name.is_empty())
+        .map(|(n, v)| (n.to_owned(), v.to_owned()))
+        .ok_or_else(|| "expected NAME=VALUE".to_owned())
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || "expected WIDTHxHEIGHT, such as 640x480".to_owned();
+    let (w, h) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    match (w.parse(), h.parse()) {
+        (Ok(w), Ok(h)) if w > 0 && h > 0 => Ok((w, h)),
+        _ => Err(wrong()),
+    }
+}
+
+fn crop(text: &str) -> Result<ir::Crop, String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(ir::Crop { x, y, width, height }),
+        _ => Err("expected X,Y,WIDTH,HEIGHT in pixels, such as 0,0,64,64".to_owned()),
+    }
+}
+
+fn filter(name: &str) -> Result<ir::Filter, String> {
+    Ok(match name {
+        "box" => ir::Filter::Box { radius: 0.5 },
+        "tent" => ir::Filter::Tent { radius: 1.0 },
+        "gaussian" => ir::Filter::Gaussian { stddev: 0.5 },
+        "mitchell" => ir::Filter::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 },
+        "catmullrom" => ir::Filter::CatmullRom,
+        "lanczos" => ir::Filter::Lanczos { lobes: 3 },
+        _ => return Err("expected box, tent, gaussian, mitchell, catmullrom or lanczos".to_owned()),
+    })
+}
+
+/// A scene ready to render.
+pub struct Loaded {
+    pub path: PathBuf,
+    /// The film as the scene describes it, for what only matters to output.
+    pub film: ir::Film,
+    pub scene: Scene,
+    pub settings: Settings,
+    pub plan: Plan,
+    /// Of every file the scene was read from, and of the definitions.
+    pub hash: String,
+}
+
+impl SceneArgs {
+    /// Reads, compiles and plans. Warnings are printed unless `quiet`.
+    pub fn load(&self, quiet: bool) -> Result<Loaded, String> {
+        let path = self.scene.clone().ok_or("no scene was given")?;
+        let files = Hashing::new(&Disk);
+        let options = ReadOptions {
+            defines: self.define.clone(),
+            allow_unsupported: self.allow_unsupported,
+            search: self.allow_path.clone(),
+        };
+        let Read { mut scene, warnings, sources } =
+            read_scene(&files, &path, &options).map_err(|failure| failure.to_string())?;
+        let print = |diagnostics: &[Diagnostic]| {
+            if !quiet && !diagnostics.is_empty() {
+                report::line(sources.render(diagnostics).trim_end());
+            }
+        };
+        print(&warnings);
+        self.override_film(&mut scene);
+        let build_options = BuildOptions { sensor: self.sensor, allow_unsupported: self.allow_unsupported };
+        let built = build(&scene, &files, build_options)
+            .map_err(|diagnostics| sources.render(&diagnostics).trim_end().to_owned())?;
+        print(&built.warnings);
+        let mut settings = built.scene.settings.clone();
+        self.override_settings(&mut settings)?;
+        let plan = Plan::new(&built.scene, &settings);
+        let film = scene.sensors[self.sensor.unwrap_or(scene.default_sensor)].film.clone();
+        Ok(Loaded { path, film, scene: built.scene, settings, plan, hash: files.hash() })
+    }
+
+    fn override_film(&self, scene: &mut ir::Scene) {
+        let index = self.sensor.unwrap_or(scene.default_sensor);
+        let Some(sensor) = scene.sensors.get_mut(index) else { return };
+        if let Some((width, height)) = self.size {
+            (sensor.film.width, sensor.film.height, sensor.film.crop) = (width, height, None);
+        }
+        sensor.film.crop = self.crop.or(sensor.film.crop);
+        if let Some(filter) = self.filter {
+            sensor.film.filter = filter;
+        }
+    }
+
+    fn override_settings(&self, settings: &mut Settings) -> Result<(), String> {
+        let number = |n: Option<u64>| n.map(|n| n.to_string());
+        let rows = [
+            ("integrator", self.integrator.clone()),
+            ("mode", self.mode.clone()),
+            ("passes", number(self.spp.or(self.passes).map(u64::from))),
+            ("photons", self.photons.clone()),
+            ("caustic_photons", self.photons.clone()),
+            ("max_depth", self.max_depth.clone()),
+            ("seed", number(self.seed)),
+        ];
+        let rows = rows.iter().filter_map(|(n, v)| v.as_ref().map(|v| (*n, v.as_str())));
+        let set = self.set.iter().map(|(n, v)| (n.as_str(), v.as_str()));
+        for (name, value) in rows.chain(set) {
+            settings.set(name, value).map_err(|e| e.to_string())?;
+        }
+        Ok(())
+    }
+}
+
+/// File name of a scene without folder and extension.
+pub fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "scene".to_owned(), |s| s.to_string_lossy().into_owned())
+}

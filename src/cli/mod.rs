@@ -1,0 +1,50 @@
+//! Subcommands. Each is one file that parses arguments, calls the library and prints.
+
+mod hashing;
+mod inspect;
+mod load;
+mod output;
+mod render;
+mod report;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Photon-mapping renderer for Mitsuba scenes.
+#[derive(Debug, Parser)]
+#[command(name = "caustica", version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene to EXR and PNG
+    Render(Box<render::RenderArgs>),
+    /// Show what a scene holds and what rendering it takes
+    Inspect(inspect::InspectArgs),
+}
+
+/// Exit status of a run that could not do its work.
+const FAILED: u8 = 1;
+/// Exit status after Ctrl-C, as shells expect it.
+const INTERRUPTED: u8 = 130;
+
+/// Runs the program on the process's arguments.
+pub fn main() -> ExitCode {
+    // clap prints usage errors itself and exits with 2.
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Command::Render(args) => render::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+    };
+    match result {
+        Ok(status) => ExitCode::from(status),
+        Err(message) => {
+            report::error(&message);
+            ExitCode::from(FAILED)
+        }
+    }
+}

@@ -1,0 +1,389 @@
+//! `caustica render`.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::load::{Loaded, SceneArgs, stem};
+use super::output::{KNOWN_LAYERS, Output, wants_alpha};
+use super::report::{self, count, megabytes};
+use crate::film::Pixels;
+use crate::render::{Budget, Checkpoint, Outcome, Progress, Statistics, Stop, render};
+use crate::settings::SETTINGS;
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Picture to write: .exr, .png, .hdr or .pfm [default: SCENE.exr here]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Also write a PNG [default name: that of the output]
+    #[arg(long, value_name = "FILE", num_args = 0..=1)]
+    png: Option<Option<PathBuf>>,
+    /// Stops of exposure for the PNG
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true)]
+    exposure: f64,
+    /// Store 16-bit floats
+    #[arg(long)]
+    half: bool,
+    /// Layers of the EXR: emission, direct, caustic, indirect, variance, samples, all or none
+    #[arg(long, value_name = "LIST", default_value = "emission,direct,caustic,indirect")]
+    layers: String,
+    /// End after this many seconds of rendering
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    time: Option<Duration>,
+    /// End when the standard error of the picture relative to its mean is this small
+    #[arg(long, value_name = "E")]
+    target_error: Option<f64>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Save the state of the render here as it goes
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// Go on from the checkpoint [default checkpoint: OUTPUT.checkpoint]
+    #[arg(long)]
+    resume: bool,
+    /// Write statistics as JSON
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+    /// List the settings of --set with types and defaults
+    #[arg(long)]
+    help_settings: bool,
+    /// Print errors only
+    #[arg(short, long)]
+    quiet: bool,
+    /// Print the plan and more statistics
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    text.parse()
+        .ok()
+        .filter(|s: &f64| *s > 0.0)
+        .and_then(|s| Duration::try_from_secs_f64(s).ok())
+        .ok_or_else(|| "expected a positive number of seconds".to_owned())
+}
+
+/// Seconds between checkpoints; a checkpoint costs a write of the sums.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(10);
+
+pub fn run(args: &RenderArgs) -> Result<u8, String> {
+    if args.help_settings {
+        return help_settings();
+    }
+    if let Some(n) = args.threads {
+        if n == 0 {
+            return Err("--threads wants a number from 1".to_owned());
+        }
+        rayon::ThreadPoolBuilder::new().num_threads(n).build_global().map_err(|e| e.to_string())?;
+    }
+    let started = Instant::now();
+    let loaded = args.scene.load(args.quiet)?;
+    let load_seconds = started.elapsed().as_secs_f64();
+    let output = args.output(&loaded)?;
+    output.check()?;
+    let checkpoint = args.checkpoint_path(&output);
+    let identity = identity(&loaded);
+    let (pixels, done) = args.start(&loaded, checkpoint.as_deref(), &identity)?;
+    if args.verbose {
+        report::line(&loaded.plan.to_string());
+    }
+    if loaded.scene.emitters.is_empty() && !args.quiet {
+        report::line("warning: the scene has no emitter; the picture will be black");
+    }
+
+    let interrupt = watch_interrupts()?;
+    let limited = args.time.is_some() || args.target_error.is_some();
+    let budget = Budget {
+        // A time or an error ends the render, unless a number of passes was asked for as well.
+        passes: (!limited || args.scene.spp.or(args.scene.passes).is_some())
+            .then_some(loaded.settings.passes),
+        time: args.time,
+        error: args.target_error,
+        interrupt: Some(interrupt),
+    };
+    let bar = args.progress_bar(&budget);
+    let mut saved = Instant::now();
+    let mut checkpoint_problem = None;
+    let mut on_pass = |p: &Progress<'_>| {
+        show(&bar, p, &budget);
+        if let Some(path) = &checkpoint {
+            if args.checkpoint.is_some() && saved.elapsed() >= CHECKPOINT_INTERVAL {
+                saved = Instant::now();
+                checkpoint_problem = save(path, &identity, p.pixels, p.passes).err();
+            }
+        }
+    };
+    let outcome = render(&loaded.scene, &loaded.plan, &loaded.settings, budget, pixels, done, &mut on_pass);
+    bar.finish_and_clear();
+    if let Some(problem) = checkpoint_problem {
+        report::error(&problem);
+    }
+    if let Some(path) = checkpoint
+        .as_ref()
+        .filter(|_| args.checkpoint.is_some() || args.resume || outcome.stop == Stop::Interrupted)
+    {
+        save(path, &identity, &outcome.pixels, outcome.statistics.passes)?;
+    }
+    output.write(&loaded, &outcome.pixels, outcome.statistics.passes, &radii(&outcome.statistics))?;
+    args.summary(&loaded, &output, &outcome, load_seconds)?;
+    Ok(if outcome.stop == Stop::Interrupted { super::INTERRUPTED } else { 0 })
+}
+
+impl RenderArgs {
+    fn output(&self, loaded: &Loaded) -> Result<Output, String> {
+        let main =
+            self.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", stem(&loaded.path))));
+        let mut files = vec![main.clone()];
+        match &self.png {
+            Some(Some(file)) => files.push(file.clone()),
+            Some(None) => files.push(main.with_extension("png")),
+            None => {}
+        }
+        files.dedup();
+        let mut layers = Vec::new();
+        for name in self.layers.split(',').map(str::trim).filter(|n| !n.is_empty()) {
+            match name {
+                "none" => {}
+                "all" => layers.extend(KNOWN_LAYERS.map(str::to_owned)),
+                known if KNOWN_LAYERS.contains(&known) => layers.push(known.to_owned()),
+                other => {
+                    return Err(format!("there is no layer `{other}`; there are {}", KNOWN_LAYERS.join(", ")));
+                }
+            }
+        }
+        layers.dedup();
+        let tonemap = loaded.film.tonemap;
+        Ok(Output {
+            files,
+            layers,
+            half: self.half,
+            exposure: self.exposure + tonemap.map_or(0.0, |t| t.exposure),
+            gamma: tonemap.and_then(|t| t.gamma),
+            alpha: wants_alpha(&loaded.film),
+        })
+    }
+
+    fn checkpoint_path(&self, output: &Output) -> Option<PathBuf> {
+        self.checkpoint.clone().or_else(|| output.files.first().map(|f| f.with_extension("checkpoint")))
+    }
+
+    fn start(
+        &self,
+        loaded: &Loaded,
+        checkpoint: Option<&Path>,
+        identity: &[(String, String)],
+    ) -> Result<(Pixels, u32), String> {
+        let fresh = || (Pixels::new(loaded.scene.film.pixel_count()), 0);
+        let Some(path) = checkpoint.filter(|_| self.resume) else { return Ok(fresh()) };
+        let problem = |e: String| format!("cannot resume from `{}`: {e}", path.display());
+        let saved = Checkpoint::read(path).map_err(|e| problem(e.to_string()))?;
+        saved.check(identity).map_err(|e| problem(e.to_string()))?;
+        Ok((saved.pixels, saved.passes))
+    }
+
+    fn progress_bar(&self, budget: &Budget<'_>) -> ProgressBar {
+        if self.quiet {
+            return ProgressBar::hidden();
+        }
+        let length = match (budget.passes, budget.time) {
+            (Some(n), None) => u64::from(n),
+            (_, Some(t)) => t.as_millis() as u64,
+            (None, None) => 0,
+        };
+        let bar = ProgressBar::new(length);
+        // The template is a constant of ours.
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} % {msg} [{elapsed} < {eta}]") {
+            bar.set_style(style);
+        }
+        bar
+    }
+
+    fn summary(
+        &self,
+        loaded: &Loaded,
+        output: &Output,
+        outcome: &Outcome,
+        load_seconds: f64,
+    ) -> Result<(), String> {
+        let s = &outcome.statistics;
+        if let Some(path) = &self.stats {
+            let value = serde_json::json!({
+                "scene": loaded.path.display().to_string(),
+                "scene_hash": loaded.hash,
+                "threads": rayon::current_num_threads(),
+                "load_seconds": load_seconds,
+                "peak_memory_bytes": report::peak_memory(),
+                "relative_standard_error": finite(outcome.pixels.relative_error(s.passes)),
+                "stop": outcome.stop,
+                "render": s,
+                "settings": loaded.settings.values().collect::<std::collections::BTreeMap<_, _>>(),
+            });
+            let text = serde_json::to_string_pretty(&value).map_err(|e| e.to_string())?;
+            caustica_formats::image::atomic_write(path, text.as_bytes())
+                .map_err(|e| format!("cannot write `{}`: {e}", path.display()))?;
+        }
+        if s.rejected_samples + s.rejected_photons > 0 {
+            report::line(&format!(
+                "warning: {} samples and {} photons were not finite and were left out",
+                s.rejected_samples, s.rejected_photons
+            ));
+        }
+        if !self.quiet {
+            report::line(&self.table(outcome, load_seconds));
+            for file in &output.files {
+                report::line(&format!("wrote {}", file.display()));
+            }
+        }
+        Ok(())
+    }
+
+    fn table(&self, outcome: &Outcome, load_seconds: f64) -> String {
+        let s = &outcome.statistics;
+        let per =
+            |n: u64, seconds: f64| if seconds > 0.0 { count(n as f64 / seconds) } else { "0".to_owned() };
+        let mut rows = vec![
+            ("passes", format!("{} in {:.2} s (loading {load_seconds:.2} s)", s.passes, s.seconds)),
+            ("rays", format!("{} ({}/s)", count(s.rays as f64), per(s.rays, s.seconds))),
+        ];
+        if s.light_paths > 0 {
+            rows.push((
+                "photons",
+                format!(
+                    "{} stored ({}/s traced)",
+                    count(s.photons_stored as f64),
+                    per(s.photons_stored, s.trace_seconds)
+                ),
+            ));
+            rows.push((
+                "lookups",
+                format!(
+                    "{} ({}/s of camera time), {:.1} photons each",
+                    count(s.lookups as f64),
+                    per(s.lookups, s.camera_seconds),
+                    s.photons_gathered as f64 / s.lookups.max(1) as f64
+                ),
+            ));
+            rows.push((
+                "phases",
+                format!(
+                    "prepare {:.2} s, photons {:.2} s, maps {:.2} s, camera {:.2} s",
+                    s.prepare_seconds, s.trace_seconds, s.build_seconds, s.camera_seconds
+                ),
+            ));
+        }
+        if s.first_radius > 0.0 {
+            rows.push(("radius", format!("{:.4e} to {:.4e}", s.first_radius, s.last_radius)));
+        }
+        if s.first_caustic_radius > 0.0 {
+            rows.push((
+                "caustic radius",
+                format!("{:.4e} to {:.4e}", s.first_caustic_radius, s.last_caustic_radius),
+            ));
+        }
+        let memory =
+            report::peak_memory().map_or_else(String::new, |m| format!("{} at the peak; ", megabytes(m)));
+        rows.push((
+            "memory",
+            format!(
+                "{memory}maps {}, film {}, scene {}",
+                megabytes(s.map_bytes),
+                megabytes(s.film_bytes),
+                megabytes(s.scene_bytes)
+            ),
+        ));
+        if s.passes > 1 {
+            rows.push((
+                "standard error",
+                format!("{:.3} % of the mean", 100.0 * outcome.pixels.relative_error(s.passes)),
+            ));
+        }
+        let ended = match outcome.stop {
+            Stop::Passes => "all passes done",
+            Stop::Time => "time is up",
+            Stop::Error => "target error reached",
+            Stop::Interrupted => "interrupted; --resume goes on from the checkpoint",
+        };
+        rows.push(("ended", ended.to_owned()));
+        rows.iter().map(|(n, v)| format!("{n:<15} {v}")).collect::<Vec<_>>().join("\n")
+    }
+}
+
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+fn help_settings() -> Result<u8, String> {
+    let defaults = crate::scene::Settings::default();
+    let rows: Vec<String> = SETTINGS
+        .iter()
+        .zip(defaults.values())
+        .map(|(row, (_, default))| format!("{:<20} {} [{}; default {default}]", row.name, row.doc, row.wants))
+        .collect();
+    let kernels: Vec<&str> = crate::photon::kernel::KernelKind::ALL.iter().map(|k| k.name()).collect();
+    report::data(&format!("{}\n\nkernels: {}", rows.join("\n"), kernels.join(", ")))?;
+    Ok(0)
+}
+
+/// The flag that Ctrl-C and SIGTERM set; a second signal ends the program at once.
+fn watch_interrupts() -> Result<&'static AtomicBool, String> {
+    static INTERRUPT: AtomicBool = AtomicBool::new(false);
+    ctrlc::set_handler(|| {
+        if INTERRUPT.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(super::INTERRUPTED));
+        }
+    })
+    .map_err(|e| format!("cannot watch for Ctrl-C: {e}"))?;
+    Ok(&INTERRUPT)
+}
+
+fn show(bar: &ProgressBar, p: &Progress<'_>, budget: &Budget<'_>) {
+    if bar.is_hidden() {
+        return;
+    }
+    match budget.time {
+        Some(_) => bar.set_position(p.elapsed.as_millis() as u64),
+        None => bar.set_position(u64::from(p.passes)),
+    }
+    // The error estimate reads every pixel: show it at powers of two.
+    if p.passes.is_power_of_two() && p.passes > 1 {
+        bar.set_message(format!(
+            "pass {}, error {:.2} %",
+            p.passes,
+            100.0 * p.pixels.relative_error(p.passes)
+        ));
+    }
+}
+
+fn save(path: &Path, identity: &[(String, String)], pixels: &Pixels, passes: u32) -> Result<(), String> {
+    let checkpoint = Checkpoint { identity: identity.to_vec(), passes, pixels: pixels.clone() };
+    caustica_formats::image::atomic_write(path, &checkpoint.encode())
+        .map_err(|e| format!("cannot write checkpoint `{}`: {e}", path.display()))
+}
+
+fn radii(s: &Statistics) -> Vec<(String, String)> {
+    [("firstRadius", s.first_radius), ("firstCausticRadius", s.first_caustic_radius)]
+        .into_iter()
+        .filter(|(_, r)| *r > 0.0)
+        .map(|(n, r)| (n.to_owned(), r.to_string()))
+        .collect()
+}
+
+/// What makes two renders the same render: all but the number of passes.
+fn identity(loaded: &Loaded) -> Vec<(String, String)> {
+    let film = loaded.scene.film;
+    let mut rows = vec![
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("scene hash".to_owned(), loaded.hash.clone()),
+        ("film".to_owned(), format!("{}x{} crop {:?}", film.width, film.height, film.crop)),
+        ("filter".to_owned(), format!("{:?}", loaded.scene.filter.shape)),
+    ];
+    rows.extend(loaded.settings.values().filter(|(n, _)| *n != "passes").map(|(n, v)| (n.to_owned(), v)));
+    rows
+}

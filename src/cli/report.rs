@@ -1,0 +1,43 @@
+//! What people read: everything goes to stderr, so that stdout stays free for data.
+
+use std::io::Write;
+
+/// Prints a line to stderr; a closed stderr is not worth dying for.
+pub fn line(text: &str) {
+    let _closed = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Prints an error: a rendered diagnostic as it is, anything else with a prefix.
+pub fn error(message: &str) {
+    if message.starts_with("error") {
+        line(message);
+    } else {
+        line(&format!("error: {message}"));
+    }
+}
+
+/// Prints data for machines and pagers to stdout.
+pub fn data(text: &str) -> Result<(), String> {
+    writeln!(std::io::stdout(), "{text}").map_err(|e| format!("cannot write to stdout: {e}"))
+}
+
+/// 12345678 → "12.35 M".
+pub fn count(n: f64) -> String {
+    let units = [(1e9, " G"), (1e6, " M"), (1e3, " k")];
+    match units.iter().find(|(scale, _)| n >= *scale) {
+        Some((scale, unit)) => format!("{:.2}{unit}", n / scale),
+        None => format!("{n:.0}"),
+    }
+}
+
+/// Bytes in MB (10⁶).
+pub fn megabytes(bytes: u64) -> String {
+    format!("{:.1} MB", bytes as f64 / 1e6)
+}
+
+/// Peak resident memory of this process, where the system tells.
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kb| kb * 1024)
+}
