@@ -17,7 +17,7 @@ pub enum Tonemapper {
 }
 
 impl Tonemapper {
-    fn coefficients(self) -> [f32; 6] {
+    pub(super) fn coefficients(self) -> [f32; 6] {
         match self {
             Self::Aces => [0.36 * 2.51, 0.6 * 0.03, 0.0, 0.36 * 2.43, 0.6 * 0.59, 0.14],
             Self::Hable => [0.231683, 0.013791, 0.0, 0.18, 0.3, 0.018],
@@ -37,16 +37,30 @@ impl Tonemapper {
     }
 
     /// Linear radiance, already exposed, to display values in [0, 1].
-    #[inline(always)]
     pub fn apply(self, rgb: [f32; 3]) -> [f32; 3] {
-        let c = self.coefficients();
-        let curve = |x: f32| (c[0] * x * x + c[1] * x + c[2]) / (c[3] * x * x + c[4] * x + c[5]);
-        if self == Self::Reinhard {
-            let scale = 1.0 / (1.0 + luminance(rgb));
-            return rgb.map(|v| (v * scale).clamp(0.0, 1.0));
+        match self {
+            Self::Reinhard => reinhard(rgb),
+            Self::Aces | Self::Hable => rational(&self.coefficients(), rgb),
         }
-        rgb.map(|v| curve(v).clamp(0.0, 1.0))
     }
+}
+
+/// A tonemapping curve per channel.
+#[inline(always)]
+pub fn rational(c: &[f32; 6], [r, g, b]: [f32; 3]) -> [f32; 3] {
+    let curve = |x: f32| {
+        let y = (c[0] * x * x + c[1] * x + c[2]) / (c[3] * x * x + c[4] * x + c[5]);
+        y.clamp(0.0, 1.0)
+    };
+    [curve(r), curve(g), curve(b)]
+}
+
+/// Reinhard's curve, which scales a colour by its luminance.
+#[inline(always)]
+pub fn reinhard(rgb: [f32; 3]) -> [f32; 3] {
+    let scale = 1.0 / (1.0 + luminance(rgb));
+    let [r, g, b] = rgb;
+    [(r * scale).clamp(0.0, 1.0), (g * scale).clamp(0.0, 1.0), (b * scale).clamp(0.0, 1.0)]
 }
 
 /// Exposures in stops, evenly spaced from `start` to `stop`.

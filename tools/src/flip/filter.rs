@@ -26,26 +26,41 @@ pub fn along_column(out: &mut [f32], plane: &[f32], y: usize, kernel: &Kernel) {
 /// Adds the taps; `tap(i, true)` is the input shifted by +i, `tap(i, false)` by −i.
 #[inline(always)]
 fn accumulate<'a>(out: &mut [f32], kernel: &Kernel, tap: impl Fn(usize, bool) -> &'a [f32]) {
-    let centre = kernel.half[0];
+    if kernel.odd {
+        sweeps(out, kernel, tap, |a, b| a - b);
+    } else {
+        sweeps(out, kernel, tap, |a, b| a + b);
+    }
+}
+
+/// Offsets that one sweep over the outputs adds, to spare memory traffic.
+const SWEEP: usize = 3;
+
+#[inline(always)]
+fn sweeps<'a>(
+    out: &mut [f32],
+    kernel: &Kernel,
+    tap: impl Fn(usize, bool) -> &'a [f32],
+    join: impl Fn(f32, f32) -> f32,
+) {
+    let n = out.len();
+    let (&centre, sides) = kernel.half.split_first().expect("a kernel has a centre");
     for (o, v) in out.iter_mut().zip(tap(0, true)) {
         *o = centre * v;
     }
-    let sign = if kernel.odd { -1.0 } else { 1.0 };
-    // Two taps a sweep halve the traffic through `out`.
-    for (pair, weights) in kernel.half[1..].chunks(2).enumerate() {
-        let i = 1 + 2 * pair;
-        let (a, b) = (tap(i, true), tap(i, false));
-        match *weights {
-            [w, w2] => {
-                let (c, d) = (tap(i + 1, true), tap(i + 1, false));
-                for ((((o, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                    *o += w * (a + sign * b) + w2 * (c + sign * d);
-                }
+    for (sweep, weights) in sides.chunks(SWEEP).enumerate() {
+        let first = 1 + sweep * SWEEP;
+        let of = |i: usize| (&tap(first + i, true)[..n], &tap(first + i, false)[..n]);
+        if let &[u, v, w] = weights {
+            let ((a, b), (c, d), (e, f)) = (of(0), of(1), of(2));
+            for l in 0..n {
+                out[l] += u * join(a[l], b[l]) + v * join(c[l], d[l]) + w * join(e[l], f[l]);
             }
-            _ => {
-                let w = weights[0];
+        } else {
+            for (i, &w) in weights.iter().enumerate() {
+                let (a, b) = of(i);
                 for ((o, a), b) in out.iter_mut().zip(a).zip(b) {
-                    *o += w * (a + sign * b);
+                    *o += w * join(*a, *b);
                 }
             }
         }
@@ -60,8 +75,8 @@ mod tests {
     fn agrees_with_the_sum() {
         for (half, odd) in [(vec![0.5, 0.2, 0.1, 0.05], false), (vec![0.0, 0.4, 0.3], true)] {
             let k = Kernel { half, odd };
-            let row: Vec<f32> = (0..20).map(|i| (i * i % 7) as f32).collect();
-            let mut out = vec![0.0; 10];
+            let row: Vec<f32> = (0..90).map(|i| (i * i % 7) as f32).collect();
+            let mut out = vec![0.0; 80];
             along_row(&mut out, &row, 5, &k);
             for (x, o) in out.iter().enumerate() {
                 let mut expected = 0.0;

@@ -81,8 +81,8 @@ impl Kernels {
 fn sensitivity(b: f64, ppd: f64, radius: usize) -> (Kernel, f64) {
     let g = |i: usize| (-(PI * i as f64 / ppd).powi(2) / b).exp();
     let mass = 2.0 * (1..=radius).map(g).sum::<f64>() + 1.0;
-    // Weights below 1e-9 cannot be seen in f32: narrow Gaussians need not pay for the common radius.
-    let used = (0..=radius).rev().find(|&i| g(i) > 1e-9).unwrap_or(0);
+    // Weights below 1e-8 cannot be seen in f32: narrow Gaussians need not pay for the common radius.
+    let used = (0..=radius).rev().find(|&i| g(i) > 1e-8).unwrap_or(0);
     (Kernel::even((0..=used).map(|i| g(i) / mass)), mass)
 }
 

@@ -1,6 +1,6 @@
 //! FLIP of whole pictures.
 
-use super::exposure::{Exposures, Tonemapper};
+use super::exposure::{Exposures, Tonemapper, rational, reinhard};
 use super::tile::{Evaluator, Scratch, TILE_WIDTH};
 use crate::pixels::Pixels;
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ pub struct HdrFlipMap {
 pub fn ldr(image: &Pixels, reference: &Pixels, ppd: f64) -> FlipMap {
     let evaluator = Evaluator::new(ppd);
     // FLIP starts by decoding sRGB; decode(clamp(encode(x))) is clamp(x).
-    let display = |rgb: [f32; 3]| rgb.map(|v| v.clamp(0.0, 1.0));
+    let display = |[r, g, b]: [f32; 3]| [r.clamp(0.0, 1.0), g.clamp(0.0, 1.0), b.clamp(0.0, 1.0)];
     let mut values = vec![0.0; image.rgb.len()];
     for_bands(image, &mut values, |band, rows, scratch| {
         tiles(image.width, |columns| {
@@ -53,13 +53,34 @@ pub fn hdr(
     exposures: Exposures,
     tonemapper: Tonemapper,
 ) -> HdrFlipMap {
+    // One instance of the loops per kind of curve, so that they hold no choice.
+    let (map, worst_exposure) = match tonemapper {
+        Tonemapper::Reinhard => worst_of(image, reference, ppd, &exposures, reinhard),
+        Tonemapper::Aces | Tonemapper::Hable => {
+            let c = tonemapper.coefficients();
+            worst_of(image, reference, ppd, &exposures, move |rgb| rational(&c, rgb))
+        }
+    };
+    HdrFlipMap { map, worst_exposure, exposures, tonemapper }
+}
+
+/// The largest LDR-FLIP over the exposures, and the number of the exposure where it occurs.
+fn worst_of(
+    image: &Pixels,
+    reference: &Pixels,
+    ppd: f64,
+    exposures: &Exposures,
+    curve: impl Fn([f32; 3]) -> [f32; 3] + Copy + Sync,
+) -> (FlipMap, Vec<u8>) {
     let evaluator = Evaluator::new(ppd);
     let factors: Vec<f32> = exposures.values().map(|e| e.exp2() as f32).collect();
     let mut both = vec![(0.0f32, 0u8); image.rgb.len()];
     for_bands(image, &mut both, |band, rows, scratch| {
         tiles(image.width, |columns| {
             for (number, &factor) in factors.iter().enumerate() {
-                let display = |rgb: [f32; 3]| tonemapper.apply(rgb.map(|v| v.max(0.0) * factor));
+                let display = |[r, g, b]: [f32; 3]| {
+                    curve([r.max(0.0) * factor, g.max(0.0) * factor, b.max(0.0) * factor])
+                };
                 let (pair, columns) = ([reference, image], columns.clone());
                 evaluator.tile(pair, columns, rows.clone(), display, scratch, |y, x, v| {
                     let start = (y - rows.start) * image.width + x;
@@ -72,9 +93,8 @@ pub fn hdr(
             }
         });
     });
-    let (values, worst_exposure) = both.into_iter().unzip();
-    let map = FlipMap { width: image.width, height: image.height, values };
-    HdrFlipMap { map, worst_exposure, exposures, tonemapper }
+    let (values, worst) = both.into_iter().unzip();
+    (FlipMap { width: image.width, height: image.height, values }, worst)
 }
 
 /// Runs `work` for bands of rows in parallel. A pixel's value does not depend on its band, so the

@@ -1,6 +1,6 @@
 //! LDR-FLIP of one tile of a picture: what a thread computes at a time, in a few small planes.
 
-use super::color::{ColorScale, rgb_to_ycxcz};
+use super::color::{ColorScale, power, rgb_to_ycxcz};
 use super::filter::{along_column, along_row};
 use super::kernel::{Kernel, Kernels};
 use crate::pixels::Pixels;
@@ -115,9 +115,23 @@ impl Evaluator {
             let y = (rows.start + j).saturating_sub(reach).min(image.height - 1);
             let line = &image.rgb[y * image.width..(y + 1) * image.width];
             let [luma, red_green, blue_yellow] = &mut scratch.row;
-            for (i, ((a, b), c)) in luma.iter_mut().zip(red_green).zip(blue_yellow).enumerate() {
-                let x = (columns.start + i).saturating_sub(reach).min(image.width - 1);
-                [*a, *b, *c] = rgb_to_ycxcz(display(line[x]));
+            // Columns inside the picture, then its border pixels repeated on both sides.
+            let inside = columns.start.saturating_sub(reach)..(columns.end + reach).min(image.width);
+            let left = inside.start + reach - columns.start;
+            let right = left + inside.len();
+            let [r, g, b] =
+                [&mut luma[left..right], &mut red_green[left..right], &mut blue_yellow[left..right]];
+            // Planes first: the arithmetic that follows becomes vectors only without interleaving.
+            for (((r, g), b), rgb) in r.iter_mut().zip(&mut *g).zip(&mut *b).zip(&line[inside]) {
+                [*r, *g, *b] = *rgb;
+            }
+            for ((r, g), b) in r.iter_mut().zip(g).zip(b) {
+                [*r, *g, *b] = rgb_to_ycxcz(display([*r, *g, *b]));
+            }
+            for plane in [luma, red_green, blue_yellow] {
+                let (first, last) = (plane[left], plane[right - 1]);
+                plane[..left].fill(first);
+                plane[right..].fill(last);
             }
             let out = j * n..(j + 1) * n;
             let [y, cx, cz] = &scratch.row;
@@ -171,25 +185,26 @@ impl Evaluator {
     /// Colour and feature difference to FLIP (2020, eq. 1): `ΔE_c^(1 − ΔE_f)`, left in `distance`.
     #[inline(always)]
     fn combine(&self, scratch: &mut Scratch) {
-        let [a, b] = &scratch.results;
-        let count = a[0].len();
+        let count = scratch.results[0][0].len();
         scratch.distance.resize(count, 0.0);
         scratch.feature.resize(count, 0.0);
-        // Vectorisable: no powers yet.
+        // Slices of one length, so that no index is checked and the loops become vectors.
+        let [a, b] = scratch.results.each_ref().map(|r| r.each_ref().map(|plane| &plane[..count]));
+        let distance = &mut scratch.distance[..count];
+        let feature = &mut scratch.feature[..count];
         for i in 0..count {
-            let color = |r: &[Vec<f32>; RESULTS]| [r[0][i], r[1][i], r[2][i]];
-            scratch.distance[i] = ColorScale::distance(color(a), color(b));
+            distance[i] = ColorScale::distance([a[0][i], a[1][i], a[2][i]], [b[0][i], b[1][i], b[2][i]]);
         }
         for i in 0..count {
             // Y of YCxCz to gray in [0, 1]; the filters have no mass, so the offset falls away.
-            let length = |x: &[f32], y: &[f32]| (x[i] * x[i] + y[i] * y[i]).sqrt() / 116.0;
-            let edges = (length(&a[3], &a[4]) - length(&b[3], &b[4])).abs();
-            let points = (length(&a[5], &a[6]) - length(&b[5], &b[6])).abs();
+            let length = |x: f32, y: f32| (x * x + y * y).sqrt() * (1.0 / 116.0);
+            let edges = (length(a[3][i], a[4][i]) - length(b[3][i], b[4][i])).abs();
+            let points = (length(a[5][i], a[6][i]) - length(b[5][i], b[6][i])).abs();
             // ΔE_f = (max / √2)^q_f with q_f = 0.5.
-            scratch.feature[i] = (edges.max(points) * std::f32::consts::FRAC_1_SQRT_2).sqrt();
+            feature[i] = (edges.max(points) * std::f32::consts::FRAC_1_SQRT_2).sqrt();
         }
         for (d, f) in scratch.distance.iter_mut().zip(&scratch.feature) {
-            *d = self.scale.error(*d).powf(1.0 - f).clamp(0.0, 1.0);
+            *d = power(self.scale.error(*d), 1.0 - f).clamp(0.0, 1.0);
         }
     }
 }
