@@ -9,7 +9,7 @@ mod pairs;
 mod run;
 mod table;
 
-pub use args::CompareArgs;
+pub use args::{CompareArgs, VarianceOf};
 pub use check::{Check, Thresholds};
 pub use error::CompareError;
 pub use load::{Loaded, load};
