@@ -1,5 +1,8 @@
 //! `run` as the command line calls it: exit status, table, JSON, and every way to fail.
 
+// Helpers of tests fail by panicking, as tests do.
+#![allow(clippy::unwrap_used)]
+
 use caustica_formats::image::{ExrLayer, ExrOptions, write_exr, write_png};
 use caustica_tools::compare::{CompareArgs, Status, VarianceOf, run};
 use serde_json::Value;
