@@ -8,7 +8,7 @@ use obvhs::{BvhBuildParams, aabb::Aabb};
 
 use crate::math::{Bounds, Ray};
 
-/// A BVH over boxes. Primitives are visited by their position in [`Bvh::order`].
+/// A BVH over boxes, whose leaves name elements of the caller's arrays.
 pub struct Bvh {
     inner: Bvh2,
 }
@@ -18,6 +18,11 @@ impl std::fmt::Debug for Bvh {
         write!(f, "Bvh({} nodes)", self.inner.nodes.len())
     }
 }
+
+/// obvhs's medium preset with leaves of at most four boxes: primitives are tested four at a time, so a
+/// leaf costs about as much as an inner node.
+const PARAMETERS: BvhBuildParams =
+    BvhBuildParams { max_prims_per_leaf: 4, collapse_traversal_cost: 3.0, ..BvhBuildParams::medium_build() };
 
 /// A component of 1/d that stays finite, so that 0·inf never makes a NaN in the slab test.
 fn reciprocal(d: f32) -> f32 {
@@ -46,27 +51,32 @@ impl Bvh {
             })
             .collect();
         let mut time = std::time::Duration::ZERO;
-        Self { inner: build_bvh2(&padded, BvhBuildParams::medium_build(), &mut time) }
+        Self { inner: build_bvh2(&padded, PARAMETERS, &mut time) }
     }
 
-    /// `order()[position]` is the index of the box given to [`Bvh::build`]. Callers store their
-    /// primitives in this order, so that leaves read consecutive memory.
-    pub fn order(&self) -> &[u32] {
-        &self.inner.primitive_indices
+    /// Calls `pack(items)` for every leaf with the indices of its boxes; what it returns, a first
+    /// element and a count in the caller's own arrays, is what the leaf names from then on.
+    pub fn pack_leaves(&mut self, mut pack: impl FnMut(&[u32]) -> (u32, u32)) {
+        let order = std::mem::take(&mut self.inner.primitive_indices);
+        for node in self.inner.nodes.iter_mut().filter(|n| n.is_leaf()) {
+            let first = node.first_index as usize;
+            let (start, count) = pack(&order[first..first + node.prim_count as usize]);
+            (node.first_index, node.prim_count) = (start, count);
+        }
     }
 
-    /// Bytes held by nodes and indices.
+    /// Bytes held by nodes.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.inner.nodes.as_slice()) + size_of_val(self.inner.primitive_indices.as_slice())
+        size_of_val(self.inner.nodes.as_slice())
     }
 
-    /// Walks leaves front to back. `test(position, tmax)` returns the new tmax when it hits, and
+    /// Walks leaves front to back. `test(element, tmax)` returns the new tmax when it hits, and
     /// remembers what it hit itself.
     #[inline(always)]
     pub fn closest(&self, ray: &Ray, mut test: impl FnMut(usize, f32) -> Option<f32>) {
         self.walk(ray, |first, last, tmax| {
-            for position in first..last {
-                if let Some(t) = test(position, *tmax) {
+            for element in first..last {
+                if let Some(t) = test(element, *tmax) {
                     *tmax = t;
                 }
             }
@@ -74,7 +84,7 @@ impl Bvh {
         });
     }
 
-    /// True as soon as `test(position)` is true for a primitive whose box the ray crosses.
+    /// True as soon as `test(element)` is true in a leaf whose box the ray crosses.
     #[inline(always)]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(usize) -> bool) -> bool {
         let mut found = false;

@@ -20,7 +20,7 @@ pub fn run(args: &InspectArgs) -> Result<u8, String> {
 fn describe(l: &Loaded) -> String {
     let scene = &l.scene;
     let levels = std::iter::once(&scene.geometry.world).chain(&scene.geometry.groups);
-    let primitives: usize = levels.map(|level| level.primitives.len()).sum();
+    let primitives: usize = levels.map(|level| level.primitives).sum();
     let [_, _, w, h] = scene.film.crop;
     let [x, y, z] = scene.origin;
     let mut out = String::new();

@@ -58,6 +58,10 @@ pub struct SceneArgs {
     /// Reconstruction filter: box, tent, gaussian, mitchell, catmullrom or lanczos
     #[arg(long, value_name = "NAME", value_parser = filter)]
     filter: Option<ir::Filter>,
+    /// How spectra become RGB: as mitsuba3 does for every file, as mitsuba06 did, or as the renderer of
+    /// the file's own version does
+    #[arg(long, value_name = "RULE", default_value = "mitsuba3", value_parser = ["mitsuba3", "mitsuba06", "file"])]
+    spectral_to_rgb: String,
     /// Render what is not supported as something near, with a warning
     #[arg(long)]
     allow_unsupported: bool,
@@ -133,7 +137,15 @@ impl SceneArgs {
         };
         print(&warnings);
         self.override_film(&mut scene);
-        let build_options = BuildOptions { sensor: self.sensor, allow_unsupported: self.allow_unsupported };
+        let build_options = BuildOptions {
+            sensor: self.sensor,
+            allow_unsupported: self.allow_unsupported,
+            spectrum_rule: match self.spectral_to_rgb.as_str() {
+                "mitsuba3" => Some(ir::SpectrumRule::Mitsuba3),
+                "mitsuba06" => Some(ir::SpectrumRule::Mitsuba06),
+                _ => None,
+            },
+        };
         let built = build(&scene, &files, build_options)
             .map_err(|diagnostics| sources.render(&diagnostics).trim_end().to_owned())?;
         print(&built.warnings);

@@ -3,10 +3,9 @@
 use crate::accel::Bvh;
 use crate::math::{Bounds, Ray, Vec3};
 use crate::shape::Analytic;
-use crate::shape::triangle::Shear;
+use crate::shape::triangle::{Block, Shear, WIDTH};
 
-/// A triangle's corners, or the number of something else. In BVH leaf order, so that a leaf is one
-/// read of consecutive memory.
+/// A triangle, or the number of something else, as the builder lists them.
 #[derive(Clone, Copy, Debug)]
 pub struct Primitive {
     v: [[f32; 3]; 3],
@@ -27,6 +26,16 @@ pub enum Kind {
     Instance(u32),
 }
 
+fn kind(tag: u32) -> Kind {
+    if tag & (ANALYTIC | INSTANCE) == 0 {
+        Kind::Triangle(tag)
+    } else if tag & ANALYTIC != 0 {
+        Kind::Analytic(tag & INDEX)
+    } else {
+        Kind::Instance(tag & INDEX)
+    }
+}
+
 impl Primitive {
     pub fn triangle(v: [[f32; 3]; 3], shape: u32, index: u32) -> Self {
         debug_assert!(index <= INDEX);
@@ -41,17 +50,6 @@ impl Primitive {
         Self { v: [[0.0; 3]; 3], shape: u32::MAX, tag: index | INSTANCE }
     }
 
-    #[inline]
-    pub fn kind(&self) -> Kind {
-        if self.tag & (ANALYTIC | INSTANCE) == 0 {
-            Kind::Triangle(self.tag)
-        } else if self.tag & ANALYTIC != 0 {
-            Kind::Analytic(self.tag & INDEX)
-        } else {
-            Kind::Instance(self.tag & INDEX)
-        }
-    }
-
     pub fn corners(&self) -> &[[f32; 3]; 3] {
         &self.v
     }
@@ -59,6 +57,16 @@ impl Primitive {
 
 /// Most triangles of one mesh, and most meshes or instances of one scene.
 pub const MAX_INDEX: usize = INDEX as usize;
+
+/// The primitives of a leaf: up to four triangles, or up to four other things.
+#[derive(Clone, Copy, Debug)]
+struct Packet {
+    triangles: Block,
+    shape: [u32; WIDTH],
+    tag: [u32; WIDTH],
+    /// Lanes in use when these are no triangles, else 0.
+    others: u32,
+}
 
 /// Affine map in f32 with its inverse.
 #[derive(Clone, Copy, Debug)]
@@ -106,20 +114,21 @@ pub struct Instance {
     pub placement: Placement,
 }
 
-/// One level: primitives in leaf order and the tree over them.
+/// One level: packets of primitives and the tree over them.
 #[derive(Debug)]
 pub struct Level {
-    pub primitives: Vec<Primitive>,
+    packets: Vec<Packet>,
+    pub primitives: usize,
     pub analytic: Vec<Analytic>,
     bvh: Bvh,
     pub bounds: Bounds,
 }
 
 impl Level {
-    pub fn new(primitives: Vec<Primitive>, analytic: Vec<Analytic>, instance_bounds: &[Bounds]) -> Self {
+    pub fn new(primitives: &[Primitive], analytic: Vec<Analytic>, instance_bounds: &[Bounds]) -> Self {
         let boxes: Vec<Bounds> = primitives
             .iter()
-            .map(|p| match p.kind() {
+            .map(|p| match kind(p.tag) {
                 Kind::Triangle(_) => {
                     let mut b = Bounds::EMPTY;
                     p.v.iter().for_each(|&v| b.add(Vec3::from(v)));
@@ -131,14 +140,52 @@ impl Level {
             .collect();
         let mut bounds = Bounds::EMPTY;
         boxes.iter().for_each(|b| bounds.union(b));
-        let bvh = Bvh::build(&boxes);
-        let primitives = bvh.order().iter().map(|&i| primitives[i as usize]).collect();
-        Self { primitives, analytic, bvh, bounds }
+        let mut bvh = Bvh::build(&boxes);
+        let mut packets = Vec::with_capacity(primitives.len() / 2);
+        bvh.pack_leaves(|items| {
+            let first = packets.len();
+            let flat = |&&i: &&u32| matches!(kind(primitives[i as usize].tag), Kind::Triangle(_));
+            let (triangles, others): (Vec<&u32>, Vec<&u32>) = items.iter().partition(flat);
+            for (list, are_triangles) in [(triangles, true), (others, false)] {
+                packets.extend(list.chunks(WIDTH).map(|lanes| packet(primitives, lanes, are_triangles)));
+            }
+            (first as u32, (packets.len() - first) as u32)
+        });
+        Self { packets, primitives: primitives.len(), analytic, bvh, bounds }
     }
 
     pub fn bytes(&self) -> usize {
-        self.bvh.bytes() + size_of_val(self.primitives.as_slice())
+        self.bvh.bytes() + size_of_val(self.packets.as_slice())
     }
+
+    /// What a hit in this level met.
+    pub fn kind(&self, hit: &Hit) -> Kind {
+        kind(self.packets[hit.packet as usize].tag[hit.lane as usize])
+    }
+
+    /// Shape of the primitive that was hit.
+    pub fn shape(&self, hit: &Hit) -> u32 {
+        self.packets[hit.packet as usize].shape[hit.lane as usize]
+    }
+
+    /// Corners of the triangle that was hit.
+    pub fn corners(&self, hit: &Hit) -> [[f32; 3]; 3] {
+        self.packets[hit.packet as usize].triangles.corners(hit.lane as usize)
+    }
+}
+
+fn packet(primitives: &[Primitive], lanes: &[&u32], are_triangles: bool) -> Packet {
+    let mut packet = Packet { triangles: Block::EMPTY, shape: [u32::MAX; WIDTH], tag: [0; WIDTH], others: 0 };
+    for (lane, &&i) in lanes.iter().enumerate() {
+        let p = &primitives[i as usize];
+        (packet.shape[lane], packet.tag[lane]) = (p.shape, p.tag);
+        if are_triangles {
+            packet.triangles.set(lane, &p.v);
+        } else {
+            packet.others += 1;
+        }
+    }
+    packet
 }
 
 /// Where a ray met a primitive.
@@ -148,8 +195,9 @@ pub struct Hit {
     /// Barycentric weights of the second and third corner (triangles).
     pub b1: f32,
     pub b2: f32,
-    /// Position in the level's primitives.
-    pub primitive: u32,
+    /// Packet of the level, and the lane in it.
+    packet: u32,
+    lane: u32,
     /// Instance the primitive was reached through; [`NO_INSTANCE`] for the world itself.
     pub instance: u32,
 }
@@ -184,14 +232,14 @@ impl Geometry {
     #[inline]
     fn closest_in(&self, level: &Level, ray: &Ray, instance: u32, best: &mut Option<Hit>) {
         let shear = Shear::new(ray);
-        level.bvh.closest(ray, |position, tmax| {
-            let p = &level.primitives[position];
-            if let Kind::Triangle(_) = p.kind() {
-                let (t, b1, b2) = shear.intersect(&p.v, tmax)?;
-                *best = Some(Hit { t, b1, b2, primitive: position as u32, instance });
+        level.bvh.closest(ray, |element, tmax| {
+            let p = &level.packets[element];
+            if p.others == 0 {
+                let (lane, t, b1, b2) = shear.intersect(&p.triangles, tmax)?;
+                *best = Some(Hit { t, b1, b2, packet: element as u32, lane: lane as u32, instance });
                 return Some(t);
             }
-            self.closest_other(level, p, position, ray, tmax, instance, best)
+            self.closest_other(level, element, ray, tmax, instance, best)
         });
     }
 
@@ -199,30 +247,35 @@ impl Geometry {
     fn closest_other(
         &self,
         level: &Level,
-        p: &Primitive,
-        position: usize,
+        element: usize,
         ray: &Ray,
-        tmax: f32,
+        mut tmax: f32,
         instance: u32,
         best: &mut Option<Hit>,
     ) -> Option<f32> {
-        match p.kind() {
-            Kind::Analytic(i) => {
-                let t = level.analytic[i as usize].intersect(ray, tmax)?;
-                *best = Some(Hit { t, b1: 0.0, b2: 0.0, primitive: position as u32, instance });
-                Some(t)
-            }
-            Kind::Instance(i) => {
-                let placed = &self.instances[i as usize];
-                let mut found = None;
-                let local = placed.placement.inverse_ray(ray, tmax);
-                self.closest_in(&self.groups[placed.group as usize], &local, i, &mut found);
-                let hit = found?;
+        let p = &level.packets[element];
+        let mut nearest = None;
+        for lane in 0..p.others {
+            let found = match kind(p.tag[lane as usize]) {
+                Kind::Analytic(i) => level.analytic[i as usize]
+                    .intersect(ray, tmax)
+                    .map(|t| Hit { t, b1: 0.0, b2: 0.0, packet: element as u32, lane, instance }),
+                Kind::Instance(i) => {
+                    let placed = &self.instances[i as usize];
+                    let mut inner = None;
+                    let local = placed.placement.inverse_ray(ray, tmax);
+                    self.closest_in(&self.groups[placed.group as usize], &local, i, &mut inner);
+                    inner
+                }
+                Kind::Triangle(_) => None,
+            };
+            if let Some(hit) = found {
+                tmax = hit.t;
+                nearest = Some(hit.t);
                 *best = Some(hit);
-                Some(hit.t)
             }
-            Kind::Triangle(_) => None,
         }
+        nearest
     }
 
     /// Whether anything lies in (0, tmax).
@@ -234,20 +287,23 @@ impl Geometry {
     #[inline]
     fn occluded_in(&self, level: &Level, ray: &Ray) -> bool {
         let shear = Shear::new(ray);
-        level.bvh.any(ray, |position| {
-            let p = &level.primitives[position];
-            match p.kind() {
-                Kind::Triangle(_) => shear.intersect(&p.v, ray.tmax).is_some(),
-                Kind::Analytic(i) => level.analytic[i as usize].intersect(ray, ray.tmax).is_some(),
-                Kind::Instance(i) => self.instance_occluded(i, ray),
-            }
+        level.bvh.any(ray, |element| {
+            let p = &level.packets[element];
+            if p.others == 0 { shear.occluded(&p.triangles, ray.tmax) } else { self.occluded_by_other(level, element, ray) }
         })
     }
 
     #[inline(never)]
-    fn instance_occluded(&self, i: u32, ray: &Ray) -> bool {
-        let placed = &self.instances[i as usize];
-        self.occluded_in(&self.groups[placed.group as usize], &placed.placement.inverse_ray(ray, ray.tmax))
+    fn occluded_by_other(&self, level: &Level, element: usize, ray: &Ray) -> bool {
+        let p = &level.packets[element];
+        (0..p.others as usize).any(|lane| match kind(p.tag[lane]) {
+            Kind::Analytic(i) => level.analytic[i as usize].intersect(ray, ray.tmax).is_some(),
+            Kind::Instance(i) => {
+                let placed = &self.instances[i as usize];
+                self.occluded_in(&self.groups[placed.group as usize], &placed.placement.inverse_ray(ray, ray.tmax))
+            }
+            Kind::Triangle(_) => false,
+        })
     }
 
     pub fn bytes(&self) -> usize {

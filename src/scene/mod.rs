@@ -5,7 +5,7 @@ mod geometry;
 mod plan;
 
 pub use crate::settings::Settings;
-pub use geometry::{Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement, Primitive};
+pub use geometry::{Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
 pub use plan::Plan;
 
 use crate::bsdf::{Closure, Material};
@@ -92,10 +92,12 @@ impl Scene {
     /// Position, normals and uv at a hit.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let level = self.geometry.level(hit.instance);
-        let primitive = &level.primitives[hit.primitive as usize];
-        let shape = &self.shapes[primitive.shape as usize];
-        let mut s = match primitive.kind() {
-            Kind::Triangle(index) => triangle_surface(primitive, shape, index as usize, hit),
+        let index = level.shape(hit);
+        let shape = &self.shapes[index as usize];
+        let mut s = match level.kind(hit) {
+            Kind::Triangle(triangle) => {
+                triangle_surface(&level.corners(hit), shape, index, triangle as usize, hit)
+            }
             Kind::Analytic(i) => {
                 let p = match self.geometry.instances.get(hit.instance as usize) {
                     Some(i) => i.placement.inverse_point(ray.at(hit.t)),
@@ -110,7 +112,7 @@ impl Scene {
                     frame: Frame::from_normal(n),
                     uv: l.uv,
                     lift: extent * LIFT,
-                    shape: primitive.shape,
+                    shape: index,
                 }
             }
             Kind::Instance(_) => unreachable!("an instance's hit names a primitive of its group"),
@@ -244,8 +246,7 @@ impl Scene {
     }
 }
 
-fn triangle_surface(primitive: &Primitive, shape: &ShapeRecord, index: usize, hit: &Hit) -> Surface {
-    let v = primitive.corners();
+fn triangle_surface(v: &[[f32; 3]; 3], shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
     let [v0, v1, v2] = v.map(Vec3::from);
     let b0 = 1.0 - hit.b1 - hit.b2;
     let mix = |a: Vec3, b: Vec3, c: Vec3| a * b0 + b * hit.b1 + c * hit.b2;
@@ -254,7 +255,7 @@ fn triangle_surface(primitive: &Primitive, shape: &ShapeRecord, index: usize, hi
     let mut ns = ng;
     let mut uv = Vec2::new(hit.b1, hit.b2);
     if !shape.normals.is_empty() || !shape.uvs.is_empty() {
-        let t = shape.triangles[index].map(|i| i as usize);
+        let t = shape.triangles[triangle].map(|i| i as usize);
         if !shape.normals.is_empty() {
             let n = t.map(|i| Vec3::from(shape.normals[i]));
             ns = (mix(n[0], n[1], n[2]) * flip).normalize_or(ng);
@@ -271,7 +272,7 @@ fn triangle_surface(primitive: &Primitive, shape: &ShapeRecord, index: usize, hi
         frame: Frame::from_normal(ns),
         uv,
         lift: extent * LIFT,
-        shape: primitive.shape,
+        shape: index,
     }
 }
 

@@ -32,39 +32,121 @@ impl Shear {
         Self { k: [kx, ky, kz], s: [d[kx] * inv, d[ky] * inv, inv], o: ray.o.to_array() }
     }
 
-    /// Distance and barycentric weights of the second and third vertex, for `0 < t < tmax`.
+    /// Nearest hit with `0 < t < tmax` among the lanes: lane, distance and barycentric weights of the
+    /// second and third vertex.
     #[inline]
-    pub fn intersect(&self, v: &[[f32; 3]; 3], tmax: f32) -> Option<(f32, f32, f32)> {
+    pub fn intersect(&self, b: &Block, tmax: f32) -> Option<(usize, f32, f32, f32)> {
+        let h = self.test(b, tmax);
+        if h.mask == 0 {
+            return None;
+        }
+        let mut best = h.mask.trailing_zeros() as usize;
+        for l in best + 1..WIDTH {
+            if h.mask >> l & 1 == 1 && h.t[l] < h.t[best] {
+                best = l;
+            }
+        }
+        Some((best, h.t[best], h.b1[best], h.b2[best]))
+    }
+
+    /// Whether any lane is hit with `0 < t < tmax`.
+    #[inline]
+    pub fn occluded(&self, b: &Block, tmax: f32) -> bool {
+        self.test(b, tmax).mask != 0
+    }
+
+    /// Plain loops over lanes, which the compiler turns into SIMD.
+    #[inline(always)]
+    fn test(&self, b: &Block, tmax: f32) -> Lanes {
         let [kx, ky, kz] = self.k;
         let [sx, sy, sz] = self.s;
-        let local = |p: &[f32; 3]| {
-            let z = p[kz] - self.o[kz];
-            (p[kx] - self.o[kx] - sx * z, p[ky] - self.o[ky] - sy * z, z)
-        };
-        let (a, b, c) = (local(&v[0]), local(&v[1]), local(&v[2]));
-        let mut e0 = c.0 * b.1 - c.1 * b.0;
-        let mut e1 = a.0 * c.1 - a.1 * c.0;
-        let mut e2 = b.0 * a.1 - b.1 * a.0;
-        // On an edge in f32: decide in f64, where these products are exact.
-        if e0 == 0.0 || e1 == 0.0 || e2 == 0.0 {
-            let cross = |p: (f32, f32, f32), q: (f32, f32, f32)| {
-                (f64::from(p.0) * f64::from(q.1) - f64::from(p.1) * f64::from(q.0)) as f32
-            };
-            e0 = cross(c, b);
-            e1 = cross(a, c);
-            e2 = cross(b, a);
+        let (ox, oy, oz) = (self.o[kx], self.o[ky], self.o[kz]);
+        let mut x = [[0.0f32; WIDTH]; 3];
+        let mut y = [[0.0f32; WIDTH]; 3];
+        let mut z = [[0.0f32; WIDTH]; 3];
+        for v in 0..3 {
+            let (px, py, pz) = (&b.v[v][kx], &b.v[v][ky], &b.v[v][kz]);
+            for l in 0..WIDTH {
+                z[v][l] = pz[l] - oz;
+                x[v][l] = px[l] - ox - sx * z[v][l];
+                y[v][l] = py[l] - oy - sy * z[v][l];
+            }
         }
-        if (e0 < 0.0 || e1 < 0.0 || e2 < 0.0) && (e0 > 0.0 || e1 > 0.0 || e2 > 0.0) {
-            return None;
+        let mut e = [[0.0f32; WIDTH]; 3];
+        let mut zero = false;
+        for l in 0..WIDTH {
+            e[0][l] = x[2][l] * y[1][l] - y[2][l] * x[1][l];
+            e[1][l] = x[0][l] * y[2][l] - y[0][l] * x[2][l];
+            e[2][l] = x[1][l] * y[0][l] - y[1][l] * x[0][l];
+            zero |= (e[0][l] == 0.0) | (e[1][l] == 0.0) | (e[2][l] == 0.0);
         }
-        let det = e0 + e1 + e2;
-        if det == 0.0 {
-            return None;
+        if zero {
+            on_edges(&x, &y, &mut e);
         }
-        let inv = 1.0 / det;
-        let t = (e0 * a.2 + e1 * b.2 + e2 * c.2) * sz * inv;
-        (t > 0.0 && t < tmax).then_some((t, e1 * inv, e2 * inv))
+        let mut out = Lanes { mask: 0, t: [0.0; WIDTH], b1: [0.0; WIDTH], b2: [0.0; WIDTH] };
+        let mut inside = [false; WIDTH];
+        for l in 0..WIDTH {
+            let (e0, e1, e2) = (e[0][l], e[1][l], e[2][l]);
+            let negative = (e0 < 0.0) | (e1 < 0.0) | (e2 < 0.0);
+            let positive = (e0 > 0.0) | (e1 > 0.0) | (e2 > 0.0);
+            let det = e0 + e1 + e2;
+            let inv = 1.0 / det;
+            let t = (e0 * z[0][l] + e1 * z[1][l] + e2 * z[2][l]) * sz * inv;
+            // Empty lanes hold NaN, for which every comparison is false.
+            inside[l] = !(negative & positive) & (det != 0.0) & (t > 0.0) & (t < tmax);
+            (out.t[l], out.b1[l], out.b2[l]) = (t, e1 * inv, e2 * inv);
+        }
+        for (l, hit) in inside.into_iter().enumerate() {
+            out.mask |= u32::from(hit) << l;
+        }
+        out
     }
+}
+
+/// An edge function is zero in f32: decide in f64, where the products are exact.
+#[cold]
+fn on_edges(x: &[[f32; WIDTH]; 3], y: &[[f32; WIDTH]; 3], e: &mut [[f32; WIDTH]; 3]) {
+    for l in 0..WIDTH {
+        let cross = |p: usize, q: usize| {
+            (f64::from(x[p][l]) * f64::from(y[q][l]) - f64::from(y[p][l]) * f64::from(x[q][l])) as f32
+        };
+        if e[0][l] == 0.0 || e[1][l] == 0.0 || e[2][l] == 0.0 {
+            (e[0][l], e[1][l], e[2][l]) = (cross(2, 1), cross(0, 2), cross(1, 0));
+        }
+    }
+}
+
+/// Triangles tested together.
+pub const WIDTH: usize = 4;
+
+/// Corners of up to [`WIDTH`] triangles, by vertex, axis and lane. Empty lanes are NaN.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(16))]
+pub struct Block {
+    v: [[[f32; WIDTH]; 3]; 3],
+}
+
+impl Block {
+    pub const EMPTY: Self = Self { v: [[[f32::NAN; WIDTH]; 3]; 3] };
+
+    pub fn set(&mut self, lane: usize, corners: &[[f32; 3]; 3]) {
+        for (vertex, corner) in self.v.iter_mut().zip(corners) {
+            for (axis, &c) in vertex.iter_mut().zip(corner) {
+                axis[lane] = c;
+            }
+        }
+    }
+
+    pub fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
+        self.v.map(|vertex| vertex.map(|axis| axis[lane]))
+    }
+}
+
+struct Lanes {
+    mask: u32,
+    t: [f32; WIDTH],
+    b1: [f32; WIDTH],
+    b2: [f32; WIDTH],
 }
 
 /// Un-normalised geometric normal, length twice the area.

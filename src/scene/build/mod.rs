@@ -25,6 +25,8 @@ pub struct BuildOptions {
     pub sensor: Option<usize>,
     /// Replace what cannot be rendered by something near, with a warning.
     pub allow_unsupported: bool,
+    /// Whose conversion of spectra to RGB; `None` is that of the file's own version.
+    pub spectrum_rule: Option<ir::SpectrumRule>,
 }
 
 /// A compiled scene and what to say about it.
@@ -66,7 +68,10 @@ impl Builder<'_> {
     }
 
     fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Rgb {
-        match to_linear_rgb(color, slot, self.ir.spectrum_rule) {
+        // The rules differ in spectra only; what range a plain RGB may have is the file's own matter.
+        let spectral = !matches!(color, ir::Color::Gray(_) | ir::Color::Rgb(_) | ir::Color::Srgb(_));
+        let rule = self.options.spectrum_rule.filter(|_| spectral).unwrap_or(self.ir.spectrum_rule);
+        match to_linear_rgb(color, slot, rule) {
             Ok(c) => Rgb::new(c[0] as f32, c[1] as f32, c[2] as f32),
             Err(e) => {
                 self.error(e.to_string(), origin);

@@ -58,7 +58,7 @@ pub fn build(b: &mut Builder<'_>) -> Shapes {
             }
             add_shape(b, &meshes, shape, &shape.to_world, &mut g, &mut records, None);
         }
-        groups.push(Level::new(g.primitives, g.analytic, &[]));
+        groups.push(Level::new(&g.primitives, g.analytic, &[]));
     }
     let to_ours = Transform::translate(origin.map(|x| -x));
     let mut instances = Vec::new();
@@ -75,7 +75,7 @@ pub fn build(b: &mut Builder<'_>) -> Shapes {
                 }
                 let mut g = LevelBuilder::default();
                 add_shape(b, &meshes, shape, &Transform::IDENTITY, &mut g, &mut records, None);
-                groups.push(Level::new(g.primitives, g.analytic, &[]));
+                groups.push(Level::new(&g.primitives, g.analytic, &[]));
                 groups.len() as u32 - 1
             }
             _ => {
@@ -95,7 +95,7 @@ pub fn build(b: &mut Builder<'_>) -> Shapes {
         instances.push(Instance { group, placement });
         instance_bounds.push(bounds);
     }
-    let world = Level::new(level.primitives, level.analytic, &instance_bounds);
+    let world = Level::new(&level.primitives, level.analytic, &instance_bounds);
     let bounds = world.bounds;
     let sphere = if bounds.is_empty() {
         SceneSphere { center: Vec3::ZERO, radius: 1.0 }
