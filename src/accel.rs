@@ -1,108 +1,241 @@
-//! Bounding volume hierarchy. The only file that names obvhs, which builds and walks the tree;
-//! primitive tests are the caller's (obvhs's own lose rays aimed at shared edges).
+//! Bounding volume hierarchy. The only file that names obvhs, which builds the tree; it is then
+//! widened to eight boxes a node, which one instruction tests together. Primitive tests are the
+//! caller's (obvhs's own lose rays aimed at shared edges).
 
-use glam::Vec3A;
+use std::mem::MaybeUninit;
+
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
-use obvhs::ray::RayHit;
 use obvhs::{BvhBuildParams, aabb::Aabb};
 
-use crate::math::{Bounds, Ray};
+use crate::math::{Bounds, Ray, Vec3};
+
+/// Boxes of a node.
+const WIDTH: usize = 8;
+
+/// Eight children: their boxes by bound (min, max), axis and lane. Unused lanes hold empty boxes.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+struct Node {
+    bounds: [[[f32; WIDTH]; 3]; 2],
+    /// Node, or first element of a leaf.
+    child: [u32; WIDTH],
+    /// Elements of a leaf; 0 is an inner node.
+    count: [u32; WIDTH],
+}
+
+impl Node {
+    const EMPTY: Self = Self {
+        bounds: [[[f32::INFINITY; WIDTH]; 3], [[f32::NEG_INFINITY; WIDTH]; 3]],
+        child: [0; WIDTH],
+        count: [0; WIDTH],
+    };
+}
 
 /// A BVH over boxes, whose leaves name elements of the caller's arrays.
+#[derive(Debug)]
 pub struct Bvh {
-    inner: Bvh2,
+    nodes: Vec<Node>,
+    /// Entries that a walk may have to remember.
+    stack: usize,
 }
 
-impl std::fmt::Debug for Bvh {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Bvh({} nodes)", self.inner.nodes.len())
-    }
-}
-
-/// obvhs's medium preset with leaves of at most four boxes: primitives are tested four at a time, so a
-/// leaf costs about as much as an inner node.
-const PARAMETERS: BvhBuildParams =
-    BvhBuildParams { max_prims_per_leaf: 4, collapse_traversal_cost: 3.0, ..BvhBuildParams::medium_build() };
+/// obvhs's medium preset with leaves as large as the packets that primitives are tested in.
+const PARAMETERS: BvhBuildParams = BvhBuildParams {
+    max_prims_per_leaf: crate::shape::triangle::WIDTH as u32,
+    collapse_traversal_cost: 6.0,
+    ..BvhBuildParams::medium_build()
+};
 
 /// A component of 1/d that stays finite, so that 0·inf never makes a NaN in the slab test.
 fn reciprocal(d: f32) -> f32 {
     if d.abs() < 1e-30 { 1e30f32.copysign(d) } else { 1.0 / d }
 }
 
-fn to_obvhs(ray: &Ray) -> obvhs::ray::Ray {
-    obvhs::ray::Ray {
-        origin: ray.o,
-        direction: ray.d,
-        inv_direction: Vec3A::new(reciprocal(ray.d.x), reciprocal(ray.d.y), reciprocal(ray.d.z)),
-        tmin: 0.0,
-        tmax: ray.tmax,
-    }
+/// Like `f32::max` and `min` without their care for NaN, which cannot occur: one instruction each.
+#[inline(always)]
+fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+#[inline(always)]
+fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
+/// Far distances grow by this factor, more than the three roundings of the slab test (Ize 2013).
+const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
+
+/// What a walk does at the elements of leaves. A trait rather than a closure: only methods can be
+/// forced inline into the functions that are compiled for wider instructions.
+pub trait Visitor {
+    /// Tests an element, shortens the ray to what it hit, and says whether that ends the walk.
+    fn test(&mut self, element: usize, tmax: &mut f32) -> bool;
+}
+
+/// A subtree to visit, and where the ray enters it.
+#[derive(Clone, Copy)]
+struct Entry {
+    child: u32,
+    count: u32,
+    t: f32,
+}
+
+/// Entries kept without the heap.
+const STACK: usize = 192;
+
 impl Bvh {
-    /// Boxes must be finite. Each is padded by a few units in the last place so that the slab test's
-    /// rounding cannot lose a ray that the primitive test would accept.
-    pub fn build(boxes: &[Bounds]) -> Self {
+    /// Builds over finite boxes. `pack(items)` is called for every leaf with the indices of its boxes;
+    /// what it returns, a first element and a count in the caller's arrays, is what the leaf names.
+    pub fn build(boxes: &[Bounds], mut pack: impl FnMut(&[u32]) -> (u32, u32)) -> Self {
+        // A few units in the last place, so that rounding cannot lose a ray that the primitive test accepts.
         let padded: Vec<Aabb> = boxes
             .iter()
             .map(|b| {
-                let pad = Vec3A::splat(b.magnitude() * 4.0 * f32::EPSILON);
+                let pad = Vec3::splat(b.magnitude() * 4.0 * f32::EPSILON);
                 Aabb { min: b.min - pad, max: b.max + pad }
             })
             .collect();
         let mut time = std::time::Duration::ZERO;
-        Self { inner: build_bvh2(&padded, PARAMETERS, &mut time) }
+        let binary = build_bvh2(&padded, PARAMETERS, &mut time);
+        let mut bvh = Self { nodes: Vec::new(), stack: 0 };
+        if let Some(root) = binary.nodes.first() {
+            let children = if root.is_leaf() { vec![0] } else { widened(&binary, 0) };
+            bvh.widen(&binary, &children, 1, &mut pack);
+        }
+        bvh
     }
 
-    /// Calls `pack(items)` for every leaf with the indices of its boxes; what it returns, a first
-    /// element and a count in the caller's own arrays, is what the leaf names from then on.
-    pub fn pack_leaves(&mut self, mut pack: impl FnMut(&[u32]) -> (u32, u32)) {
-        let order = std::mem::take(&mut self.inner.primitive_indices);
-        for node in self.inner.nodes.iter_mut().filter(|n| n.is_leaf()) {
-            let first = node.first_index as usize;
-            let (start, count) = pack(&order[first..first + node.prim_count as usize]);
-            (node.first_index, node.prim_count) = (start, count);
+    /// Appends the node with these children of the binary tree, and everything below it.
+    fn widen(&mut self, binary: &Bvh2, children: &[u32], depth: usize, pack: &mut impl FnMut(&[u32]) -> (u32, u32)) -> u32 {
+        let index = self.nodes.len();
+        self.nodes.push(Node::EMPTY);
+        self.stack = self.stack.max(depth * (WIDTH - 1) + 1);
+        for (lane, &c) in children.iter().enumerate() {
+            let node = &binary.nodes[c as usize];
+            let (child, count) = if node.is_leaf() {
+                let first = node.first_index as usize;
+                pack(&binary.primitive_indices[first..first + node.prim_count as usize])
+            } else {
+                (self.widen(binary, &widened(binary, c), depth + 1, pack), 0)
+            };
+            let wide = &mut self.nodes[index];
+            let aabb = node.aabb();
+            for axis in 0..3 {
+                wide.bounds[0][axis][lane] = aabb.min[axis];
+                wide.bounds[1][axis][lane] = aabb.max[axis];
+            }
+            (wide.child[lane], wide.count[lane]) = (child, count);
         }
+        index as u32
     }
 
     /// Bytes held by nodes.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.inner.nodes.as_slice())
+        size_of_val(self.nodes.as_slice())
     }
 
-    /// Walks leaves front to back. `test(element, tmax)` returns the new tmax when it hits, and
-    /// remembers what it hit itself.
+    /// Visits the leaves whose boxes the ray crosses: nearest first when `ORDERED`, else in any order.
     #[inline(always)]
-    pub fn closest(&self, ray: &Ray, mut test: impl FnMut(usize, f32) -> Option<f32>) {
-        self.walk(ray, |first, last, tmax| {
-            for element in first..last {
-                if let Some(t) = test(element, *tmax) {
-                    *tmax = t;
+    pub fn walk<const ORDERED: bool>(&self, ray: &Ray, visitor: &mut impl Visitor) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        if self.stack <= STACK {
+            self.walk_with::<ORDERED>(ray, &mut [MaybeUninit::uninit(); STACK], visitor);
+        } else {
+            self.walk_with::<ORDERED>(ray, &mut vec![MaybeUninit::uninit(); self.stack], visitor);
+        }
+    }
+
+    #[inline(always)]
+    fn walk_with<const ORDERED: bool>(
+        &self,
+        ray: &Ray,
+        stack: &mut [MaybeUninit<Entry>],
+        visitor: &mut impl Visitor,
+    ) {
+        let o = ray.o.to_array();
+        let inverse = ray.d.to_array().map(reciprocal);
+        let side = inverse.map(|i| usize::from(i < 0.0));
+        let mut tmax = ray.tmax;
+        let mut top = 0;
+        let mut current = Entry { child: 0, count: 0, t: 0.0 };
+        loop {
+            if current.count > 0 {
+                let first = current.child as usize;
+                for element in first..first + current.count as usize {
+                    if visitor.test(element, &mut tmax) {
+                        return;
+                    }
+                }
+            } else {
+                let node = &self.nodes[current.child as usize];
+                let (mut near, mut far) = ([0.0f32; WIDTH], [tmax; WIDTH]);
+                for axis in 0..3 {
+                    let enter = &node.bounds[side[axis]][axis];
+                    let exit = &node.bounds[1 - side[axis]][axis];
+                    for l in 0..WIDTH {
+                        near[l] = max(near[l], (enter[l] - o[axis]) * inverse[axis]);
+                        far[l] = min(far[l], (exit[l] - o[axis]) * inverse[axis] * ROUNDING);
+                    }
+                }
+                let mut mask = 0u32;
+                for l in 0..WIDTH {
+                    mask |= u32::from(near[l] <= far[l]) << l;
+                }
+                let bottom = top;
+                while mask != 0 {
+                    let l = mask.trailing_zeros() as usize;
+                    mask &= mask - 1;
+                    let entry = Entry { child: node.child[l], count: node.count[l], t: near[l] };
+                    let mut at = top;
+                    if ORDERED {
+                        // Farthest first, so that the nearest is taken next.
+                        while at > bottom {
+                            // SAFETY: entries below `top` have been written.
+                            let below = unsafe { stack[at - 1].assume_init() };
+                            if below.t >= entry.t {
+                                break;
+                            }
+                            stack[at].write(below);
+                            at -= 1;
+                        }
+                    }
+                    stack[at].write(entry);
+                    top += 1;
                 }
             }
-            true
-        });
+            loop {
+                if top == 0 {
+                    return;
+                }
+                top -= 1;
+                // SAFETY: entries below `top` have been written.
+                current = unsafe { stack[top].assume_init() };
+                if !ORDERED || current.t < tmax {
+                    break;
+                }
+            }
+        }
     }
+}
 
-    /// True as soon as `test(element)` is true in a leaf whose box the ray crosses.
-    #[inline(always)]
-    pub fn any(&self, ray: &Ray, mut test: impl FnMut(usize) -> bool) -> bool {
-        let mut found = false;
-        self.walk(ray, |first, last, _| {
-            found = (first..last).any(&mut test);
-            !found
-        });
-        found
+/// Up to eight descendants of an inner node that together cover it: the child with the largest surface
+/// is opened until the node is full.
+fn widened(binary: &Bvh2, index: u32) -> Vec<u32> {
+    let open = |i: u32| {
+        let first = binary.nodes[i as usize].first_index;
+        [first, first + 1]
+    };
+    let mut list = open(index).to_vec();
+    while list.len() < WIDTH {
+        let area = |i: u32| binary.nodes[i as usize].aabb().half_area();
+        let largest = (0..list.len())
+            .filter(|&k| !binary.nodes[list[k] as usize].is_leaf())
+            .max_by(|&a, &b| area(list[a]).total_cmp(&area(list[b])));
+        let Some(k) = largest else { break };
+        let [a, b] = open(list[k]);
+        list[k] = a;
+        list.push(b);
     }
-
-    #[inline(always)]
-    fn walk(&self, ray: &Ray, mut leaf: impl FnMut(usize, usize, &mut f32) -> bool) {
-        let mut hit = RayHit::none();
-        let mut visit = |node: &obvhs::bvh2::node::Bvh2Node, r: &mut obvhs::ray::Ray, _: &mut RayHit| {
-            leaf(node.first_index as usize, (node.first_index + node.prim_count) as usize, &mut r.tmax)
-        };
-        obvhs::fast_stack!(u32, (96, 192), self.inner.max_depth, stack, {
-            self.inner.ray_traverse_dynamic(&mut stack, to_obvhs(ray), &mut hit, &mut visit)
-        });
-    }
+    list
 }

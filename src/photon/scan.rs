@@ -51,7 +51,8 @@ fn accumulate_body<K: Kernel>(map: &PhotonMap, q: &Query) -> (Rgb, u32) {
     let inv = 1.0 / (q.radius * q.radius);
     let mut sum = [[0.0f32; LANES]; 3];
     let mut count = [0u32; LANES];
-    map.runs(q, |start, end| {
+    let mut runs = map.runs(q);
+    while let Some((start, end)) = runs.next() {
         let mut base = start;
         while base < end {
             let b = test(map, q, base, end);
@@ -65,14 +66,15 @@ fn accumulate_body<K: Kernel>(map: &PhotonMap, q: &Query) -> (Rgb, u32) {
             }
             base += LANES;
         }
-    });
+    }
     let [r, g, b] = sum.map(|s| s.iter().sum());
     (Rgb::new(r, g, b), count.iter().sum())
 }
 
 #[inline(always)]
 fn visit_body(map: &PhotonMap, q: &Query, found: &mut impl FnMut(u32, f32)) {
-    map.runs(q, |start, end| {
+    let mut runs = map.runs(q);
+    while let Some((start, end)) = runs.next() {
         let mut base = start;
         while base < end {
             let b = test(map, q, base, end);
@@ -87,7 +89,7 @@ fn visit_body(map: &PhotonMap, q: &Query, found: &mut impl FnMut(u32, f32)) {
             }
             base += LANES;
         }
-    });
+    }
 }
 
 /// One copy of each loop per instruction set.

@@ -177,6 +177,7 @@ impl PhotonMap {
         Vec3::new(n(0), n(1), n(2)).normalize_or(Vec3::Z)
     }
 
+    #[inline(always)]
     fn coordinate(&self, x: f32, axis: usize) -> usize {
         // The cast saturates: positions outside the box fall into its border cells, so that a query
         // outside still reaches every neighbour inside.
@@ -190,20 +191,11 @@ impl PhotonMap {
 
     /// Runs of photons whose cells the cube around the query touches.
     #[inline(always)]
-    pub(super) fn runs(&self, q: &Query, mut run: impl FnMut(usize, usize)) {
+    pub(super) fn runs(&self, q: &Query) -> Runs<'_> {
         let (lo, hi) = (q.p - q.radius, q.p + q.radius);
-        let [nx, ny, _] = self.dims;
-        let (x0, x1) = (self.coordinate(lo.x, 0), self.coordinate(hi.x, 0));
-        let (y0, y1) = (self.coordinate(lo.y, 1), self.coordinate(hi.y, 1));
-        for z in self.coordinate(lo.z, 2)..=self.coordinate(hi.z, 2) {
-            for y in y0..=y1 {
-                let row = (z * ny + y) * nx;
-                let (a, b) = (self.starts[row + x0] as usize, self.starts[row + x1 + 1] as usize);
-                if a < b {
-                    run(a, b);
-                }
-            }
-        }
+        let y = [self.coordinate(lo.y, 1), self.coordinate(hi.y, 1)];
+        let z = [self.coordinate(lo.z, 2), self.coordinate(hi.z, 2)];
+        Runs { map: self, x: [self.coordinate(lo.x, 0), self.coordinate(hi.x, 0)], y, z, at: [y[0], z[0]] }
     }
 
     /// Calls `found(index, squared distance)` for every photon of the disc, in storage order.
@@ -242,5 +234,29 @@ impl PhotonMap {
         } else {
             *hint = radius;
         }
+    }
+}
+
+/// Rows of cells, each a run of photons.
+pub(super) struct Runs<'a> {
+    map: &'a PhotonMap,
+    x: [usize; 2],
+    y: [usize; 2],
+    z: [usize; 2],
+    at: [usize; 2],
+}
+
+impl Runs<'_> {
+    /// First photon of the next run, and one past its last; runs may be empty.
+    #[inline(always)]
+    pub fn next(&mut self) -> Option<(usize, usize)> {
+        let [y, z] = self.at;
+        if z > self.z[1] {
+            return None;
+        }
+        self.at = if y < self.y[1] { [y + 1, z] } else { [self.y[0], z + 1] };
+        let row = (z * self.map.dims[1] + y) * self.map.dims[0];
+        let starts = &self.map.starts;
+        Some((starts[row + self.x[0]] as usize, starts[row + self.x[1] + 1] as usize))
     }
 }

@@ -1,6 +1,6 @@
 //! Primitives and their BVHs: one level for the world, one per shape group that is instanced.
 
-use crate::accel::Bvh;
+use crate::accel::{Bvh, Visitor};
 use crate::math::{Bounds, Ray, Vec3};
 use crate::shape::Analytic;
 use crate::shape::triangle::{Block, Shear, WIDTH};
@@ -58,7 +58,7 @@ impl Primitive {
 /// Most triangles of one mesh, and most meshes or instances of one scene.
 pub const MAX_INDEX: usize = INDEX as usize;
 
-/// The primitives of a leaf: up to four triangles, or up to four other things.
+/// The primitives of a leaf: up to eight triangles, or up to eight other things.
 #[derive(Clone, Copy, Debug)]
 struct Packet {
     triangles: Block,
@@ -140,9 +140,8 @@ impl Level {
             .collect();
         let mut bounds = Bounds::EMPTY;
         boxes.iter().for_each(|b| bounds.union(b));
-        let mut bvh = Bvh::build(&boxes);
         let mut packets = Vec::with_capacity(primitives.len() / 2);
-        bvh.pack_leaves(|items| {
+        let bvh = Bvh::build(&boxes, |items| {
             let first = packets.len();
             let flat = |&&i: &&u32| matches!(kind(primitives[i as usize].tag), Kind::Triangle(_));
             let (triangles, others): (Vec<&u32>, Vec<&u32>) = items.iter().partition(flat);
@@ -222,25 +221,33 @@ impl Geometry {
     }
 
     /// Nearest hit in (0, tmax).
-    #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the feature was just detected.
+            return unsafe { self.closest_avx2(ray) };
+        }
+        self.closest_any(ray)
+    }
+
+    /// The same code with wider instructions; none is fused, so the bits are the same.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn closest_avx2(&self, ray: &Ray) -> Option<Hit> {
+        self.closest_any(ray)
+    }
+
+    #[inline(always)]
+    fn closest_any(&self, ray: &Ray) -> Option<Hit> {
         let mut best = None;
         self.closest_in(&self.world, ray, NO_INSTANCE, &mut best);
         best
     }
 
-    #[inline]
+    #[inline(always)]
     fn closest_in(&self, level: &Level, ray: &Ray, instance: u32, best: &mut Option<Hit>) {
-        let shear = Shear::new(ray);
-        level.bvh.closest(ray, |element, tmax| {
-            let p = &level.packets[element];
-            if p.others == 0 {
-                let (lane, t, b1, b2) = shear.intersect(&p.triangles, tmax)?;
-                *best = Some(Hit { t, b1, b2, packet: element as u32, lane: lane as u32, instance });
-                return Some(t);
-            }
-            self.closest_other(level, element, ray, tmax, instance, best)
-        });
+        let mut visitor = Closest { geometry: self, level, ray, shear: Shear::new(ray), instance, best };
+        level.bvh.walk::<true>(ray, &mut visitor);
     }
 
     #[inline(never)]
@@ -249,48 +256,63 @@ impl Geometry {
         level: &Level,
         element: usize,
         ray: &Ray,
-        mut tmax: f32,
+        tmax: &mut f32,
         instance: u32,
         best: &mut Option<Hit>,
-    ) -> Option<f32> {
+    ) {
         let p = &level.packets[element];
-        let mut nearest = None;
         for lane in 0..p.others {
             let found = match kind(p.tag[lane as usize]) {
                 Kind::Analytic(i) => level.analytic[i as usize]
-                    .intersect(ray, tmax)
+                    .intersect(ray, *tmax)
                     .map(|t| Hit { t, b1: 0.0, b2: 0.0, packet: element as u32, lane, instance }),
                 Kind::Instance(i) => {
                     let placed = &self.instances[i as usize];
-                    let mut inner = None;
-                    let local = placed.placement.inverse_ray(ray, tmax);
-                    self.closest_in(&self.groups[placed.group as usize], &local, i, &mut inner);
-                    inner
+                    let local = placed.placement.inverse_ray(ray, *tmax);
+                    self.closest_in_group(placed.group, &local, i)
                 }
                 Kind::Triangle(_) => None,
             };
             if let Some(hit) = found {
-                tmax = hit.t;
-                nearest = Some(hit.t);
+                *tmax = hit.t;
                 *best = Some(hit);
             }
         }
-        nearest
+    }
+
+    #[inline(never)]
+    fn closest_in_group(&self, group: u32, ray: &Ray, instance: u32) -> Option<Hit> {
+        let mut best = None;
+        self.closest_in(&self.groups[group as usize], ray, instance, &mut best);
+        best
     }
 
     /// Whether anything lies in (0, tmax).
-    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the feature was just detected.
+            return unsafe { self.occluded_avx2(ray) };
+        }
         self.occluded_in(&self.world, ray)
     }
 
-    #[inline]
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn occluded_avx2(&self, ray: &Ray) -> bool {
+        self.occluded_in(&self.world, ray)
+    }
+
+    #[inline(never)]
+    fn occluded_in_group(&self, group: u32, ray: &Ray) -> bool {
+        self.occluded_in(&self.groups[group as usize], ray)
+    }
+
+    #[inline(always)]
     fn occluded_in(&self, level: &Level, ray: &Ray) -> bool {
-        let shear = Shear::new(ray);
-        level.bvh.any(ray, |element| {
-            let p = &level.packets[element];
-            if p.others == 0 { shear.occluded(&p.triangles, ray.tmax) } else { self.occluded_by_other(level, element, ray) }
-        })
+        let mut visitor = Any { geometry: self, level, ray, shear: Shear::new(ray), found: false };
+        level.bvh.walk::<false>(ray, &mut visitor);
+        visitor.found
     }
 
     #[inline(never)]
@@ -300,7 +322,7 @@ impl Geometry {
             Kind::Analytic(i) => level.analytic[i as usize].intersect(ray, ray.tmax).is_some(),
             Kind::Instance(i) => {
                 let placed = &self.instances[i as usize];
-                self.occluded_in(&self.groups[placed.group as usize], &placed.placement.inverse_ray(ray, ray.tmax))
+                self.occluded_in_group(placed.group, &placed.placement.inverse_ray(ray, ray.tmax))
             }
             Kind::Triangle(_) => false,
         })
@@ -308,5 +330,52 @@ impl Geometry {
 
     pub fn bytes(&self) -> usize {
         self.world.bytes() + self.groups.iter().map(Level::bytes).sum::<usize>()
+    }
+}
+
+/// Looks for the nearest hit.
+struct Closest<'a> {
+    geometry: &'a Geometry,
+    level: &'a Level,
+    ray: &'a Ray,
+    shear: Shear,
+    instance: u32,
+    best: &'a mut Option<Hit>,
+}
+
+impl Visitor for Closest<'_> {
+    #[inline(always)]
+    fn test(&mut self, element: usize, tmax: &mut f32) -> bool {
+        let p = &self.level.packets[element];
+        if p.others > 0 {
+            self.geometry.closest_other(self.level, element, self.ray, tmax, self.instance, self.best);
+        } else if let Some((lane, t, b1, b2)) = self.shear.intersect(&p.triangles, *tmax) {
+            *tmax = t;
+            *self.best =
+                Some(Hit { t, b1, b2, packet: element as u32, lane: lane as u32, instance: self.instance });
+        }
+        false
+    }
+}
+
+/// Looks for any hit.
+struct Any<'a> {
+    geometry: &'a Geometry,
+    level: &'a Level,
+    ray: &'a Ray,
+    shear: Shear,
+    found: bool,
+}
+
+impl Visitor for Any<'_> {
+    #[inline(always)]
+    fn test(&mut self, element: usize, tmax: &mut f32) -> bool {
+        let p = &self.level.packets[element];
+        self.found = if p.others > 0 {
+            self.geometry.occluded_by_other(self.level, element, self.ray)
+        } else {
+            self.shear.occluded(&p.triangles, *tmax)
+        };
+        self.found
     }
 }

@@ -12,7 +12,7 @@ pub struct Shear {
 }
 
 impl Shear {
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.d.to_array();
         let a = ray.d.abs();
@@ -34,7 +34,7 @@ impl Shear {
 
     /// Nearest hit with `0 < t < tmax` among the lanes: lane, distance and barycentric weights of the
     /// second and third vertex.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, b: &Block, tmax: f32) -> Option<(usize, f32, f32, f32)> {
         let h = self.test(b, tmax);
         if h.mask == 0 {
@@ -50,7 +50,7 @@ impl Shear {
     }
 
     /// Whether any lane is hit with `0 < t < tmax`.
-    #[inline]
+    #[inline(always)]
     pub fn occluded(&self, b: &Block, tmax: f32) -> bool {
         self.test(b, tmax).mask != 0
     }
@@ -117,11 +117,11 @@ fn on_edges(x: &[[f32; WIDTH]; 3], y: &[[f32; WIDTH]; 3], e: &mut [[f32; WIDTH];
 }
 
 /// Triangles tested together.
-pub const WIDTH: usize = 4;
+pub const WIDTH: usize = 8;
 
 /// Corners of up to [`WIDTH`] triangles, by vertex, axis and lane. Empty lanes are NaN.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(16))]
+#[repr(align(32))]
 pub struct Block {
     v: [[[f32; WIDTH]; 3]; 3],
 }
