@@ -64,6 +64,9 @@ fn min(a: f32, b: f32) -> f32 {
 /// Far distances grow by this factor, more than the three roundings of the slab test (Ize 2013).
 const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
 
+/// Constants rather than shifts: the compiler then masks and folds whole vectors.
+const BITS: [u32; WIDTH] = [1, 2, 4, 8, 16, 32, 64, 128];
+
 /// What a walk does at the elements of leaves. A trait rather than a closure: only methods can be
 /// forced inline into the functions that are compiled for wider instructions.
 pub trait Visitor {
@@ -105,7 +108,13 @@ impl Bvh {
     }
 
     /// Appends the node with these children of the binary tree, and everything below it.
-    fn widen(&mut self, binary: &Bvh2, children: &[u32], depth: usize, pack: &mut impl FnMut(&[u32]) -> (u32, u32)) -> u32 {
+    fn widen(
+        &mut self,
+        binary: &Bvh2,
+        children: &[u32],
+        depth: usize,
+        pack: &mut impl FnMut(&[u32]) -> (u32, u32),
+    ) -> u32 {
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);
         self.stack = self.stack.max(depth * (WIDTH - 1) + 1);
@@ -178,10 +187,11 @@ impl Bvh {
                         far[l] = min(far[l], (exit[l] - o[axis]) * inverse[axis] * ROUNDING);
                     }
                 }
-                let mut mask = 0u32;
+                let mut bits = [0u32; WIDTH];
                 for l in 0..WIDTH {
-                    mask |= u32::from(near[l] <= far[l]) << l;
+                    bits[l] = if near[l] <= far[l] { BITS[l] } else { 0 };
                 }
+                let mut mask = bits.iter().fold(0, |m, b| m | b);
                 let bottom = top;
                 while mask != 0 {
                     let l = mask.trailing_zeros() as usize;

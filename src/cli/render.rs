@@ -154,7 +154,10 @@ impl RenderArgs {
                 "all" => layers.extend(KNOWN_LAYERS.map(str::to_owned)),
                 known if KNOWN_LAYERS.contains(&known) => layers.push(known.to_owned()),
                 other => {
-                    return Err(format!("there is no layer `{other}`; there are {}", KNOWN_LAYERS.join(", ")));
+                    return Err(format!(
+                        "there is no layer `{other}`; there are {}",
+                        KNOWN_LAYERS.join(", ")
+                    ));
                 }
             }
         }

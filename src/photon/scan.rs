@@ -11,6 +11,26 @@ use crate::math::Rgb;
 /// Photons tested together.
 pub const LANES: usize = 16;
 
+/// Constants rather than shifts: the compiler then masks and folds whole vectors.
+const BITS: [u32; LANES] = [
+    1,
+    1 << 1,
+    1 << 2,
+    1 << 3,
+    1 << 4,
+    1 << 5,
+    1 << 6,
+    1 << 7,
+    1 << 8,
+    1 << 9,
+    1 << 10,
+    1 << 11,
+    1 << 12,
+    1 << 13,
+    1 << 14,
+    1 << 15,
+];
+
 /// Squared distances of a block and which lanes are on the query's disc.
 struct Block {
     d2: [f32; LANES],
@@ -78,10 +98,11 @@ fn visit_body(map: &PhotonMap, q: &Query, found: &mut impl FnMut(u32, f32)) {
         let mut base = start;
         while base < end {
             let b = test(map, q, base, end);
-            let mut mask = 0u32;
+            let mut bits = [0u32; LANES];
             for l in 0..LANES {
-                mask |= u32::from(b.inside[l]) << l;
+                bits[l] = if b.inside[l] { BITS[l] } else { 0 };
             }
+            let mut mask = bits.iter().fold(0, |m, b| m | b);
             while mask != 0 {
                 let l = mask.trailing_zeros() as usize;
                 mask &= mask - 1;

@@ -263,9 +263,14 @@ impl Geometry {
         let p = &level.packets[element];
         for lane in 0..p.others {
             let found = match kind(p.tag[lane as usize]) {
-                Kind::Analytic(i) => level.analytic[i as usize]
-                    .intersect(ray, *tmax)
-                    .map(|t| Hit { t, b1: 0.0, b2: 0.0, packet: element as u32, lane, instance }),
+                Kind::Analytic(i) => level.analytic[i as usize].intersect(ray, *tmax).map(|t| Hit {
+                    t,
+                    b1: 0.0,
+                    b2: 0.0,
+                    packet: element as u32,
+                    lane,
+                    instance,
+                }),
                 Kind::Instance(i) => {
                     let placed = &self.instances[i as usize];
                     let local = placed.placement.inverse_ray(ray, *tmax);

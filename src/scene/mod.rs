@@ -246,7 +246,13 @@ impl Scene {
     }
 }
 
-fn triangle_surface(v: &[[f32; 3]; 3], shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
+fn triangle_surface(
+    v: &[[f32; 3]; 3],
+    shape: &ShapeRecord,
+    index: u32,
+    triangle: usize,
+    hit: &Hit,
+) -> Surface {
     let [v0, v1, v2] = v.map(Vec3::from);
     let b0 = 1.0 - hit.b1 - hit.b2;
     let mix = |a: Vec3, b: Vec3, c: Vec3| a * b0 + b * hit.b1 + c * hit.b2;
@@ -266,14 +272,7 @@ fn triangle_surface(v: &[[f32; 3]; 3], shape: &ShapeRecord, index: u32, triangle
         }
     }
     let extent = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
-    Surface {
-        p: mix(v0, v1, v2),
-        ng,
-        frame: Frame::from_normal(ns),
-        uv,
-        lift: extent * LIFT,
-        shape: index,
-    }
+    Surface { p: mix(v0, v1, v2), ng, frame: Frame::from_normal(ns), uv, lift: extent * LIFT, shape: index }
 }
 
 /// Weights for choosing an emitter.

@@ -73,35 +73,44 @@ impl Shear {
             }
         }
         let mut e = [[0.0f32; WIDTH]; 3];
-        let mut zero = false;
         for l in 0..WIDTH {
             e[0][l] = x[2][l] * y[1][l] - y[2][l] * x[1][l];
             e[1][l] = x[0][l] * y[2][l] - y[0][l] * x[2][l];
             e[2][l] = x[1][l] * y[0][l] - y[1][l] * x[0][l];
-            zero |= (e[0][l] == 0.0) | (e[1][l] == 0.0) | (e[2][l] == 0.0);
         }
-        if zero {
+        let mut lanes = decide(&e, &z, sz, tmax);
+        if lanes.mask >> WIDTH != 0 {
             on_edges(&x, &y, &mut e);
+            lanes = decide(&e, &z, sz, tmax);
+            lanes.mask &= (1 << WIDTH) - 1;
         }
-        let mut out = Lanes { mask: 0, t: [0.0; WIDTH], b1: [0.0; WIDTH], b2: [0.0; WIDTH] };
-        let mut inside = [false; WIDTH];
-        for l in 0..WIDTH {
-            let (e0, e1, e2) = (e[0][l], e[1][l], e[2][l]);
-            let negative = (e0 < 0.0) | (e1 < 0.0) | (e2 < 0.0);
-            let positive = (e0 > 0.0) | (e1 > 0.0) | (e2 > 0.0);
-            let det = e0 + e1 + e2;
-            let inv = 1.0 / det;
-            let t = (e0 * z[0][l] + e1 * z[1][l] + e2 * z[2][l]) * sz * inv;
-            // Empty lanes hold NaN, for which every comparison is false.
-            inside[l] = !(negative & positive) & (det != 0.0) & (t > 0.0) & (t < tmax);
-            (out.t[l], out.b1[l], out.b2[l]) = (t, e1 * inv, e2 * inv);
-        }
-        for (l, hit) in inside.into_iter().enumerate() {
-            out.mask |= u32::from(hit) << l;
-        }
-        out
+        lanes
     }
 }
+
+/// Edge functions → hits: bit l of the mask for a hit of lane l, bit l + WIDTH where one is zero.
+#[inline(always)]
+fn decide(e: &[[f32; WIDTH]; 3], z: &[[f32; WIDTH]; 3], sz: f32, tmax: f32) -> Lanes {
+    let mut out = Lanes { mask: 0, t: [0.0; WIDTH], b1: [0.0; WIDTH], b2: [0.0; WIDTH] };
+    let mut bits = [0u32; WIDTH];
+    for l in 0..WIDTH {
+        let (e0, e1, e2) = (e[0][l], e[1][l], e[2][l]);
+        let negative = (e0 < 0.0) | (e1 < 0.0) | (e2 < 0.0);
+        let positive = (e0 > 0.0) | (e1 > 0.0) | (e2 > 0.0);
+        let zero = (e0 == 0.0) | (e1 == 0.0) | (e2 == 0.0);
+        let inv = 1.0 / (e0 + e1 + e2);
+        let t = (e0 * z[0][l] + e1 * z[1][l] + e2 * z[2][l]) * sz * inv;
+        // Empty lanes hold NaN and flat triangles give NaN or infinity: `t` then fails both comparisons.
+        let hit = !(negative & positive) & (t > 0.0) & (t < tmax);
+        (out.t[l], out.b1[l], out.b2[l]) = (t, e1 * inv, e2 * inv);
+        bits[l] = if hit { BITS[l] } else { 0 } | if zero { BITS[l] << WIDTH } else { 0 };
+    }
+    out.mask = bits.iter().fold(0, |m, b| m | b);
+    out
+}
+
+/// Constants rather than shifts: the compiler then masks and folds whole vectors.
+const BITS: [u32; WIDTH] = [1, 2, 4, 8, 16, 32, 64, 128];
 
 /// An edge function is zero in f32: decide in f64, where the products are exact.
 #[cold]
