@@ -10,7 +10,7 @@ use crate::bsdf::{Closure, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::{Ray, Rgb, Vec2, Vec3};
 use crate::photon::trace::{TraceJob, trace};
-use crate::photon::{Estimator, Owner, PhotonMap, boundary, radius};
+use crate::photon::{Boundary, Estimator, Owner, PhotonMap, radius};
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Plan, Scene, Settings, Surface};
 use crate::settings::{Count, Lookup, Mode, Radius, Roulette};
@@ -223,12 +223,12 @@ impl<'a> PhotonMapper<'a> {
         }
         let maps = [&maps.global, &maps.caustic];
         for (map, estimator) in maps.into_iter().flatten() {
-            let correction = if self.settings.boundary && !map.is_empty() {
-                boundary::correction(self.scene, s, back, estimator, sampler, &mut scratch.rays)
-            } else {
-                1.0
-            };
-            scratch.gather.estimate(map, estimator, s, closure, back, throughput * correction, left, out);
+            let boundary = self.settings.boundary.then_some(Boundary {
+                scene: self.scene,
+                sampler,
+                rays: &mut scratch.rays,
+            });
+            scratch.gather.estimate(map, estimator, s, closure, back, throughput, left, boundary, out);
         }
     }
 

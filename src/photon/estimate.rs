@@ -3,6 +3,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
+use super::boundary::Boundary;
 use super::kernel::{Kernel, KernelKind, with_kernel};
 use super::store::{PhotonMap, Query};
 use super::{LightPath, scan};
@@ -39,8 +40,8 @@ pub struct Gather {
 
 impl Gather {
     /// Adds the radiance that `map` sends from `s` towards `wi` (world) times `throughput`.
-    /// `boundary` is what part of the disc's mass lies on the surface; `max_photon_depth` the longest
-    /// light path that counts.
+    /// `boundary` corrects the density near edges; `max_photon_depth` is the longest light path that
+    /// counts.
     pub fn estimate(
         &mut self,
         map: &PhotonMap,
@@ -50,6 +51,7 @@ impl Gather {
         wi: Vec3,
         throughput: Rgb,
         max_photon_depth: u32,
+        boundary: Option<Boundary<'_>>,
         out: &mut Radiance,
     ) {
         if map.is_empty() {
@@ -69,13 +71,21 @@ impl Gather {
                 (sum * normalisation::<K>(q.radius * q.radius), count)
             });
             self.photons += u64::from(count);
-            out.add(path.layer(), throughput * albedo * sum * FRAC_1_PI);
+            if count == 0 {
+                return;
+            }
+            let edge = boundary.map_or(1.0, |mut b| b.correction(s, n, q.radius, estimator.kernel));
+            out.add(path.layer(), throughput * albedo * sum * (FRAC_1_PI * edge));
             return;
         }
         let r2 = self.find(map, &q, estimator.cap);
         self.photons += self.found.len() as u64;
+        if self.found.is_empty() {
+            return;
+        }
+        let edge = boundary.map_or(1.0, |mut b| b.correction(s, n, r2.sqrt(), estimator.kernel));
         with_kernel!(estimator.kernel, K => {
-            let scale = normalisation::<K>(r2);
+            let scale = normalisation::<K>(r2) * edge;
             for &(d2, i) in &self.found {
                 let i = i as usize;
                 if u32::from(map.depth[i]) > max_photon_depth {

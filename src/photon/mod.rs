@@ -1,6 +1,6 @@
 //! Photons: tracing them from the lamps, storing, finding and weighing them.
 
-pub mod boundary;
+mod boundary;
 pub mod estimate;
 pub mod kernel;
 pub mod owner;
@@ -9,6 +9,7 @@ mod scan;
 pub mod store;
 pub mod trace;
 
+pub use boundary::Boundary;
 pub use estimate::{Estimator, Gather};
 pub use owner::{LightPath, Owner};
 pub use store::{Photon, PhotonMap, Query};
