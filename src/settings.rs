@@ -259,7 +259,7 @@ settings! {
     hide_emitters: bool = false, "true or false", "lamps and environment are not seen directly";
     nee: bool = true, "true or false", "direct light by next event estimation rather than from first photon hits";
     photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels";
-    caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is a quarter of the pixels";
+    caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is the number of pixels";
     lookup: Lookup = Lookup::Radius, "radius or nearest", "density from all photons within the radius, or from the nearest ones";
     neighbours: u32 = 100, "a whole number from 1", "photons of a global estimate when lookup=nearest";
     caustic_neighbours: u32 = 100, "a whole number from 1", "photons of a caustic estimate when lookup=nearest";

@@ -103,11 +103,12 @@ impl<'a> PhotonMapper<'a> {
             Radius::Auto if !self.wanted(which) => 0.0,
             Radius::Auto => {
                 let traced = trace(self.scene, &self.job(which, 0, self.paths[which as usize]));
-                let places = match which {
-                    Which::Global => self.gather_places(),
-                    Which::Caustic => radius::photon_places(&traced.photons),
+                // Caustics are sharp where their photons crowd: their radius follows the densest quarter.
+                let (places, share) = match which {
+                    Which::Global => (self.gather_places(), 0.5),
+                    Which::Caustic => (radius::photon_places(&traced.photons), 0.25),
                 };
-                radius::first(&traced.photons, &places, self.scene.sphere.radius)
+                radius::first(&traced.photons, &places, share, self.scene.sphere.radius)
             }
         }
     }

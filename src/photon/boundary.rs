@@ -38,17 +38,22 @@ impl Boundary<'_> {
         trials as f32 / WANTED as f32
     }
 
-    /// Draws a point of the disc and looks for the surface there: it must be in sight of the centre over
-    /// a flat rise, and below that point at a height at which photons would count.
+    /// Draws a point of the disc and looks for the surface there. The point must be in sight of the
+    /// centre: along the surface, which sees beneath things that touch it, or over a gentle rise, which
+    /// sees across a hollow. And there must be surface below it at a height at which photons count.
     fn on_surface(&mut self, s: &Surface, frame: &Frame, radius: f32, kernel: KernelKind) -> bool {
         let (x, y) = self.draw(kernel);
         let aside = (frame.s * x + frame.t * y) * radius;
-        let rise = aside.length() * HEIGHT + s.lift;
+        let rise = aside.length() * HEIGHT;
         let start = s.p + frame.n * s.lift;
-        let above = s.p + aside + frame.n * rise;
-        *self.rays += 2;
-        let unblocked = !self.scene.geometry.occluded(&Ray { o: start, d: above - start, tmax: 1.0 });
-        unblocked && self.scene.geometry.occluded(&Ray { o: above, d: frame.n * (-2.0 * rise), tmax: 1.0 })
+        let above = start + aside + frame.n * rise;
+        let blocked = self.blocked(start, start + aside) && self.blocked(start, above);
+        !blocked && self.blocked(above, above - frame.n * (2.0 * (rise + s.lift)))
+    }
+
+    fn blocked(&mut self, from: Vec3, to: Vec3) -> bool {
+        *self.rays += 1;
+        self.scene.geometry.occluded(&Ray { o: from, d: to - from, tmax: 1.0 })
     }
 
     /// A point of the unit disc with the kernel's density, by rejection: no kernel rises outwards.

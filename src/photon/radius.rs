@@ -20,10 +20,10 @@ const TARGET: usize = 25;
 /// Places that are measured, at most.
 pub const PLACES: usize = 1024;
 
-/// Radius within which half of the places find [`TARGET`] photons or more, but no smaller than half a
-/// pixel and no larger than a quarter of the scene. `scene_radius` is that of the bounding sphere.
-pub fn first(photons: &[Photon], places: &[Place], scene_radius: f32) -> f32 {
-    let most = 0.25 * scene_radius;
+/// Radius within which a `share` of the places find [`TARGET`] photons or more, but no smaller than half
+/// a pixel and no larger than a tenth of the scene. `scene_radius` is that of the bounding sphere.
+pub fn first(photons: &[Photon], places: &[Place], share: f32, scene_radius: f32) -> f32 {
+    let most = 0.1 * scene_radius;
     let map = PhotonMap::build_for_nearest(photons, TARGET, most);
     let mut found = Vec::new();
     let mut hint = 0.0;
@@ -40,17 +40,17 @@ pub fn first(photons: &[Photon], places: &[Place], scene_radius: f32) -> f32 {
         })
         .collect();
     let mut footprints: Vec<f32> = places.iter().map(|p| p.footprint).collect();
-    let radius = median(&mut distances).unwrap_or(most);
-    let pixel = median(&mut footprints).unwrap_or(0.0);
+    let radius = quantile(&mut distances, share).unwrap_or(most);
+    let pixel = quantile(&mut footprints, 0.5).unwrap_or(0.0);
     radius.max(0.5 * pixel).clamp(f32::MIN_POSITIVE, most)
 }
 
-fn median(values: &mut [f32]) -> Option<f32> {
+fn quantile(values: &mut [f32], share: f32) -> Option<f32> {
     if values.is_empty() {
         return None;
     }
-    let middle = values.len() / 2;
-    Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
+    let at = (values.len() as f32 * share) as usize;
+    Some(*values.select_nth_unstable_by(at.min(values.len() - 1), f32::total_cmp).1)
 }
 
 /// The photons themselves as places: where they are is where their density matters.

@@ -56,9 +56,12 @@ impl Plan {
             Emitter::Area(a) => a.area() > 0.02 * scene.sphere.radius * scene.sphere.radius,
             _ => false,
         });
-        let paths = |wanted: bool, count: Count| match count {
+        // Caustic paths end at the first rough surface, mostly after one ray: four times as many cost as
+        // much, and what they show is sharper.
+        let pixels = scene.film.pixel_count() as u64;
+        let paths = |wanted: bool, count: Count, automatic: u64| match count {
             _ if !wanted => Count::Paths(0),
-            Count::Auto => Count::Paths((scene.film.pixel_count() as u64 / 4).max(1024)),
+            Count::Auto => Count::Paths(automatic.max(1024)),
             given => given,
         };
         let caustic_map = caustics && settings.caustic_map;
@@ -71,8 +74,8 @@ impl Plan {
             environment,
             textured: !scene.textures.0.is_empty(),
             instances: !scene.geometry.instances.is_empty(),
-            global_paths: paths(global_map || (caustics && !caustic_map), settings.photons),
-            caustic_paths: paths(caustic_map, settings.caustic_photons),
+            global_paths: paths(global_map || (caustics && !caustic_map), settings.photons, pixels / 4),
+            caustic_paths: paths(caustic_map, settings.caustic_photons, pixels),
             notes,
         }
     }
