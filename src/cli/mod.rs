@@ -1,5 +1,6 @@
 //! Subcommands. Each is one file that parses arguments, calls the library and prints.
 
+mod compare;
 mod hashing;
 mod inspect;
 mod load;
@@ -25,6 +26,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Show what a scene holds and what rendering it takes
     Inspect(inspect::InspectArgs),
+    /// Compare an image with a reference, or a folder with a folder
+    Compare(Box<caustica_tools::compare::CompareArgs>),
 }
 
 /// Exit status of a run that could not do its work.
@@ -39,6 +42,7 @@ pub fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
+        Command::Compare(args) => Ok(compare::run(&args)),
     };
     match result {
         Ok(status) => ExitCode::from(status),
