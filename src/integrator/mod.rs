@@ -34,9 +34,10 @@ pub struct PassStats {
     /// Seconds of tracing photons and of building maps.
     pub trace_seconds: f64,
     pub build_seconds: f64,
-    /// Search radii of the pass, 0 without a map.
+    /// Search radii of the pass, 0 without a map; and those of pass 0.
     pub radius: f32,
     pub caustic_radius: f32,
+    pub first_radii: [f32; 2],
 }
 
 /// See the module's contract.

@@ -286,7 +286,7 @@ impl Integrator for PhotonMapper<'_> {
     type Pass = Arc<Maps>;
 
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {
-        let mut stats = PassStats::default();
+        let mut stats = PassStats { first_radii: self.radii, ..PassStats::default() };
         let mut make = |pass| {
             Arc::new(Maps {
                 global: self.build(Which::Global, pass, &mut stats),

@@ -144,7 +144,7 @@ fn run<I: Integrator>(
         sample_all(scene, integrator, &shared, settings.seed, passes, &mut pixels, &mut stats);
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
-        count(&mut stats, &pass, passes == done);
+        count(&mut stats, &pass);
         passes += 1;
         // The mean length follows passes that grow cheaper as the radius shrinks.
         longest = begun.elapsed().max(longest.mul_f32(0.9));
@@ -155,7 +155,7 @@ fn run<I: Integrator>(
     Outcome { pixels, statistics: stats, stop }
 }
 
-fn count(stats: &mut Statistics, pass: &PassStats, first: bool) {
+fn count(stats: &mut Statistics, pass: &PassStats) {
     stats.trace_seconds += pass.trace_seconds;
     stats.build_seconds += pass.build_seconds;
     stats.light_paths += pass.light_paths;
@@ -163,9 +163,7 @@ fn count(stats: &mut Statistics, pass: &PassStats, first: bool) {
     stats.rays += pass.photon_rays;
     stats.rejected_photons += pass.rejected_photons;
     stats.map_bytes = stats.map_bytes.max(pass.map_bytes);
-    if first {
-        (stats.first_radius, stats.first_caustic_radius) = (pass.radius, pass.caustic_radius);
-    }
+    [stats.first_radius, stats.first_caustic_radius] = pass.first_radii;
     if pass.radius > 0.0 || pass.caustic_radius > 0.0 {
         (stats.last_radius, stats.last_caustic_radius) = (pass.radius, pass.caustic_radius);
     }
