@@ -35,6 +35,7 @@ use crate::diagnostic::Span;
 /// A whole scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
+    pub origin: Origin,
     pub spectrum_rule: SpectrumRule,
     pub hide_emitters: HideEmitters,
     pub integrator: Option<Integrator>,

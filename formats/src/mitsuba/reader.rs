@@ -10,7 +10,7 @@ use super::props::Props;
 use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
-use crate::ir::{AreaEmission, Arena, Bsdf, Id, Scene, ShapeGroup, Texture};
+use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Scene, ShapeGroup, Texture};
 use crate::read::ReadOptions;
 
 pub(super) struct Reader<'a> {
@@ -39,6 +39,7 @@ impl<'a> Reader<'a> {
         options: &'a ReadOptions,
     ) -> Self {
         let scene = Scene {
+            origin: Origin(objects.first().map(|root| root.span)),
             spectrum_rule: dialect.spectrum_rule(),
             hide_emitters: dialect.hide_emitters(),
             integrator: None,

@@ -19,10 +19,10 @@ pub fn choose<'a>(b: &mut Builder<'a>) -> Option<&'a ir::Sensor> {
     let sensor = ir.sensors.get(index);
     if sensor.is_none() {
         b.diagnostics.push(if ir.sensors.is_empty() {
-            Diagnostic::error("the scene has no sensor", None)
+            Diagnostic::error("the scene has no sensor", ir.origin.0)
                 .help("add <sensor type=\"perspective\"> with a to_world transform")
         } else {
-            Diagnostic::error(format!("there is no sensor {index}: the scene has {}", ir.sensors.len()), None)
+            Diagnostic::error(format!("there is no sensor {index}: the scene has {}", ir.sensors.len()), ir.origin.0)
         });
     }
     sensor
