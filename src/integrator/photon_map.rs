@@ -56,9 +56,10 @@ impl<'a> PhotonMapper<'a> {
     pub fn new(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings) -> Self {
         let mut mapper =
             Self { scene, plan, settings, paths: [0; 2], radii: [0.0; 2], kept: OnceLock::new() };
+        let places = if plan.global_map || plan.caustics { mapper.gather_places() } else { Vec::new() };
         for which in [Which::Global, Which::Caustic] {
             mapper.paths[which as usize] = mapper.path_count(which);
-            mapper.radii[which as usize] = mapper.first_radius(which);
+            mapper.measure(which, &places);
         }
         mapper
     }
@@ -95,22 +96,36 @@ impl<'a> PhotonMapper<'a> {
         }
     }
 
-    fn first_radius(&self, which: Which) -> f32 {
-        let wanted = if which == Which::Global { self.settings.radius } else { self.settings.caustic_radius };
-        match wanted {
+    /// Chooses the first radius, and more light paths where their photons fall too thin.
+    fn measure(&mut self, which: Which, gather_places: &[radius::Place]) {
+        let (radius, count) = match which {
+            Which::Global => (self.settings.radius, self.settings.photons),
+            Which::Caustic => (self.settings.caustic_radius, self.settings.caustic_photons),
+        };
+        self.radii[which as usize] = match radius {
             Radius::Absolute(r) => r,
             Radius::Relative(r) => r * self.scene.sphere.radius,
             Radius::Auto if !self.wanted(which) => 0.0,
             Radius::Auto => {
                 let traced = trace(self.scene, &self.job(which, 0, self.paths[which as usize]));
-                // Caustics are sharp where their photons crowd: their radius follows the densest quarter.
-                let (places, share) = match which {
-                    Which::Global => (self.gather_places(), 0.5),
-                    Which::Caustic => (radius::photon_places(&traced.photons), 0.25),
+                let pixel = radius::pixel(gather_places);
+                let scene_radius = self.scene.sphere.radius;
+                let mut found = match which {
+                    Which::Global => radius::measured(&traced.photons, gather_places, 0.5, scene_radius),
+                    // Caustics are sharp where their photons crowd: their radius follows the densest quarter.
+                    Which::Caustic => {
+                        let places = radius::photon_places(&traced.photons);
+                        radius::measured(&traced.photons, &places, 0.25, scene_radius)
+                    }
                 };
-                radius::first(&traced.photons, &places, share, self.scene.sphere.radius)
+                if which == Which::Global && count == Count::Auto {
+                    let more = radius::more_paths(found, pixel);
+                    self.paths[which as usize] = (self.paths[which as usize] as f32 * more) as u64;
+                    found /= more.sqrt();
+                }
+                radius::clamped(found, pixel)
             }
-        }
+        };
     }
 
     /// Where camera rays through a regular grid of the film gather.

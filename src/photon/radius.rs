@@ -20,9 +20,12 @@ const TARGET: usize = 25;
 /// Places that are measured, at most.
 pub const PLACES: usize = 1024;
 
-/// Radius within which a `share` of the places find [`TARGET`] photons or more, but no smaller than half
-/// a pixel and no larger than a tenth of the scene. `scene_radius` is that of the bounding sphere.
-pub fn first(photons: &[Photon], places: &[Place], share: f32, scene_radius: f32) -> f32 {
+/// Largest first radius, in pixels: a wider blur hides what is seen, whatever the density.
+const MOST_PIXELS: f32 = 16.0;
+
+/// Radius within which a `share` of the places find [`TARGET`] photons or more; no larger than a tenth of
+/// the scene. `scene_radius` is that of the bounding sphere.
+pub fn measured(photons: &[Photon], places: &[Place], share: f32, scene_radius: f32) -> f32 {
     let most = 0.1 * scene_radius;
     let map = PhotonMap::build_for_nearest(photons, TARGET, most);
     let mut found = Vec::new();
@@ -39,10 +42,25 @@ pub fn first(photons: &[Photon], places: &[Place], share: f32, scene_radius: f32
             if found.len() < TARGET { most } else { found.iter().map(|f| f.0).fold(0.0, f32::max).sqrt() }
         })
         .collect();
+    quantile(&mut distances, share).unwrap_or(most).clamp(f32::MIN_POSITIVE, most)
+}
+
+/// Size of a pixel at the middle one of the places the camera gathers at; 0 when it gathers nowhere.
+pub fn pixel(places: &[Place]) -> f32 {
     let mut footprints: Vec<f32> = places.iter().map(|p| p.footprint).collect();
-    let radius = quantile(&mut distances, share).unwrap_or(most);
-    let pixel = quantile(&mut footprints, 0.5).unwrap_or(0.0);
-    radius.max(0.5 * pixel).clamp(f32::MIN_POSITIVE, most)
+    quantile(&mut footprints, 0.5).unwrap_or(0.0)
+}
+
+/// The radius between half a pixel and [`MOST_PIXELS`].
+pub fn clamped(radius: f32, pixel: f32) -> f32 {
+    if pixel > 0.0 { radius.clamp(0.5 * pixel, MOST_PIXELS * pixel) } else { radius }
+}
+
+/// How many times more light paths let a lookup find its photons within [`MOST_PIXELS`]: density grows
+/// with their number. Bounded, because a pass should stay short.
+pub fn more_paths(radius: f32, pixel: f32) -> f32 {
+    const MOST: f32 = 16.0;
+    if pixel > 0.0 { (radius / (MOST_PIXELS * pixel)).powi(2).clamp(1.0, MOST) } else { 1.0 }
 }
 
 fn quantile(values: &mut [f32], share: f32) -> Option<f32> {

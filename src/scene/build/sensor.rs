@@ -22,7 +22,10 @@ pub fn choose<'a>(b: &mut Builder<'a>) -> Option<&'a ir::Sensor> {
             Diagnostic::error("the scene has no sensor", ir.origin.0)
                 .help("add <sensor type=\"perspective\"> with a to_world transform")
         } else {
-            Diagnostic::error(format!("there is no sensor {index}: the scene has {}", ir.sensors.len()), ir.origin.0)
+            Diagnostic::error(
+                format!("there is no sensor {index}: the scene has {}", ir.sensors.len()),
+                ir.origin.0,
+            )
         });
     }
     sensor
