@@ -1,5 +1,6 @@
 //! Subcommands. Each is one file that parses arguments, calls the library and prints.
 
+mod bench;
 mod compare;
 mod hashing;
 mod inspect;
@@ -28,6 +29,8 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Compare an image with a reference, or a folder with a folder
     Compare(Box<caustica_tools::compare::CompareArgs>),
+    /// Measure error against time, or repeat a study of the parameters
+    Bench(Box<caustica_tools::bench::BenchArgs>),
 }
 
 /// Exit status of a run that could not do its work.
@@ -43,6 +46,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => Ok(compare::run(&args)),
+        Command::Bench(args) => bench::run(&args),
     };
     match result {
         Ok(status) => ExitCode::from(status),

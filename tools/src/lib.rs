@@ -5,7 +5,9 @@
 //! * [`flip`] perceived difference: LDR-FLIP and HDR-FLIP.
 //! * [`compare`] two files or two folders, thresholds, table and JSON.
 //! * [`report`] the HTML page of comparisons.
+//! * [`bench`] error against time of whole renderers, and studies of parameters.
 
+pub mod bench;
 pub mod compare;
 pub mod flip;
 pub mod metrics;

@@ -1,7 +1,7 @@
 //! The HTML page of comparisons: one file without references to others. Its template, style and
 //! script are the files beside this one.
 
-mod base64;
+pub(crate) mod base64;
 mod view;
 mod worst;
 

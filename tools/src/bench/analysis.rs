@@ -1,0 +1,169 @@
+//! Records → what the tables and pages say.
+
+use super::machine::Machine;
+use super::record::{Budget, Record};
+use super::statistics::{
+    Curve, PowerLaw, Ratio, Reach, Spread, common_error, medians, power_law, time_ratio, time_to_error,
+};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// All seeds of one budget.
+#[derive(Clone, Debug, Serialize)]
+pub struct Point {
+    pub budget: Budget,
+    pub seeds: usize,
+    pub seconds: Spread,
+    pub cpu_seconds: Spread,
+    pub peak_memory_bytes: Option<u64>,
+    pub passes: Spread,
+    pub rmse: Spread,
+    pub relmse: Spread,
+    pub bias: Spread,
+    pub flip: Spread,
+    /// Picture of the first seed.
+    pub image: PathBuf,
+}
+
+/// One configuration on one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    pub config: String,
+    pub points: Vec<Point>,
+    /// RMSE as a power of seconds.
+    pub rmse_slope: Option<PowerLaw>,
+    pub flip_slope: Option<PowerLaw>,
+    /// When the target error is reached.
+    pub reach: Option<Reach>,
+    /// That time over the first configuration's.
+    pub ratio: Option<Ratio>,
+    #[serde(skip)]
+    pub records: Vec<Record>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneResult {
+    pub scene: String,
+    pub reference: PathBuf,
+    pub size: [usize; 2],
+    /// RMSE whose time is compared.
+    pub target_rmse: Option<f64>,
+    pub rows: Vec<Row>,
+}
+
+/// A configuration that was not measured, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Skipped {
+    pub config: String,
+    pub reason: String,
+}
+
+/// Everything a run found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Analysis {
+    pub machine: Machine,
+    pub scenes: Vec<SceneResult>,
+    pub skipped: Vec<Skipped>,
+}
+
+impl SceneResult {
+    /// Rows in the order of `configs`; the first with records is the base of ratios.
+    pub fn new(
+        scene: &str,
+        reference: PathBuf,
+        size: [usize; 2],
+        configs: &[String],
+        budgets: &[Budget],
+        records: &[Record],
+        target: Option<f64>,
+    ) -> Self {
+        let of = |config: &String| -> Vec<Record> {
+            records.iter().filter(|r| r.config == *config).cloned().collect()
+        };
+        let mut rows: Vec<Row> =
+            configs.iter().map(|c| Row::new(c, budgets, of(c))).filter(|r| !r.points.is_empty()).collect();
+        let curves: Vec<Curve> = rows.iter().map(|r| r.curve(budgets)).collect();
+        let target_rmse = target.or_else(|| common_error(&curves.iter().map(medians).collect::<Vec<_>>()));
+        if let Some(error) = target_rmse {
+            for (row, curve) in rows.iter_mut().zip(&curves) {
+                row.reach = time_to_error(&medians(curve), error);
+                row.ratio = curves.first().and_then(|base| time_ratio(curve, base, error));
+            }
+            // A configuration compared with itself is 1, without doubt.
+            if let Some(first) = rows.first_mut() {
+                first.ratio = None;
+            }
+        }
+        Self { scene: scene.to_owned(), reference, size, target_rmse, rows }
+    }
+}
+
+impl Row {
+    fn new(config: &str, budgets: &[Budget], records: Vec<Record>) -> Self {
+        let points = budgets.iter().filter_map(|b| Point::new(*b, &records)).collect();
+        let law =
+            |f: fn(&Record) -> f64| power_law(&records.iter().map(|r| (r.seconds, f(r))).collect::<Vec<_>>());
+        Self {
+            config: config.to_owned(),
+            points,
+            rmse_slope: law(|r| r.rmse),
+            flip_slope: law(|r| r.flip),
+            reach: None,
+            ratio: None,
+            records,
+        }
+    }
+
+    fn curve(&self, budgets: &[Budget]) -> Curve {
+        let of = |b: &Budget| {
+            self.records.iter().filter(|r| r.budget == *b).map(|r| (r.seconds, r.rmse)).collect()
+        };
+        budgets.iter().map(of).collect()
+    }
+}
+
+impl Point {
+    fn new(budget: Budget, records: &[Record]) -> Option<Self> {
+        let here: Vec<&Record> = records.iter().filter(|r| r.budget == budget).collect();
+        let first = here.first()?;
+        let spread = |f: fn(&Record) -> f64| Spread::of(&here.iter().map(|r| f(r)).collect::<Vec<_>>());
+        Some(Self {
+            budget,
+            seeds: here.len(),
+            seconds: spread(|r| r.seconds),
+            cpu_seconds: spread(|r| r.cpu_seconds),
+            peak_memory_bytes: here.iter().filter_map(|r| r.peak_memory_bytes).max(),
+            passes: spread(|r| r.passes as f64),
+            rmse: spread(|r| r.rmse),
+            relmse: spread(|r| r.relmse),
+            bias: spread(|r| r.bias),
+            flip: spread(|r| r.flip),
+            image: first.image.clone(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::record::tests::record;
+    use super::*;
+
+    #[test]
+    fn ratios_are_to_the_first_configuration() {
+        let mut records = Vec::new();
+        for seed in 0..3 {
+            for t in [1.0, 4.0, 16.0] {
+                records.push(record("a", t, seed, t, t.powf(-0.5)));
+                records.push(record("b", t, seed, t, 2.0 * t.powf(-0.5)));
+            }
+        }
+        let budgets = [1.0, 4.0, 16.0].map(Budget::Seconds);
+        let names = ["a".to_owned(), "none".to_owned(), "b".to_owned()];
+        let result = SceneResult::new("box", PathBuf::new(), [4, 4], &names, &budgets, &records, None);
+        assert_eq!(result.rows.len(), 2);
+        assert_eq!(result.rows[0].ratio, None);
+        let ratio = result.rows[1].ratio.unwrap();
+        assert!((ratio.value - 4.0).abs() < 1e-6 && !ratio.bound, "{ratio:?}");
+        assert!((result.rows[1].rmse_slope.unwrap().slope + 0.5).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,178 @@
+//! Arguments of `caustica bench`, typed or from a file.
+
+use super::BenchError;
+use super::record::Budget;
+use clap::Args;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+#[derive(Clone, Debug, Args)]
+pub struct BenchArgs {
+    /// Scenes, or one JSON file with the fields scenes, references, configs, budgets or passes, seeds,
+    /// output
+    #[arg(value_name = "SCENE|BENCH.json", required_unless_present = "study")]
+    pub scenes: Vec<PathBuf>,
+    /// True picture of each scene, in their order; its size is the size of every render
+    #[arg(long = "reference", value_name = "REF.exr")]
+    pub references: Vec<PathBuf>,
+    /// Configurations: caustica[:KEY=VALUE,...], caustica:path, mitsuba:VARIANT:INTEGRATOR,
+    /// pbrt:INTEGRATOR; the first is what others are compared with [default: caustica]
+    #[arg(long = "config", value_name = "NAME", num_args = 1..)]
+    pub configs: Vec<String>,
+    /// Seconds of rendering, each a point of the curve
+    #[arg(long, value_name = "S,S,...", value_delimiter = ',', conflicts_with = "passes")]
+    pub budgets: Vec<f64>,
+    /// Passes (samples a pixel), instead of seconds
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
+    pub passes: Vec<u32>,
+    /// Renders of each point, with different random numbers
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
+    pub seeds: u64,
+    /// Folder for points, pictures, tables and the page; a run that was interrupted goes on there
+    #[arg(short, long, value_name = "DIR", default_value = "bench")]
+    pub output: PathBuf,
+    /// RMSE whose time is compared [default: one that all configurations reach]
+    #[arg(long, value_name = "E")]
+    pub target_error: Option<f64>,
+    /// Path segments at most, for every renderer; -1 is no limit [default: the scene's]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub max_depth: Option<i64>,
+    /// Threads of every render [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Python that can import mitsuba
+    #[arg(long, value_name = "PATH", default_value = "python3")]
+    pub python: PathBuf,
+    /// Repeat a study of photon mapping's parameters: photons, neighbours, kernels, roulette, nee,
+    /// caustic-map or all
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["scenes", "references"])]
+    pub study: Option<String>,
+    /// Small pictures and few of them, for studies
+    #[arg(long, requires = "study")]
+    pub quick: bool,
+}
+
+/// The same in a file; paths are relative to it, except `output`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BenchFile {
+    scenes: Vec<PathBuf>,
+    references: Vec<PathBuf>,
+    #[serde(default)]
+    configs: Vec<String>,
+    #[serde(default)]
+    budgets: Vec<f64>,
+    #[serde(default)]
+    passes: Vec<u32>,
+    seeds: Option<u64>,
+    output: Option<PathBuf>,
+    target_error: Option<f64>,
+    max_depth: Option<i64>,
+    threads: Option<usize>,
+    python: Option<PathBuf>,
+}
+
+impl BenchArgs {
+    /// With the fields of the bench file put in, if one was given; checks that something can be measured.
+    pub fn resolve(mut self) -> Result<Self, BenchError> {
+        if let [file] = self.scenes.as_slice()
+            && file.extension().is_some_and(|e| e == "json")
+        {
+            let file = file.clone();
+            self.take(&file)?;
+        }
+        if self.scenes.len() != self.references.len() {
+            return Err(BenchError::Usage(format!(
+                "{} scenes need as many references, and there are {}: give --reference REF.exr for each",
+                self.scenes.len(),
+                self.references.len()
+            )));
+        }
+        if self.configs.is_empty() {
+            self.configs.push("caustica".to_owned());
+        }
+        if self.budgets.is_empty() && self.passes.is_empty() {
+            self.budgets = vec![1.0, 2.0, 4.0, 8.0];
+        }
+        if self.budgets.iter().any(|b| !(b.is_finite() && *b > 0.0)) || self.passes.contains(&0) {
+            return Err(BenchError::Usage("budgets and passes are positive numbers".to_owned()));
+        }
+        Ok(self)
+    }
+
+    fn take(&mut self, path: &Path) -> Result<(), BenchError> {
+        let io = |source| BenchError::Io { path: path.to_path_buf(), source };
+        let bytes = std::fs::read(path).map_err(io)?;
+        let file: BenchFile = serde_json::from_slice(&bytes)
+            .map_err(|source| BenchError::Json { path: path.to_path_buf(), source })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let beside = |paths: Vec<PathBuf>| paths.iter().map(|p| folder.join(p)).collect::<Vec<_>>();
+        self.scenes = beside(file.scenes);
+        self.references = beside(file.references);
+        // What was typed wins over the file.
+        if self.configs.is_empty() {
+            self.configs = file.configs;
+        }
+        if self.budgets.is_empty() && self.passes.is_empty() {
+            (self.budgets, self.passes) = (file.budgets, file.passes);
+        }
+        self.seeds = file.seeds.filter(|n| *n > 0).unwrap_or(self.seeds);
+        if let Some(output) = file.output.filter(|_| self.output == Path::new("bench")) {
+            self.output = output;
+        }
+        self.target_error = self.target_error.or(file.target_error);
+        self.max_depth = self.max_depth.or(file.max_depth);
+        self.threads = self.threads.or(file.threads);
+        if let Some(python) = file.python.filter(|_| self.python == Path::new("python3")) {
+            self.python = python;
+        }
+        Ok(())
+    }
+
+    /// Points of a curve.
+    pub fn points(&self) -> Vec<Budget> {
+        let seconds = self.budgets.iter().map(|s| Budget::Seconds(*s));
+        seconds.chain(self.passes.iter().map(|n| Budget::Passes(*n))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        args: BenchArgs,
+    }
+
+    fn parse(words: &[&str]) -> BenchArgs {
+        Cli::parse_from(std::iter::once("bench").chain(words.iter().copied())).args
+    }
+
+    #[test]
+    fn every_scene_has_a_reference() {
+        let args = parse(&["a.xml", "b.xml", "--reference", "a.exr"]).resolve();
+        assert!(args.unwrap_err().to_string().contains("2 scenes need as many references"));
+        let args = parse(&["a.xml", "--reference", "a.exr", "--passes", "1,4"]).resolve().unwrap();
+        assert_eq!(args.points(), [Budget::Passes(1), Budget::Passes(4)]);
+        assert_eq!(args.configs, ["caustica"]);
+    }
+
+    #[test]
+    fn a_file_in_place_of_arguments() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("b.json");
+        std::fs::write(
+            &path,
+            r#"{"scenes": ["a.xml"], "references": ["a.exr"], "budgets": [1, 2], "seeds": 5}"#,
+        )
+        .unwrap();
+        let args = parse(&[path.to_str().unwrap()]).resolve().unwrap();
+        assert_eq!(args.scenes, [folder.path().join("a.xml")]);
+        assert_eq!((args.budgets.as_slice(), args.seeds), ([1.0, 2.0].as_slice(), 5));
+        std::fs::write(&path, r#"{"scenes": [], "references": [], "bugdets": []}"#).unwrap();
+        assert!(parse(&[path.to_str().unwrap()]).resolve().is_err());
+    }
+}

@@ -1,0 +1,26 @@
+use crate::compare::CompareError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a benchmark could not be made.
+#[derive(Debug, Error)]
+pub enum BenchError {
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: std::io::Error },
+    #[error("{}: {source}", path.display())]
+    Json { path: PathBuf, source: serde_json::Error },
+    #[error(transparent)]
+    Image(#[from] CompareError),
+    #[error("cannot start `{program}`: {source}")]
+    Start { program: String, source: std::io::Error },
+    #[error("`{command}` failed: {message}")]
+    Render { command: String, message: String },
+    #[error(
+        "`{0}` is no configuration: expected caustica[:KEY=VALUE,...], mitsuba:VARIANT:INTEGRATOR or pbrt:INTEGRATOR"
+    )]
+    Config(String),
+    #[error("{0}")]
+    Usage(String),
+    #[error("cannot write output: {0}")]
+    Output(#[from] std::io::Error),
+}

@@ -1,0 +1,72 @@
+"""Renders a scene with Mitsuba 3 and writes what it cost as JSON.
+
+The file is read as it stands but for its integrator, its film's size and its reconstruction filter.
+A budget in seconds is turned into samples a pixel by timing a few samples first; they are not counted.
+"""
+import json
+import os
+import resource
+import sys
+import time
+import xml.etree.ElementTree as ET
+
+job = json.loads(sys.argv[1])
+
+import mitsuba as mi
+
+mi.set_variant(job["variant"])
+folder = os.path.dirname(os.path.abspath(job["scene"]))
+try:
+    mi.file_resolver().append(folder)
+except AttributeError:
+    mi.Thread.thread().file_resolver().append(folder)
+
+root = ET.parse(job["scene"]).getroot()
+depth = -1
+defaults = {d.get("name"): d.get("value") for d in root.findall("default")}
+for node in root.findall("integrator"):
+    for value in node.iter("integer"):
+        if value.get("name") in ("max_depth", "maxDepth"):
+            text = value.get("value")
+            depth = int(defaults.get(text[1:], "-1") if text.startswith("$") else text)
+    root.remove(node)
+depth = job["max_depth"] if job["max_depth"] is not None else depth
+for film in root.iter("film"):
+    for node in list(film):
+        if node.tag == "rfilter" or node.get("name") in ("width", "height"):
+            film.remove(node)
+    for name, value in zip(("width", "height"), job["size"]):
+        ET.SubElement(film, "integer", name=name, value=str(value))
+    ET.SubElement(film, "rfilter", type="box")
+ET.SubElement(root, "integrator", type=job["integrator"]).append(
+    ET.Element("integer", name="max_depth", value=str(depth)))
+
+scene = mi.load_string(ET.tostring(root, encoding="unicode"))
+
+
+def render(spp, seed):
+    cpu, wall = time.process_time(), time.perf_counter()
+    image = mi.TensorXf(mi.render(scene, spp=spp, seed=seed))
+    image.numpy()
+    return image, time.perf_counter() - wall, time.process_time() - cpu
+
+
+render(1, 1 << 20)  # compiles kernels
+if job["seconds"] is None:
+    spp = job["spp"]
+else:
+    spp, taken = 1, render(1, (1 << 20) + 1)[1]
+    while taken < 0.1 * job["seconds"] and spp < 1 << 16:
+        spp *= 2
+        taken = render(spp, (1 << 20) + spp)[1]
+    spp = max(1, round(spp * job["seconds"] / taken))
+image, wall, cpu = render(spp, job["seed"])
+mi.Bitmap(image).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False).write(job["image"])
+with open(job["stats"], "w") as out:
+    json.dump({
+        "seconds": wall,
+        "cpu_seconds": cpu,
+        "peak_memory_bytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+        "passes": spp,
+        "version": mi.__version__,
+    }, out)

@@ -1,0 +1,161 @@
+//! The HTML page of a run: one file without references to others.
+
+use super::analysis::{Analysis, Row, SceneResult};
+use super::plot::{Plot, Series, escape};
+use super::record::{Budget, Record};
+use super::{BenchError, table, thumbnail};
+use crate::compare::load;
+use crate::pixels::Pixels;
+use std::path::Path;
+
+const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1150px;margin:2em auto;padding:0 1em;color:#222}\
+table{border-collapse:collapse;margin:1em 0}th,td{padding:3px 10px;text-align:right;border-bottom:1px solid #ddd}\
+th:first-child,td:first-child{text-align:left}svg{display:block;margin:1em 0;max-width:100%;height:auto}\
+.pictures{display:flex;flex-wrap:wrap;gap:14px}figure{margin:0;max-width:260px}figcaption{font-size:13px;\
+overflow-wrap:anywhere}img{image-rendering:pixelated;max-width:256px}.machine{background:#f3f3f3;padding:.5em .8em}\
+code{background:#f3f3f3;padding:0 3px}";
+
+/// The page; `truths` are the references in the order of the scenes, `folder` holds the pictures.
+pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<String, BenchError> {
+    let mut html = format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>caustica bench</title>\
+         <style>{STYLE}</style></head><body>\n<h1>Error against time</h1>\n"
+    );
+    let machine = format!("<p class=\"machine\">Machine: {}</p>\n", escape(&analysis.machine.line()));
+    for (scene, truth) in analysis.scenes.iter().zip(truths) {
+        html += &format!(
+            "<h2>{}</h2>\n{machine}<p>{} × {} pixels, box filter; reference <code>{}</code>. Times are of the \
+             render without loading. Values are medians over seeds, ± half the distance of the quartiles.</p>\n",
+            escape(&scene.scene),
+            scene.size[0],
+            scene.size[1],
+            escape(&scene.reference.display().to_string())
+        );
+        for (title, f) in METRICS {
+            html += &plot(scene, title, f).svg();
+        }
+        html += &reach_table(scene);
+        html += &points_table(scene);
+        html += &pictures(scene, truth, folder)?;
+    }
+    if !analysis.skipped.is_empty() {
+        html += "<h2>Skipped</h2>\n<ul>\n";
+        for s in &analysis.skipped {
+            html += &format!("<li><code>{}</code>: {}</li>\n", escape(&s.config), escape(&s.reason));
+        }
+        html += "</ul>\n";
+    }
+    html += "</body></html>\n";
+    Ok(html)
+}
+
+type Metric = fn(&Record) -> f64;
+const METRICS: [(&str, Metric); 3] =
+    [("RMSE", |r| r.rmse), ("relMSE", |r| r.relmse), ("LDR-FLIP", |r| r.flip)];
+
+fn plot(scene: &SceneResult, title: &str, f: Metric) -> Plot {
+    let series = |row: &Row| {
+        let median = |p: &super::analysis::Point| {
+            let values: Vec<f64> = row.records.iter().filter(|r| r.budget == p.budget).map(f).collect();
+            (p.seconds.median, super::statistics::Spread::of(&values).median)
+        };
+        let mut line: Vec<(f64, f64)> = row.points.iter().map(median).collect();
+        line.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Series {
+            name: row.config.clone(),
+            line,
+            dots: row.records.iter().map(|r| (r.seconds, f(r))).collect(),
+            smooth: false,
+        }
+    };
+    Plot {
+        title: format!("{}: {title} against time", scene.scene),
+        x: "wall time of the render [s]".to_owned(),
+        y: title.to_owned(),
+        log: [true, true],
+        series: scene.rows.iter().map(series).collect(),
+    }
+}
+
+fn reach_table(scene: &SceneResult) -> String {
+    let Some(error) = scene.target_rmse else { return String::new() };
+    let mut html = format!(
+        "<h3>Time to RMSE {error:.5}</h3>\n<table><tr><th>configuration</th><th>time</th><th>times the first's (95 % \
+         interval over seeds)</th><th>fitted slope</th></tr>\n"
+    );
+    for row in &scene.rows {
+        html += &format!(
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+            escape(&row.config),
+            escape(&table::reach(row.reach)),
+            table::ratio(row.ratio),
+            table::slope(row)
+        );
+    }
+    html + "</table>\n"
+}
+
+fn points_table(scene: &SceneResult) -> String {
+    let mut html = String::from(
+        "<h3>All points</h3>\n<table><tr><th>configuration</th><th>budget</th><th>seeds</th><th>wall s</th><th>CPU s</th>\
+         <th>memory MB</th><th>passes</th><th>RMSE</th><th>±</th><th>relMSE</th><th>bias %</th><th>LDR-FLIP</th></tr>\n",
+    );
+    for row in &scene.rows {
+        for p in &row.points {
+            let memory =
+                p.peak_memory_bytes.map_or_else(|| "–".to_owned(), |b| format!("{:.0}", b as f64 / 1e6));
+            html += &format!(
+                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2}</td><td>{:.2}</td><td>{memory}</td><td>{:.0}</td>\
+                 <td>{:.5}</td><td>{:.5}</td><td>{:.6}</td><td>{:+.3}</td><td>{:.4}</td></tr>\n",
+                escape(&row.config),
+                p.budget,
+                p.seeds,
+                p.seconds.median,
+                p.cpu_seconds.median,
+                p.passes.median,
+                p.rmse.median,
+                (p.rmse.high - p.rmse.low) / 2.0,
+                p.relmse.median,
+                100.0 * p.bias.median,
+                p.flip.median
+            );
+        }
+    }
+    html + "</table>\n"
+}
+
+/// Pictures of every configuration at the largest budget that all have.
+fn pictures(scene: &SceneResult, truth: &Pixels, folder: &Path) -> Result<String, BenchError> {
+    let has = |row: &Row, b: Budget| row.points.iter().any(|p| p.budget == b);
+    let budgets = scene.rows.iter().flat_map(|r| r.points.iter().map(|p| p.budget));
+    let Some(common) = budgets
+        .filter(|b| scene.rows.iter().all(|r| has(r, *b)))
+        .max_by(|a, b| size(*a).total_cmp(&size(*b)))
+    else {
+        return Ok(String::new());
+    };
+    let mut html = format!("<h3>Pictures at {common}</h3>\n<div class=\"pictures\">\n");
+    let mut figure = |pixels: &Pixels, caption: &str| -> Result<(), BenchError> {
+        let source = thumbnail::data_uri(pixels, 256)?;
+        html += &format!(
+            "<figure><img alt=\"\" src=\"{source}\"><figcaption>{}</figcaption></figure>\n",
+            escape(caption)
+        );
+        Ok(())
+    };
+    figure(truth, "reference")?;
+    for row in &scene.rows {
+        if let Some(p) = row.points.iter().find(|p| p.budget == common) {
+            let caption = format!("{}: {:.2} s, RMSE {:.4}", row.config, p.seconds.median, p.rmse.median);
+            figure(&load(&folder.join(&p.image), None)?.pixels, &caption)?;
+        }
+    }
+    Ok(html + "</div>\n")
+}
+
+fn size(budget: Budget) -> f64 {
+    match budget {
+        Budget::Seconds(s) => s,
+        Budget::Passes(n) => f64::from(n),
+    }
+}

@@ -1,0 +1,98 @@
+//! Runs a program to its end and says what it cost.
+
+use super::BenchError;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Cost of a process, loading included.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    pub seconds: f64,
+    /// User and system time of all its threads; none where the system does not tell.
+    pub cpu_seconds: Option<f64>,
+}
+
+/// Time between looks at the process; also the error of `Cost::seconds`, which callers replace by what the
+/// program itself measured.
+const LOOK: Duration = Duration::from_millis(5);
+/// Clock ticks a second in /proc: 100 on every Linux that programs see.
+const TICKS: f64 = 100.0;
+
+/// Runs `command` with its output caught; a status other than 0 is an error with the end of its stderr.
+pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
+    let program = command.get_program().to_string_lossy().into_owned();
+    let shown = || {
+        let args = command.get_args().map(|a| a.to_string_lossy().into_owned());
+        std::iter::once(program.clone()).chain(args).collect::<Vec<_>>().join(" ")
+    };
+    let shown = shown();
+    let errors = tempfile::tempfile()?;
+    let started = Instant::now();
+    let mut child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(errors.try_clone()?)
+        .spawn()
+        .map_err(|source| BenchError::Start { program, source })?;
+    let stat = format!("/proc/{}/stat", child.id());
+    let mut cpu_seconds = None;
+    // A process that has ended keeps its times until it is waited for.
+    while let Some((ended, cpu)) = std::fs::read_to_string(&stat).ok().as_deref().and_then(parse_stat) {
+        cpu_seconds = Some(cpu);
+        if ended {
+            break;
+        }
+        std::thread::sleep(LOOK);
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    let status = child.wait()?;
+    if !status.success() {
+        return Err(BenchError::Render { command: shown, message: tail(errors, &status.to_string()) });
+    }
+    Ok(Cost { seconds, cpu_seconds })
+}
+
+/// Whether the process has ended, and its CPU seconds, from /proc/PID/stat.
+fn parse_stat(text: &str) -> Option<(bool, f64)> {
+    // The name in parentheses may hold anything; fields are counted after its end.
+    let mut fields = text.rsplit_once(')')?.1.split_whitespace();
+    let state = fields.next()?;
+    let user: f64 = fields.nth(10)?.parse().ok()?;
+    let system: f64 = fields.next()?.parse().ok()?;
+    Some((matches!(state, "Z" | "X"), (user + system) / TICKS))
+}
+
+/// Last lines of what the process said.
+fn tail(mut file: std::fs::File, otherwise: &str) -> String {
+    use std::io::{Read, Seek};
+    let mut text = Vec::new();
+    let _unreadable = file.rewind().and_then(|()| file.read_to_end(&mut text));
+    let text = String::from_utf8_lossy(&text).into_owned();
+    let lines: Vec<&str> = text.lines().filter(|l| !l.trim().is_empty()).collect();
+    if lines.is_empty() {
+        return otherwise.to_owned();
+    }
+    lines[lines.len().saturating_sub(6)..].join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_after_a_name_with_parentheses() {
+        let line = "12 (a) b (c)) Z 1 2 3 4 5 6 7 8 9 10 150 50 0 0 20 0 1 0 5 6";
+        assert_eq!(parse_stat(line), Some((true, 2.0)));
+        assert_eq!(parse_stat("12 (x) R 1"), None);
+    }
+
+    #[test]
+    fn failures_say_what_the_program_said() {
+        let failed = run(Command::new("sh").args(["-c", "echo no such lamp >&2; exit 3"]));
+        assert!(failed.unwrap_err().to_string().ends_with("no such lamp"));
+        assert!(matches!(run(&mut Command::new("/no/such/program")), Err(BenchError::Start { .. })));
+        let cost =
+            run(Command::new("sh").args(["-c", "i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done"])).unwrap();
+        assert!(cost.seconds > 0.0 && cost.cpu_seconds.is_none_or(|c| c < 60.0));
+    }
+}

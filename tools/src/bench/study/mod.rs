@@ -1,0 +1,1 @@
+//! The studies of photon mapping's parameters, placeholder of the next commit.
