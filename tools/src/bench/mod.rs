@@ -30,7 +30,7 @@ const FAILED: u8 = 1;
 /// Progress, tables and errors go to `out`; the value is the exit status of the process.
 pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> u8 {
     let result = match &args.study {
-        Some(name) => Err(BenchError::Usage(format!("the study `{name}` is not there yet"))),
+        Some(name) => study::run(name, args, caustica, out),
         None => args.clone().resolve().and_then(|args| run::run(&args, caustica, out)),
     };
     match result {

@@ -1,1 +1,72 @@
-//! The studies of photon mapping's parameters, placeholder of the next commit.
+//! The studies of the owner's document, repeated: what each parameter of photon mapping costs and gains.
+
+mod catalogue;
+mod curves;
+mod measure;
+mod page;
+mod reference;
+mod verdict;
+
+use super::machine::Machine;
+use super::renderers::Programs;
+use super::run::{make_folder, write_file};
+use super::{BenchArgs, BenchError};
+use catalogue::{NAMES, Profile};
+use measure::Bench;
+use page::{Common, Made};
+use reference::Reference;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// Makes the study `name`, or `all`, in `args.output`: README.md, plots and pictures; the renders stay in its
+/// folder `work`, from which an interrupted run goes on.
+pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(), BenchError> {
+    let names: Vec<&str> = NAMES.into_iter().filter(|n| name == "all" || name == *n).collect();
+    if names.is_empty() {
+        return Err(BenchError::Usage(format!(
+            "there is no study `{name}`; there are {} and all",
+            NAMES.join(", ")
+        )));
+    }
+    let started = Instant::now();
+    let profile = if args.quick { Profile::QUICK } else { Profile::FULL };
+    let machine = Machine::here(args.threads);
+    let programs = Programs::new(args, caustica);
+    let work = args.output.join("work");
+    make_folder(&work)?;
+    write_file(&work.join(".gitignore"), b"*\n")?;
+    let mut made = Vec::new();
+    for study in names.iter().filter_map(|n| catalogue::study(n, profile)) {
+        let scene = reference::scene(study.scene, &work)?;
+        let Reference { pixels: truth, noise } = Reference::new(&programs, &scene, &work, profile)?;
+        let bench = Bench { programs: &programs, scene: &scene, reference: &truth, work: &work };
+        let mut rows = Vec::new();
+        for variant in &study.variants {
+            let row = bench.variant(&study, variant)?;
+            writeln!(
+                out,
+                "{}: {}: {:.2} s, RMSE {:.4} (bias {:.4}, noise {:.4}), FLIP {:.4}",
+                study.name, row.label, row.seconds, row.rmse, row.bias_rms, row.noise_rms, row.flip
+            )?;
+            out.flush()?;
+            rows.push(row);
+        }
+        made.push(Made { study, rows, truth, noise });
+    }
+    let mut checks = Vec::new();
+    for scene in ["cornell-diffuse", "cornell-glass"] {
+        checks.push(reference::check(scene, &programs, &work, profile)?);
+    }
+    let quick = if args.quick { " --quick" } else { "" };
+    let common = Common {
+        machine: &machine,
+        profile,
+        checks: &checks,
+        command: format!("caustica bench --study {name}{quick} -o {}", args.output.display()),
+        seconds: started.elapsed().as_secs_f64(),
+    };
+    page::write(&made, &common, &args.output)?;
+    writeln!(out, "machine: {}\nwrote {}", machine.line(), args.output.join("README.md").display())?;
+    Ok(())
+}
