@@ -91,7 +91,7 @@ impl FromStr for Count {
             Ok(n) => Ok(n),
             // 1e6 and 2.5e5 are how people write photon counts.
             Err(_) => match s.parse::<f64>() {
-                Ok(x) if x >= 0.0 && x < 1e18 && x.fract() == 0.0 => Ok(x as u64),
+                Ok(x) if (0.0..1e18).contains(&x) && x.fract() == 0.0 => Ok(x as u64),
                 _ => Err(wants()),
             },
         };

@@ -26,7 +26,7 @@ enum Command {
     /// Render a scene to EXR and PNG
     Render(Box<render::RenderArgs>),
     /// Show what a scene holds and what rendering it takes
-    Inspect(inspect::InspectArgs),
+    Inspect(Box<inspect::InspectArgs>),
     /// Compare an image with a reference, or a folder with a folder
     Compare(Box<caustica_tools::compare::CompareArgs>),
     /// Measure error against time, or repeat a study of the parameters

@@ -113,11 +113,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
     let mut checkpoint_problem = None;
     let mut on_pass = |p: &Progress<'_>| {
         show(&bar, p, &budget);
-        if let Some(path) = &checkpoint {
-            if args.checkpoint.is_some() && saved.elapsed() >= CHECKPOINT_INTERVAL {
-                saved = Instant::now();
-                checkpoint_problem = save(path, &identity, p.pixels, p.passes).err();
-            }
+        if let Some(path) = &checkpoint
+            && args.checkpoint.is_some()
+            && saved.elapsed() >= CHECKPOINT_INTERVAL
+        {
+            saved = Instant::now();
+            checkpoint_problem = save(path, &identity, p.pixels, p.passes).err();
         }
     };
     let outcome = render(&loaded.scene, &loaded.plan, &loaded.settings, budget, pixels, done, &mut on_pass);

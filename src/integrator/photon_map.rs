@@ -137,7 +137,7 @@ impl<'a> PhotonMapper<'a> {
         let at = |i: u32| (i as f32 + 0.5) / side as f32;
         (0..side * side)
             .filter_map(|i| {
-                let mut sampler = Sampler::new(mix(self.settings.seed ^ 0x7ad1_05), i);
+                let mut sampler = Sampler::new(mix(self.settings.seed ^ 0x007a_d105), i);
                 let film = Vec2::new(x0 + at(i % side) * w, y0 + at(i / side) * h) / full;
                 let mut ray = self.scene.sensor.ray(film, sampler.next_2d());
                 let mut length = self.scene.sensor.near;

@@ -106,7 +106,7 @@ pub fn build(b: &mut Builder<'_>) -> Shapes {
     Shapes { geometry: Geometry { world, groups, instances }, records, emitters, sphere, origin }
 }
 
-fn every_shape<'a>(ir: &'a ir::Scene) -> impl Iterator<Item = &'a ir::Shape> {
+fn every_shape(ir: &ir::Scene) -> impl Iterator<Item = &ir::Shape> {
     ir.shapes.iter().chain(ir.groups.iter().flat_map(|(_, g)| g.shapes.iter()))
 }
 
@@ -315,22 +315,21 @@ fn add_mesh(
             .enumerate()
             .map(|(i, t)| Primitive::triangle(t.map(|v| positions[v as usize]), index, i as u32)),
     );
-    if !mesh.normals.is_empty() {
-        if let Some(inverse) = to_level.inverse() {
-            record.normals = mesh
-                .normals
-                .par_iter()
-                .with_min_len(4096)
-                .map(|n| {
-                    let n = n.map(f64::from);
-                    let m = &inverse.0;
-                    let t: [f64; 3] =
-                        std::array::from_fn(|i| m[0][i] * n[0] + m[1][i] * n[1] + m[2][i] * n[2]);
-                    let length = t.iter().map(|x| x * x).sum::<f64>().sqrt();
-                    if length > 0.0 { t.map(|x| (x / length) as f32) } else { [0.0; 3] }
-                })
-                .collect();
-        }
+    if !mesh.normals.is_empty()
+        && let Some(inverse) = to_level.inverse()
+    {
+        record.normals = mesh
+            .normals
+            .par_iter()
+            .with_min_len(4096)
+            .map(|n| {
+                let n = n.map(f64::from);
+                let m = &inverse.0;
+                let t: [f64; 3] = std::array::from_fn(|i| m[0][i] * n[0] + m[1][i] * n[1] + m[2][i] * n[2]);
+                let length = t.iter().map(|x| x * x).sum::<f64>().sqrt();
+                if length > 0.0 { t.map(|x| (x / length) as f32) } else { [0.0; 3] }
+            })
+            .collect();
     }
     record.uvs.clone_from(&mesh.uvs);
     if !record.normals.is_empty() || !record.uvs.is_empty() {
