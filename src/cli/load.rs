@@ -25,7 +25,7 @@ pub struct SceneArgs {
     /// Which sensor, counted from 0 in file order
     #[arg(long, value_name = "N")]
     sensor: Option<usize>,
-    /// photonmap or path
+    /// photonmap (the default, also for scenes that ask for another integrator) or path
     #[arg(long, value_name = "NAME")]
     integrator: Option<String>,
     /// progressive (a new photon map each pass) or classic (one map)

@@ -61,6 +61,9 @@ pub struct PhotonMap {
     pub deepest: u8,
 }
 
+/// Photons that decide the cell size of a map for k-nearest queries.
+const SAMPLE: usize = 1 << 17;
+
 /// Cells a grid may have for `n` photons: more cost time to clear than they save in tests.
 fn cell_budget(n: usize) -> f32 {
     (16 * n).clamp(1 << 12, 1 << 27) as f32
@@ -114,23 +117,32 @@ impl PhotonMap {
         }
         map.starts[next..].fill(photons.len() as u32);
 
-        let sorted = |i: usize| &photons[(order[i] & 0xffff_ffff) as usize];
-        let n = photons.len();
-        let floats = |f: &(dyn Fn(&Photon) -> f32 + Sync)| -> Vec<f32> {
-            let padding = rayon::iter::repeat_n(f32::INFINITY, LANES);
-            (0..n).into_par_iter().with_min_len(1 << 14).map(|i| f(sorted(i))).chain(padding).collect()
-        };
-        map.position = [floats(&|p| p.p.x), floats(&|p| p.p.y), floats(&|p| p.p.z)];
-        map.flux = [floats(&|p| p.flux.x), floats(&|p| p.flux.y), floats(&|p| p.flux.z)];
-        // Padding is never within any radius, but 0·inf must not appear either.
-        map.flux.iter_mut().for_each(|f| f[n..].fill(0.0));
-        let bytes = |f: &(dyn Fn(&Photon) -> f32 + Sync)| -> Vec<i8> {
-            (0..n + LANES).map(|i| if i < n { (f(sorted(i)) * 127.0).round() as i8 } else { 0 }).collect()
-        };
-        map.normal = [bytes(&|p| p.n.x), bytes(&|p| p.n.y), bytes(&|p| p.n.z)];
-        map.direction = (0..n).map(|i| encode_direction(sorted(i).wi)).collect();
-        map.path = (0..n).map(|i| sorted(i).path as u8).collect();
-        map.depth = (0..n).map(|i| sorted(i).depth).collect();
+        // Every photon is read once, where it lies: that is the cache miss that costs.
+        let parts: Vec<Columns> = order
+            .par_chunks(1 << 16)
+            .map(|keys| {
+                let mut part = Columns::default();
+                keys.iter().for_each(|key| part.push(&photons[(key & 0xffff_ffff) as usize]));
+                part
+            })
+            .collect();
+        drop(order);
+        for part in parts {
+            for c in 0..3 {
+                map.position[c].extend(&part.position[c]);
+                map.flux[c].extend(&part.flux[c]);
+                map.normal[c].extend(&part.normal[c]);
+            }
+            map.direction.extend(&part.direction);
+            map.path.extend(&part.path);
+            map.depth.extend(&part.depth);
+        }
+        for c in 0..3 {
+            // Padding is never within any radius, and its zero flux keeps 0·inf away.
+            map.position[c].extend([f32::INFINITY; LANES]);
+            map.flux[c].extend([0.0; LANES]);
+            map.normal[c].extend([0; LANES]);
+        }
         map
     }
 
@@ -142,9 +154,12 @@ impl PhotonMap {
         if photons.is_empty() {
             return Self::build(photons, max_radius);
         }
+        // A sample is enough to see how crowded the surfaces are.
+        let step = photons.len().div_ceil(SAMPLE);
+        let sample: Vec<Photon> = photons.iter().step_by(step).copied().collect();
         let trial_cell =
-            (bounds.extent().max_element() / (photons.len() as f32).cbrt()).max(f32::MIN_POSITIVE);
-        let trial = Self::build(photons, trial_cell);
+            (bounds.extent().max_element() / (sample.len() as f32).cbrt()).max(f32::MIN_POSITIVE);
+        let trial = Self::build(&sample, trial_cell);
         let occupied = trial.starts.windows(2).filter(|w| w[1] > w[0]).count().max(1);
         let per_cell = photons.len() as f32 / occupied as f32;
         let cell = (k as f32 / per_cell).sqrt() / trial.inverse_cell;
@@ -234,6 +249,30 @@ impl PhotonMap {
         } else {
             *hint = radius;
         }
+    }
+}
+
+/// Photons of a part of the order, by column.
+#[derive(Default)]
+struct Columns {
+    position: [Vec<f32>; 3],
+    flux: [Vec<f32>; 3],
+    normal: [Vec<i8>; 3],
+    direction: Vec<u32>,
+    path: Vec<u8>,
+    depth: Vec<u8>,
+}
+
+impl Columns {
+    fn push(&mut self, photon: &Photon) {
+        for c in 0..3 {
+            self.position[c].push(photon.p[c]);
+            self.flux[c].push(photon.flux[c]);
+            self.normal[c].push((photon.n[c] * 127.0).round() as i8);
+        }
+        self.direction.push(encode_direction(photon.wi));
+        self.path.push(photon.path as u8);
+        self.depth.push(photon.depth);
     }
 }
 
