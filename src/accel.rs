@@ -3,14 +3,13 @@
 //! caller's (obvhs's own lose rays aimed at shared edges).
 
 use std::mem::MaybeUninit;
+use std::ops::Range;
 
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::{BvhBuildParams, aabb::Aabb};
 
+use crate::math::simd::{WIDTH, Wide};
 use crate::math::{Bounds, Ray, Vec3};
-
-/// Boxes of a node.
-const WIDTH: usize = 8;
 
 /// Eight children: their boxes by bound (min, max), axis and lane. Unused lanes hold empty boxes.
 #[derive(Clone, Copy, Debug)]
@@ -35,43 +34,36 @@ impl Node {
 #[derive(Debug)]
 pub struct Bvh {
     nodes: Vec<Node>,
+    /// All elements, when they are too few for a tree.
+    flat: Option<Range<usize>>,
     /// Entries that a walk may have to remember.
     stack: usize,
 }
 
 /// obvhs's medium preset with leaves as large as the packets that primitives are tested in.
 const PARAMETERS: BvhBuildParams = BvhBuildParams {
-    max_prims_per_leaf: crate::shape::triangle::WIDTH as u32,
+    max_prims_per_leaf: WIDTH as u32,
     collapse_traversal_cost: 6.0,
     ..BvhBuildParams::medium_build()
 };
+
+/// Up to so many boxes there is no tree: testing eight packets in a row is faster than choosing among
+/// them, because nothing in that loop can be mispredicted.
+const FLAT: usize = 64;
 
 /// A component of 1/d that stays finite, so that 0·inf never makes a NaN in the slab test.
 fn reciprocal(d: f32) -> f32 {
     if d.abs() < 1e-30 { 1e30f32.copysign(d) } else { 1.0 / d }
 }
 
-/// Like `f32::max` and `min` without their care for NaN, which cannot occur: one instruction each.
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
 /// Far distances grow by this factor, more than the three roundings of the slab test (Ize 2013).
 const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
-
-/// Constants rather than shifts: the compiler then masks and folds whole vectors.
-const BITS: [u32; WIDTH] = [1, 2, 4, 8, 16, 32, 64, 128];
 
 /// What a walk does at the elements of leaves. A trait rather than a closure: only methods can be
 /// forced inline into the functions that are compiled for wider instructions.
 pub trait Visitor {
-    /// Tests an element, shortens the ray to what it hit, and says whether that ends the walk.
-    fn test(&mut self, element: usize, tmax: &mut f32) -> bool;
+    /// Tests some elements, shortens the ray to what it hit, and says whether that ends the walk.
+    fn test(&mut self, elements: Range<usize>, tmax: &mut f32) -> bool;
 }
 
 /// A subtree to visit, and where the ray enters it.
@@ -89,6 +81,13 @@ impl Bvh {
     /// Builds over finite boxes. `pack(items)` is called for every leaf with the indices of its boxes;
     /// what it returns, a first element and a count in the caller's arrays, is what the leaf names.
     pub fn build(boxes: &[Bounds], mut pack: impl FnMut(&[u32]) -> (u32, u32)) -> Self {
+        let mut bvh = Self { nodes: Vec::new(), flat: None, stack: 0 };
+        if boxes.len() <= FLAT {
+            let items: Vec<u32> = (0..boxes.len() as u32).collect();
+            let (first, count) = pack(&items);
+            bvh.flat = Some(first as usize..(first + count) as usize);
+            return bvh;
+        }
         // A few units in the last place, so that rounding cannot lose a ray that the primitive test accepts.
         let padded: Vec<Aabb> = boxes
             .iter()
@@ -99,7 +98,6 @@ impl Bvh {
             .collect();
         let mut time = std::time::Duration::ZERO;
         let binary = build_bvh2(&padded, PARAMETERS, &mut time);
-        let mut bvh = Self { nodes: Vec::new(), stack: 0 };
         if let Some(root) = binary.nodes.first() {
             let children = if root.is_leaf() { vec![0] } else { widened(&binary, 0) };
             bvh.widen(&binary, &children, 1, &mut pack);
@@ -144,19 +142,20 @@ impl Bvh {
 
     /// Visits the leaves whose boxes the ray crosses: nearest first when `ORDERED`, else in any order.
     #[inline(always)]
-    pub fn walk<const ORDERED: bool>(&self, ray: &Ray, visitor: &mut impl Visitor) {
-        if self.nodes.is_empty() {
+    pub fn walk<W: Wide, const ORDERED: bool>(&self, ray: &Ray, visitor: &mut impl Visitor) {
+        if let Some(all) = &self.flat {
+            visitor.test(all.clone(), &mut ray.tmax.clone());
             return;
         }
         if self.stack <= STACK {
-            self.walk_with::<ORDERED>(ray, &mut [MaybeUninit::uninit(); STACK], visitor);
+            self.walk_with::<W, ORDERED>(ray, &mut [MaybeUninit::uninit(); STACK], visitor);
         } else {
-            self.walk_with::<ORDERED>(ray, &mut vec![MaybeUninit::uninit(); self.stack], visitor);
+            self.walk_with::<W, ORDERED>(ray, &mut vec![MaybeUninit::uninit(); self.stack], visitor);
         }
     }
 
     #[inline(always)]
-    fn walk_with<const ORDERED: bool>(
+    fn walk_with<W: Wide, const ORDERED: bool>(
         &self,
         ray: &Ray,
         stack: &mut [MaybeUninit<Entry>],
@@ -171,27 +170,21 @@ impl Bvh {
         loop {
             if current.count > 0 {
                 let first = current.child as usize;
-                for element in first..first + current.count as usize {
-                    if visitor.test(element, &mut tmax) {
-                        return;
-                    }
+                if visitor.test(first..first + current.count as usize, &mut tmax) {
+                    return;
                 }
             } else {
                 let node = &self.nodes[current.child as usize];
-                let (mut near, mut far) = ([0.0f32; WIDTH], [tmax; WIDTH]);
+                let (mut near, mut far) = (W::splat(0.0), W::splat(tmax));
                 for axis in 0..3 {
-                    let enter = &node.bounds[side[axis]][axis];
-                    let exit = &node.bounds[1 - side[axis]][axis];
-                    for l in 0..WIDTH {
-                        near[l] = max(near[l], (enter[l] - o[axis]) * inverse[axis]);
-                        far[l] = min(far[l], (exit[l] - o[axis]) * inverse[axis] * ROUNDING);
-                    }
+                    let enter = W::load(&node.bounds[side[axis]][axis]);
+                    let exit = W::load(&node.bounds[1 - side[axis]][axis]);
+                    let (o, inverse) = (W::splat(o[axis]), W::splat(inverse[axis]));
+                    near = near.max((enter - o) * inverse);
+                    far = far.min((exit - o) * inverse * W::splat(ROUNDING));
                 }
-                let mut bits = [0u32; WIDTH];
-                for l in 0..WIDTH {
-                    bits[l] = if near[l] <= far[l] { BITS[l] } else { 0 };
-                }
-                let mut mask = bits.iter().fold(0, |m, b| m | b);
+                let mut mask = W::bits(near.less_or_equal(far));
+                let near = near.array();
                 let bottom = top;
                 while mask != 0 {
                     let l = mask.trailing_zeros() as usize;

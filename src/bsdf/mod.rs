@@ -184,7 +184,7 @@ impl Material {
     }
 
     /// The scattering at a point, for light handled on the side of `wi` (local).
-    #[inline]
+    #[inline(always)]
     pub fn closure(&self, textures: &Textures, uv: Vec2, wi: Vec3) -> Closure {
         let below = wi.z < 0.0;
         match &self.fixed {
@@ -239,7 +239,7 @@ impl Closure {
     }
 
     /// f of the smooth part, in 1/sr, without cosine.
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport) -> Rgb {
         let (wi, wo) = (self.side(wi), self.side(wo));
         let f = match &self.lobe {
@@ -253,7 +253,7 @@ impl Closure {
     }
 
     /// Density of `wo` under [`Closure::sample`].
-    #[inline]
+    #[inline(always)]
     pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
         let (l_wi, l_wo) = (self.side(wi), self.side(wo));
         let pdf = match &self.lobe {
@@ -275,11 +275,13 @@ impl Closure {
         }
     }
 
+    #[inline]
     pub fn has_smooth(&self) -> bool {
         matches!(self.lobe, Lobe::Diffuse(_) | Lobe::Plastic(_))
     }
 
     /// Probability that light goes straight through.
+    #[inline]
     pub fn transparency(&self) -> f32 {
         if matches!(self.lobe, Lobe::Null) { 1.0 } else { 1.0 - self.opacity }
     }
@@ -305,7 +307,7 @@ impl Closure {
     }
 
     /// Draws a direction from the smooth part alone; the weight is that of the smooth part.
-    #[inline]
+    #[inline(always)]
     pub fn sample_smooth(&self, wi: Vec3, u: Vec2, mode: Transport) -> Option<SmoothSample> {
         let local = self.side(wi);
         let mut sample = match &self.lobe {
@@ -318,13 +320,24 @@ impl Closure {
     }
 
     /// Draws one continuation among all lobes; `None` when the path is absorbed.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, wi: Vec3, u_lobe: f32, u: Vec2, mode: Transport) -> Option<Sample> {
         let through = self.transparency();
         if u_lobe < through {
             return Some(Sample { wo: -wi, weight: Rgb::ONE, pdf: 0.0, eta: 1.0, event: Event::Null });
         }
         let solid = 1.0 - through;
+        if let Lobe::Diffuse(_) = self.lobe {
+            let s = self.sample_smooth(wi, u, mode)?;
+            let pdf = s.pdf * solid;
+            return Some(Sample { wo: s.wo, weight: s.weight, pdf, eta: 1.0, event: Event::Smooth });
+        }
+        self.sample_mixed(wi, (u_lobe - through) / solid, solid, u, mode)
+    }
+
+    /// [`Closure::sample`] of a surface with specular directions; `u_lobe` chooses among them.
+    #[inline(never)]
+    fn sample_mixed(&self, wi: Vec3, u_lobe: f32, solid: f32, u: Vec2, mode: Transport) -> Option<Sample> {
         let smooth = |probability: f32| {
             let s = self.sample_smooth(wi, u, mode)?;
             Some(Sample {
@@ -335,10 +348,7 @@ impl Closure {
                 event: Event::Smooth,
             })
         };
-        if let Lobe::Diffuse(_) = self.lobe {
-            return smooth(1.0);
-        }
-        let mut rest = (u_lobe - through) / solid;
+        let mut rest = u_lobe;
         let deltas = self.deltas(wi, mode);
         let mut left = 1.0;
         for lobe in deltas.iter() {

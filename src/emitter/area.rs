@@ -35,6 +35,7 @@ impl Surface {
         }
     }
 
+    #[inline(always)]
     fn sample(&self, u: Vec2) -> AreaSample {
         match self {
             Self::Mesh { triangles, by_area } => {
@@ -42,7 +43,7 @@ impl Surface {
                 let t = &triangles[i];
                 let b = warp::triangle(Vec2::new(rest, u.y));
                 let b0 = 1.0 - b.x - b.y;
-                let [v0, v1, v2] = t.v.map(Vec3::from);
+                let (v0, v1, v2) = (Vec3::from(t.v[0]), Vec3::from(t.v[1]), Vec3::from(t.v[2]));
                 AreaSample {
                     p: v0 * b0 + v1 * b.x + v2 * b.y,
                     n: t.normal,
@@ -70,6 +71,7 @@ impl Area {
         Self { surface, radiance, lift, area }
     }
 
+    #[inline(always)]
     pub fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
         if let Some((sphere, gap)) = self.visible_cone(p) {
             return self.sample_cone(textures, p, sphere, gap, u);
@@ -88,6 +90,7 @@ impl Area {
     }
 
     /// A sphere seen from outside is sampled within its cone: no sample is wasted on its far side.
+    #[inline]
     fn visible_cone(&self, p: Vec3) -> Option<(&crate::shape::Sphere, f32)> {
         match &self.surface {
             Surface::Analytic(Analytic::Sphere(s)) if !s.inward => s.cone(p).map(|gap| (s, gap)),
@@ -95,6 +98,7 @@ impl Area {
         }
     }
 
+    #[inline(never)]
     fn sample_cone(
         &self,
         textures: &Textures,
@@ -116,6 +120,7 @@ impl Area {
 
     /// Density with which [`Area::sample_direct`] chooses the point `q` with geometric normal `n` seen
     /// from `p` along the unit direction `dir`.
+    #[inline]
     pub fn pdf_direct(&self, p: Vec3, dir: Vec3, q: Vec3, n: Vec3) -> f32 {
         if let Some((_, gap)) = self.visible_cone(p) {
             return 1.0 / (2.0 * PI * gap);

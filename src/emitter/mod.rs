@@ -56,7 +56,7 @@ pub enum Emitter {
 
 impl Emitter {
     /// Light at `p`; `None` when nothing arrives from the sampled place.
-    #[inline]
+    #[inline(always)]
     pub fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
         match self {
             Self::Area(e) => e.sample_direct(textures, p, u),

@@ -21,7 +21,7 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
 
 /// Light from one sampled emitter point, scattered towards `wi` (local). With `mis` the sample shares
 /// its weight with scattered rays. `segments` is how many path segments may follow.
-#[inline]
+#[inline(always)]
 pub fn next_event(
     scene: &Scene,
     plan: &Plan,
@@ -96,6 +96,7 @@ pub fn scattered_lamp(
 }
 
 /// Whether a sampled continuation leaves the density of the previous rough surface in force.
+#[inline]
 pub fn keeps_density(event: Event) -> bool {
     event == Event::Null
 }

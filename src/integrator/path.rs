@@ -4,6 +4,7 @@ use super::direct::{keeps_density, next_event, power_heuristic};
 use super::{Integrator, PassStats, Scratch};
 use crate::bsdf::{Event, Transport};
 use crate::film::{Layer, Radiance};
+use crate::math::simd::widest;
 use crate::math::{Ray, Rgb, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Plan, Scene, Settings};
@@ -74,7 +75,16 @@ impl Integrator for PathTracer<'_> {
         ((), PassStats::default())
     }
 
-    fn sample(&self, _: &(), mut ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance {
+    fn sample(&self, _: &(), ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance {
+        widest!(PathTracer::trace;
+            tracer: &PathTracer<'_> = self, ray: Ray = ray, sampler: &mut Sampler = sampler,
+            scratch: &mut Scratch = scratch => Radiance)
+    }
+}
+
+impl PathTracer<'_> {
+    #[inline(always)]
+    fn trace(&self, mut ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance {
         let scene = self.scene;
         let mut out = Radiance::default();
         let mut throughput = Rgb::ONE;
@@ -87,7 +97,7 @@ impl Integrator for PathTracer<'_> {
         while depth < self.max_depth {
             depth += 1;
             scratch.rays += 1;
-            let visible_lamps = !(self.hide_emitters && !seen);
+            let visible_lamps = !self.hide_emitters || seen;
             let Some(hit) = scene.geometry.closest(&ray) else {
                 if visible_lamps {
                     let weight =

@@ -11,7 +11,7 @@ pub struct Frame {
 impl Frame {
     /// Some frame around the unit vector `n` (Duff et al. 2017, without their branch-free sign trick's
     /// singularity at n.z = −1).
-    #[inline]
+    #[inline(always)]
     pub fn from_normal(n: Vec3) -> Self {
         let sign = 1.0f32.copysign(n.z);
         let a = -1.0 / (sign + n.z);
@@ -23,13 +23,13 @@ impl Frame {
         }
     }
 
-    #[inline]
-    pub fn to_local(&self, v: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn to_local(self, v: Vec3) -> Vec3 {
         Vec3::new(self.s.dot(v), self.t.dot(v), self.n.dot(v))
     }
 
-    #[inline]
-    pub fn to_world(&self, v: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn to_world(self, v: Vec3) -> Vec3 {
         self.s * v.x + self.t * v.y + self.n * v.z
     }
 }

@@ -2,6 +2,7 @@
 
 mod frame;
 mod octahedral;
+pub mod simd;
 
 pub use frame::Frame;
 pub use glam::{Vec2, Vec3A as Vec3};
@@ -11,6 +12,7 @@ pub use octahedral::{decode_direction, encode_direction};
 pub type Rgb = Vec3;
 
 /// Rec.709 luminance of a linear triple.
+#[inline]
 pub fn luminance(c: Rgb) -> f32 {
     0.212671 * c.x + 0.715160 * c.y + 0.072169 * c.z
 }
@@ -24,10 +26,12 @@ pub struct Ray {
 }
 
 impl Ray {
+    #[inline]
     pub fn new(o: Vec3, d: Vec3) -> Self {
         Self { o, d, tmax: f32::INFINITY }
     }
 
+    #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.o + self.d * t
     }

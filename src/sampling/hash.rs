@@ -1,7 +1,7 @@
 //! Counter-based generator: the n-th number is a function of (key, n), so work can be split anywhere.
 
 /// SplitMix64 finaliser (Steele, Lea, Flood 2014): a bijection of u64 with full avalanche.
-#[inline]
+#[inline(always)]
 pub fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -43,7 +43,7 @@ impl CounterRng {
 }
 
 /// Top 24 bits as a float in [0, 1): never rounds up to 1.
-#[inline]
+#[inline(always)]
 pub fn unit_float(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }

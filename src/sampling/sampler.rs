@@ -1,5 +1,5 @@
-use super::hash::unit_float;
-use super::{CounterRng, mix, sobol};
+use super::sobol::BATCH;
+use super::{CounterRng, sobol};
 use crate::math::Vec2;
 
 /// Dimensions (pairs) that are worth low-discrepancy points; later ones are plain random.
@@ -11,6 +11,8 @@ pub struct Sampler {
     key: u64,
     index: u32,
     pair: u32,
+    /// Pairs made together; those before `pair` are used up.
+    ready: [[f32; BATCH]; 2],
     rng: CounterRng,
 }
 
@@ -18,29 +20,38 @@ impl Sampler {
     /// Point `index` of the sequence `key`. Points of one key are stratified among themselves.
     #[inline]
     pub fn new(key: u64, index: u32) -> Self {
-        Self { key, index, pair: 0, rng: CounterRng::new(key, u64::from(index)) }
+        let rng = CounterRng::new(key, u64::from(index));
+        Self { key, index, pair: 0, ready: [[0.0; BATCH]; 2], rng }
+    }
+
+    /// The next pair is low-discrepancy and ready at the place returned.
+    #[inline]
+    fn advance(&mut self) -> Option<usize> {
+        let pair = self.pair;
+        self.pair += 1;
+        if pair >= SOBOL_PAIRS {
+            return None;
+        }
+        let place = pair as usize % BATCH;
+        if place == 0 {
+            self.ready = sobol::batch(self.index, self.key, pair);
+        }
+        Some(place)
     }
 
     #[inline]
     pub fn next_2d(&mut self) -> Vec2 {
-        let pair = self.pair;
-        self.pair += 1;
-        if pair < SOBOL_PAIRS {
-            let p = sobol::point(self.index, mix(self.key.wrapping_add(u64::from(pair))));
-            Vec2::new(unit_float(p[0]), unit_float(p[1]))
-        } else {
-            Vec2::from(self.rng.next_2d())
+        match self.advance() {
+            Some(i) => Vec2::new(self.ready[0][i], self.ready[1][i]),
+            None => Vec2::from(self.rng.next_2d()),
         }
     }
 
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
-        let pair = self.pair;
-        self.pair += 1;
-        if pair < SOBOL_PAIRS {
-            unit_float(sobol::point(self.index, mix(self.key.wrapping_add(u64::from(pair))))[0])
-        } else {
-            self.rng.next_f32()
+        match self.advance() {
+            Some(i) => self.ready[0][i],
+            None => self.rng.next_f32(),
         }
     }
 

@@ -3,9 +3,13 @@
 //! Burley, "Practical Hash-based Owen Scrambling", JCGT 2020. The second dimension's generator
 //! matrix is Pascal's triangle modulo 2, which factors into five masked shifts.
 
+use super::hash::unit_float;
+use super::mix;
+use crate::math::simd::widest;
+
 /// Laine–Karras permutation with Vegdahl's constants: bit i of the result depends on bits ≤ i only,
 /// which on reversed bits is a nested uniform scramble.
-#[inline]
+#[inline(always)]
 fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -16,13 +20,13 @@ fn laine_karras(mut x: u32, seed: u32) -> u32 {
 }
 
 /// Owen scramble of the base-2 fraction `x`.
-#[inline]
-pub fn scramble(x: u32, seed: u32) -> u32 {
+#[inline(always)]
+fn scramble(x: u32, seed: u32) -> u32 {
     laine_karras(x.reverse_bits(), seed).reverse_bits()
 }
 
 /// Second Sobol dimension as a 32-bit fraction; the first is the reversed index.
-#[inline]
+#[inline(always)]
 fn second_dimension(index: u32) -> u32 {
     let mut x = index;
     x ^= (x >> 16) & 0x0000_ffff;
@@ -33,13 +37,38 @@ fn second_dimension(index: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// Point `index` of the sequence belonging to `seed`, as two 32-bit fractions. Different seeds give
-/// independently shuffled and scrambled copies, so they may be padded into higher dimensions.
-#[inline]
-pub fn point(index: u32, seed: u64) -> [u32; 2] {
-    let order = scramble(index, seed as u32);
-    let (a, b) = (super::mix(seed ^ 0xa5a5_a5a5), super::mix(seed ^ 0x5a5a_5a5a));
-    [laine_karras(order, a as u32).reverse_bits(), scramble(second_dimension(order), b as u32)]
+/// Point `index`, shuffled by one seed and scrambled by two, as 32-bit fractions.
+#[inline(always)]
+fn scrambled(index: u32, order: u32, a: u32, b: u32) -> [u32; 2] {
+    let order = scramble(index, order);
+    [laine_karras(order, a).reverse_bits(), scramble(second_dimension(order), b)]
+}
+
+const FIRST: u64 = 0xa5a5_a5a5;
+const SECOND: u64 = 0x5a5a_5a5a;
+
+/// Points taken together.
+pub const BATCH: usize = 8;
+
+/// Points `index` of the sequences that belong to keys `first..first + BATCH` of the family `key`, in
+/// [0, 1)². One by one they cost as much as tracing a ray.
+pub fn batch(index: u32, key: u64, first: u32) -> [[f32; BATCH]; 2] {
+    widest!(batch_body; index: u32 = index, key: u64 = key, first: u32 = first => [[f32; BATCH]; 2])
+}
+
+#[inline(always)]
+fn batch_body(index: u32, key: u64, first: u32) -> [[f32; BATCH]; 2] {
+    let mut seeds = [[0u32; 3]; BATCH];
+    for (s, pair) in seeds.iter_mut().zip(u64::from(first)..) {
+        let seed = mix(key.wrapping_add(pair));
+        *s = [seed as u32, mix(seed ^ FIRST) as u32, mix(seed ^ SECOND) as u32];
+    }
+    let mut out = [[0.0; BATCH]; 2];
+    for (l, &[order, a, b]) in seeds.iter().enumerate() {
+        let [x, y] = scrambled(index, order, a, b);
+        (out[0][l], out[1][l]) = (unit_float(x), unit_float(y));
+    }
+    out
 }
 
 #[cfg(test)]
@@ -66,8 +95,9 @@ mod tests {
         // 2^m points put exactly one point into every elementary interval of area 2^-m.
         for seed in 0..20u64 {
             for m in [4u32, 6, 7] {
-                let points: Vec<[u32; 2]> =
-                    (0..1u32 << m).map(|i| point(i, crate::sampling::mix(seed))).collect();
+                let points: Vec<[u32; 2]> = (0..1u32 << m)
+                    .map(|i| batch(i, seed, 0).map(|c| (c[3] * 16_777_216.0) as u32 * 256))
+                    .collect();
                 for a in 0..=m {
                     let b = m - a;
                     let mut seen = vec![false; 1 << m];

@@ -1,9 +1,13 @@
 //! Primitives and their BVHs: one level for the world, one per shape group that is instanced.
 
+use std::marker::PhantomData;
+use std::ops::Range;
+
 use crate::accel::{Bvh, Visitor};
+use crate::math::simd::{Wide, widest_wide};
 use crate::math::{Bounds, Ray, Vec3};
 use crate::shape::Analytic;
-use crate::shape::triangle::{Block, Shear, WIDTH};
+use crate::shape::triangle::{Block, Nearest, Shear, WIDTH};
 
 /// A triangle, or the number of something else, as the builder lists them.
 #[derive(Clone, Copy, Debug)]
@@ -158,18 +162,22 @@ impl Level {
     }
 
     /// What a hit in this level met.
+    #[inline(always)]
     pub fn kind(&self, hit: &Hit) -> Kind {
         kind(self.packets[hit.packet as usize].tag[hit.lane as usize])
     }
 
     /// Shape of the primitive that was hit.
+    #[inline(always)]
     pub fn shape(&self, hit: &Hit) -> u32 {
         self.packets[hit.packet as usize].shape[hit.lane as usize]
     }
 
     /// Corners of the triangle that was hit.
-    pub fn corners(&self, hit: &Hit) -> [[f32; 3]; 3] {
-        self.packets[hit.packet as usize].triangles.corners(hit.lane as usize)
+    #[inline(always)]
+    pub fn corners(&self, hit: &Hit) -> [Vec3; 3] {
+        let (t, lane) = (&self.packets[hit.packet as usize].triangles, hit.lane as usize % WIDTH);
+        [t.corner(0, lane), t.corner(1, lane), t.corner(2, lane)]
     }
 }
 
@@ -222,32 +230,28 @@ impl Geometry {
 
     /// Nearest hit in (0, tmax).
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the feature was just detected.
-            return unsafe { self.closest_avx2(ray) };
-        }
-        self.closest_any(ray)
-    }
-
-    /// The same code with wider instructions; none is fused, so the bits are the same.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn closest_avx2(&self, ray: &Ray) -> Option<Hit> {
-        self.closest_any(ray)
+        widest_wide!(Geometry::closest_any; geometry: &Geometry = self, ray: &Ray = ray => Option<Hit>)
     }
 
     #[inline(always)]
-    fn closest_any(&self, ray: &Ray) -> Option<Hit> {
+    fn closest_any<W: Wide>(&self, ray: &Ray) -> Option<Hit> {
         let mut best = None;
-        self.closest_in(&self.world, ray, NO_INSTANCE, &mut best);
+        self.closest_in::<W>(&self.world, ray, NO_INSTANCE, &mut best);
         best
     }
 
     #[inline(always)]
-    fn closest_in(&self, level: &Level, ray: &Ray, instance: u32, best: &mut Option<Hit>) {
-        let mut visitor = Closest { geometry: self, level, ray, shear: Shear::new(ray), instance, best };
-        level.bvh.walk::<true>(ray, &mut visitor);
+    fn closest_in<W: Wide>(&self, level: &Level, ray: &Ray, instance: u32, best: &mut Option<Hit>) {
+        let mut visitor = Closest {
+            geometry: self,
+            level,
+            ray,
+            shear: Shear::new(ray),
+            instance,
+            best,
+            wide: PhantomData::<W>,
+        };
+        level.bvh.walk::<W, true>(ray, &mut visitor);
     }
 
     #[inline(never)]
@@ -285,38 +289,44 @@ impl Geometry {
         }
     }
 
-    #[inline(never)]
     fn closest_in_group(&self, group: u32, ray: &Ray, instance: u32) -> Option<Hit> {
+        widest_wide!(Geometry::closest_in_group_any;
+            geometry: &Geometry = self, group: u32 = group, ray: &Ray = ray, instance: u32 = instance
+            => Option<Hit>)
+    }
+
+    #[inline(always)]
+    fn closest_in_group_any<W: Wide>(&self, group: u32, ray: &Ray, instance: u32) -> Option<Hit> {
         let mut best = None;
-        self.closest_in(&self.groups[group as usize], ray, instance, &mut best);
+        self.closest_in::<W>(&self.groups[group as usize], ray, instance, &mut best);
         best
     }
 
     /// Whether anything lies in (0, tmax).
     pub fn occluded(&self, ray: &Ray) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the feature was just detected.
-            return unsafe { self.occluded_avx2(ray) };
-        }
-        self.occluded_in(&self.world, ray)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn occluded_avx2(&self, ray: &Ray) -> bool {
-        self.occluded_in(&self.world, ray)
-    }
-
-    #[inline(never)]
-    fn occluded_in_group(&self, group: u32, ray: &Ray) -> bool {
-        self.occluded_in(&self.groups[group as usize], ray)
+        widest_wide!(Geometry::occluded_any; geometry: &Geometry = self, ray: &Ray = ray => bool)
     }
 
     #[inline(always)]
-    fn occluded_in(&self, level: &Level, ray: &Ray) -> bool {
-        let mut visitor = Any { geometry: self, level, ray, shear: Shear::new(ray), found: false };
-        level.bvh.walk::<false>(ray, &mut visitor);
+    fn occluded_any<W: Wide>(&self, ray: &Ray) -> bool {
+        self.occluded_in::<W>(&self.world, ray)
+    }
+
+    fn occluded_in_group(&self, group: u32, ray: &Ray) -> bool {
+        widest_wide!(Geometry::occluded_in_group_any;
+            geometry: &Geometry = self, group: u32 = group, ray: &Ray = ray => bool)
+    }
+
+    #[inline(always)]
+    fn occluded_in_group_any<W: Wide>(&self, group: u32, ray: &Ray) -> bool {
+        self.occluded_in::<W>(&self.groups[group as usize], ray)
+    }
+
+    #[inline(always)]
+    fn occluded_in<W: Wide>(&self, level: &Level, ray: &Ray) -> bool {
+        let mut visitor =
+            Any { geometry: self, level, ray, shear: Shear::new(ray), found: false, wide: PhantomData::<W> };
+        level.bvh.walk::<W, false>(ray, &mut visitor);
         visitor.found
     }
 
@@ -339,48 +349,64 @@ impl Geometry {
 }
 
 /// Looks for the nearest hit.
-struct Closest<'a> {
+struct Closest<'a, W> {
     geometry: &'a Geometry,
     level: &'a Level,
     ray: &'a Ray,
     shear: Shear,
     instance: u32,
     best: &'a mut Option<Hit>,
+    wide: PhantomData<W>,
 }
 
-impl Visitor for Closest<'_> {
+impl<W: Wide> Visitor for Closest<'_, W> {
     #[inline(always)]
-    fn test(&mut self, element: usize, tmax: &mut f32) -> bool {
-        let p = &self.level.packets[element];
-        if p.others > 0 {
-            self.geometry.closest_other(self.level, element, self.ray, tmax, self.instance, self.best);
-        } else if let Some((lane, t, b1, b2)) = self.shear.intersect(&p.triangles, *tmax) {
+    fn test(&mut self, elements: Range<usize>, tmax: &mut f32) -> bool {
+        let mut nearest = Nearest::<W>::new(*tmax);
+        let mut i = elements.start as u32;
+        for p in &self.level.packets[elements.clone()] {
+            if p.others > 0 {
+                // Triangles come first in a leaf.
+                break;
+            }
+            nearest.add(&self.shear, &p.triangles, i);
+            i += 1;
+        }
+        let others = i as usize;
+        if let Some((packet, lane, t, b1, b2)) = nearest.best(*tmax) {
             *tmax = t;
-            *self.best =
-                Some(Hit { t, b1, b2, packet: element as u32, lane: lane as u32, instance: self.instance });
+            *self.best = Some(Hit { t, b1, b2, packet, lane: lane as u32, instance: self.instance });
+        }
+        for i in others..elements.end {
+            self.geometry.closest_other(self.level, i, self.ray, tmax, self.instance, self.best);
         }
         false
     }
 }
 
 /// Looks for any hit.
-struct Any<'a> {
+struct Any<'a, W> {
     geometry: &'a Geometry,
     level: &'a Level,
     ray: &'a Ray,
     shear: Shear,
     found: bool,
+    wide: PhantomData<W>,
 }
 
-impl Visitor for Any<'_> {
+impl<W: Wide> Visitor for Any<'_, W> {
     #[inline(always)]
-    fn test(&mut self, element: usize, tmax: &mut f32) -> bool {
-        let p = &self.level.packets[element];
-        self.found = if p.others > 0 {
-            self.geometry.occluded_by_other(self.level, element, self.ray)
-        } else {
-            self.shear.occluded(&p.triangles, *tmax)
-        };
-        self.found
+    fn test(&mut self, elements: Range<usize>, tmax: &mut f32) -> bool {
+        for (p, i) in self.level.packets[elements.clone()].iter().zip(elements) {
+            self.found = if p.others > 0 {
+                self.geometry.occluded_by_other(self.level, i, self.ray)
+            } else {
+                self.shear.occluded::<W>(&p.triangles, *tmax)
+            };
+            if self.found {
+                return true;
+            }
+        }
+        false
     }
 }

@@ -47,12 +47,12 @@ pub struct Surface {
 
 impl Surface {
     /// Origin for a ray leaving along `d`, on that side of the surface.
-    #[inline]
+    #[inline(always)]
     pub fn origin(&self, d: Vec3) -> Vec3 {
         self.p + self.ng * self.lift.copysign(self.ng.dot(d))
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn leave(&self, d: Vec3) -> Ray {
         Ray::new(self.origin(d), d)
     }
@@ -90,7 +90,22 @@ pub struct Scene {
 
 impl Scene {
     /// Position, normals and uv at a hit.
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let level = &self.geometry.world;
+        if hit.instance == NO_INSTANCE
+            && let Kind::Triangle(triangle) = level.kind(hit)
+        {
+            let index = level.shape(hit);
+            let shape = &self.shapes[index as usize];
+            return triangle_surface(&level.corners(hit), shape, index, triangle as usize, hit);
+        }
+        self.other_surface(ray, hit)
+    }
+
+    /// [`Scene::surface`] for what is no triangle of the world itself.
+    #[inline(never)]
+    fn other_surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let level = self.geometry.level(hit.instance);
         let index = level.shape(hit);
         let shape = &self.shapes[index as usize];
@@ -129,14 +144,14 @@ impl Scene {
     }
 
     /// Scattering at a surface point for light handled on the side of the local direction `wi`.
-    #[inline]
+    #[inline(always)]
     pub fn closure(&self, s: &Surface, wi: Vec3) -> Closure {
         let material = self.shapes[s.shape as usize].material;
         self.materials[material as usize].closure(&self.textures, s.uv, wi)
     }
 
     /// Radiance leaving the surface towards `w` (world) by its own emission.
-    #[inline]
+    #[inline(always)]
     pub fn emitted(&self, s: &Surface, w: Vec3) -> Rgb {
         match self.shapes[s.shape as usize].emitter {
             Some(e) if s.frame.n.dot(w) > 0.0 => match &self.emitters[e as usize] {
@@ -148,11 +163,13 @@ impl Scene {
     }
 
     /// Whether the shape emits.
+    #[inline]
     pub fn is_lamp(&self, s: &Surface) -> bool {
         self.shapes[s.shape as usize].emitter.is_some()
     }
 
     /// Radiance from infinity.
+    #[inline]
     pub fn background(&self) -> Rgb {
         match self.environment.map(|e| &self.emitters[e as usize]) {
             Some(Emitter::Constant(c)) => c.radiance,
@@ -161,6 +178,7 @@ impl Scene {
     }
 
     /// Density with which [`Scene::sample_direct`] at `p` chooses the lamp point met by a ray along `d`.
+    #[inline]
     pub fn pdf_direct_surface(&self, p: Vec3, d: Vec3, s: &Surface) -> f32 {
         match self.shapes[s.shape as usize].emitter {
             Some(e) => match &self.emitters[e as usize] {
@@ -172,6 +190,7 @@ impl Scene {
     }
 
     /// The same for a ray that leaves the scene.
+    #[inline]
     pub fn pdf_direct_background(&self) -> f32 {
         match self.environment {
             Some(e) => match &self.emitters[e as usize] {
@@ -183,7 +202,7 @@ impl Scene {
     }
 
     /// Light at `p` from one emitter, with the probability of choosing it divided out.
-    #[inline]
+    #[inline(always)]
     pub fn sample_direct(&self, p: Vec3, pick: f32, u: Vec2) -> Option<DirectSample> {
         if self.emitters.is_empty() {
             return None;
@@ -210,16 +229,22 @@ impl Scene {
     /// Shadow ray to a direct sample: 1 when nothing is in the way, else what masks and index-matched
     /// boundaries let through. `segments` is how many more path segments may be used; each surface that
     /// is passed costs one.
-    #[inline]
+    #[inline(always)]
     pub fn visibility(&self, s: &Surface, sample: &DirectSample, transparent: bool, segments: u32) -> f32 {
         let o = s.origin(sample.dir);
-        let mut ray = match sample.target {
+        let ray = match sample.target {
             Some(target) => Ray { o, d: target - o, tmax: 1.0 },
             None => Ray::new(o, sample.dir),
         };
         if !transparent {
             return if self.geometry.occluded(&ray) { 0.0 } else { 1.0 };
         }
+        self.transparency_along(ray, sample, segments)
+    }
+
+    /// What masks and index-matched boundaries let through.
+    #[inline(never)]
+    fn transparency_along(&self, mut ray: Ray, sample: &DirectSample, segments: u32) -> f32 {
         let mut through = 1.0;
         let mut left = segments;
         while let Some(hit) = self.geometry.closest(&ray) {
@@ -246,18 +271,13 @@ impl Scene {
     }
 }
 
-fn triangle_surface(
-    v: &[[f32; 3]; 3],
-    shape: &ShapeRecord,
-    index: u32,
-    triangle: usize,
-    hit: &Hit,
-) -> Surface {
-    let [v0, v1, v2] = v.map(Vec3::from);
+#[inline(always)]
+fn triangle_surface(v: &[Vec3; 3], shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
+    let [v0, v1, v2] = *v;
     let b0 = 1.0 - hit.b1 - hit.b2;
     let mix = |a: Vec3, b: Vec3, c: Vec3| a * b0 + b * hit.b1 + c * hit.b2;
     let flip = if shape.flip { -1.0 } else { 1.0 };
-    let ng = crate::shape::triangle::cross_product(v).normalize_or(Vec3::Z) * flip;
+    let ng = (v1 - v0).cross(v2 - v0).normalize_or(Vec3::Z) * flip;
     let mut ns = ng;
     let mut uv = Vec2::new(hit.b1, hit.b2);
     if !shape.normals.is_empty() || !shape.uvs.is_empty() {

@@ -1,6 +1,7 @@
 //! Watertight ray–triangle test (Woop, Benthin, Wald 2013): neighbours that share an edge compute the
 //! same edge function up to its sign, so no ray slips between them.
 
+use crate::math::simd::Wide;
 use crate::math::{Ray, Vec3};
 
 /// Per-ray constants: the axis permutation and shear that turn the ray into +Z.
@@ -8,6 +9,7 @@ use crate::math::{Ray, Vec3};
 pub struct Shear {
     k: [usize; 3],
     s: [f32; 3],
+    /// Origin along the permuted axes.
     o: [f32; 3],
 }
 
@@ -29,88 +31,59 @@ impl Shear {
             std::mem::swap(&mut kx, &mut ky);
         }
         let inv = 1.0 / d[kz];
-        Self { k: [kx, ky, kz], s: [d[kx] * inv, d[ky] * inv, inv], o: ray.o.to_array() }
-    }
-
-    /// Nearest hit with `0 < t < tmax` among the lanes: lane, distance and barycentric weights of the
-    /// second and third vertex.
-    #[inline(always)]
-    pub fn intersect(&self, b: &Block, tmax: f32) -> Option<(usize, f32, f32, f32)> {
-        let h = self.test(b, tmax);
-        if h.mask == 0 {
-            return None;
-        }
-        let mut best = h.mask.trailing_zeros() as usize;
-        for l in best + 1..WIDTH {
-            if h.mask >> l & 1 == 1 && h.t[l] < h.t[best] {
-                best = l;
-            }
-        }
-        Some((best, h.t[best], h.b1[best], h.b2[best]))
+        let o = ray.o.to_array();
+        Self { k: [kx, ky, kz], s: [d[kx] * inv, d[ky] * inv, inv], o: [o[kx], o[ky], o[kz]] }
     }
 
     /// Whether any lane is hit with `0 < t < tmax`.
     #[inline(always)]
-    pub fn occluded(&self, b: &Block, tmax: f32) -> bool {
-        self.test(b, tmax).mask != 0
+    pub fn occluded<W: Wide>(&self, b: &Block, tmax: f32) -> bool {
+        W::bits(self.test(b, W::splat(tmax)).hit) != 0
     }
 
-    /// Plain loops over lanes, which the compiler turns into SIMD.
     #[inline(always)]
-    fn test(&self, b: &Block, tmax: f32) -> Lanes {
+    fn test<W: Wide>(&self, b: &Block, tmax: W) -> Lanes<W> {
+        let o = [W::splat(self.o[0]), W::splat(self.o[1]), W::splat(self.o[2])];
+        let s = [W::splat(self.s[0]), W::splat(self.s[1]), W::splat(self.s[2])];
+        let (x0, y0, z0) = self.sheared(&b.v[0], o, s);
+        let (x1, y1, z1) = self.sheared(&b.v[1], o, s);
+        let (x2, y2, z2) = self.sheared(&b.v[2], o, s);
+        let e = [x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0];
+        let z = [z0, z1, z2];
+        // The product may also underflow to zero; what follows is right for any triangle.
+        if W::bits((e[0] * e[1] * e[2]).equal(W::splat(0.0))) != 0 {
+            let (x, y) = ([x0.array(), x1.array(), x2.array()], [y0.array(), y1.array(), y2.array()]);
+            let mut exact = [e[0].array(), e[1].array(), e[2].array()];
+            on_edges(&x, &y, &mut exact);
+            return decide([W::load(&exact[0]), W::load(&exact[1]), W::load(&exact[2])], z, s[2], tmax);
+        }
+        decide(e, z, s[2], tmax)
+    }
+
+    /// Vertices relative to the ray, which becomes +Z.
+    #[inline(always)]
+    fn sheared<W: Wide>(&self, v: &[[f32; WIDTH]; 3], o: [W; 3], s: [W; 3]) -> (W, W, W) {
         let [kx, ky, kz] = self.k;
-        let [sx, sy, sz] = self.s;
-        let (ox, oy, oz) = (self.o[kx], self.o[ky], self.o[kz]);
-        let mut x = [[0.0f32; WIDTH]; 3];
-        let mut y = [[0.0f32; WIDTH]; 3];
-        let mut z = [[0.0f32; WIDTH]; 3];
-        for v in 0..3 {
-            let (px, py, pz) = (&b.v[v][kx], &b.v[v][ky], &b.v[v][kz]);
-            for l in 0..WIDTH {
-                z[v][l] = pz[l] - oz;
-                x[v][l] = px[l] - ox - sx * z[v][l];
-                y[v][l] = py[l] - oy - sy * z[v][l];
-            }
-        }
-        let mut e = [[0.0f32; WIDTH]; 3];
-        for l in 0..WIDTH {
-            e[0][l] = x[2][l] * y[1][l] - y[2][l] * x[1][l];
-            e[1][l] = x[0][l] * y[2][l] - y[0][l] * x[2][l];
-            e[2][l] = x[1][l] * y[0][l] - y[1][l] * x[0][l];
-        }
-        let mut lanes = decide(&e, &z, sz, tmax);
-        if lanes.mask >> WIDTH != 0 {
-            on_edges(&x, &y, &mut e);
-            lanes = decide(&e, &z, sz, tmax);
-            lanes.mask &= (1 << WIDTH) - 1;
-        }
-        lanes
+        // SAFETY: `k` is a permutation of 0, 1, 2. Nine checks would cost a quarter of the whole test.
+        let (x, y, z) = unsafe { (v.get_unchecked(kx), v.get_unchecked(ky), v.get_unchecked(kz)) };
+        let z = W::load(z) - o[2];
+        (W::load(x) - o[0] - s[0] * z, W::load(y) - o[1] - s[1] * z, z)
     }
 }
 
-/// Edge functions → hits: bit l of the mask for a hit of lane l, bit l + WIDTH where one is zero.
+/// Edge functions → hits.
 #[inline(always)]
-fn decide(e: &[[f32; WIDTH]; 3], z: &[[f32; WIDTH]; 3], sz: f32, tmax: f32) -> Lanes {
-    let mut out = Lanes { mask: 0, t: [0.0; WIDTH], b1: [0.0; WIDTH], b2: [0.0; WIDTH] };
-    let mut bits = [0u32; WIDTH];
-    for l in 0..WIDTH {
-        let (e0, e1, e2) = (e[0][l], e[1][l], e[2][l]);
-        let negative = (e0 < 0.0) | (e1 < 0.0) | (e2 < 0.0);
-        let positive = (e0 > 0.0) | (e1 > 0.0) | (e2 > 0.0);
-        let zero = (e0 == 0.0) | (e1 == 0.0) | (e2 == 0.0);
-        let inv = 1.0 / (e0 + e1 + e2);
-        let t = (e0 * z[0][l] + e1 * z[1][l] + e2 * z[2][l]) * sz * inv;
-        // Empty lanes hold NaN and flat triangles give NaN or infinity: `t` then fails both comparisons.
-        let hit = !(negative & positive) & (t > 0.0) & (t < tmax);
-        (out.t[l], out.b1[l], out.b2[l]) = (t, e1 * inv, e2 * inv);
-        bits[l] = if hit { BITS[l] } else { 0 } | if zero { BITS[l] << WIDTH } else { 0 };
-    }
-    out.mask = bits.iter().fold(0, |m, b| m | b);
-    out
+fn decide<W: Wide>(e: [W; 3], z: [W; 3], sz: W, tmax: W) -> Lanes<W> {
+    let zero = W::splat(0.0);
+    let negative = W::or(W::or(e[0].less(zero), e[1].less(zero)), e[2].less(zero));
+    let positive = W::or(W::or(zero.less(e[0]), zero.less(e[1])), zero.less(e[2]));
+    let inv = W::splat(1.0) / (e[0] + e[1] + e[2]);
+    let t = (e[0] * z[0] + e[1] * z[1] + e[2] * z[2]) * sz * inv;
+    // Empty lanes hold NaN and flat triangles give NaN or infinity: `t` then fails both comparisons.
+    let between = W::and(zero.less(t), t.less(tmax));
+    let hit = W::and_not(W::and(negative, positive), between);
+    Lanes { hit, t, b1: e[1] * inv, b2: e[2] * inv }
 }
-
-/// Constants rather than shifts: the compiler then masks and folds whole vectors.
-const BITS: [u32; WIDTH] = [1, 2, 4, 8, 16, 32, 64, 128];
 
 /// An edge function is zero in f32: decide in f64, where the products are exact.
 #[cold]
@@ -126,7 +99,7 @@ fn on_edges(x: &[[f32; WIDTH]; 3], y: &[[f32; WIDTH]; 3], e: &mut [[f32; WIDTH];
 }
 
 /// Triangles tested together.
-pub const WIDTH: usize = 8;
+pub use crate::math::simd::WIDTH;
 
 /// Corners of up to [`WIDTH`] triangles, by vertex, axis and lane. Empty lanes are NaN.
 #[derive(Clone, Copy, Debug)]
@@ -146,16 +119,74 @@ impl Block {
         }
     }
 
-    pub fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
-        self.v.map(|vertex| vertex.map(|axis| axis[lane]))
+    #[inline(always)]
+    pub fn corner(&self, vertex: usize, lane: usize) -> Vec3 {
+        let v = &self.v[vertex];
+        Vec3::new(v[0][lane], v[1][lane], v[2][lane])
     }
 }
 
-struct Lanes {
-    mask: u32,
-    t: [f32; WIDTH],
-    b1: [f32; WIDTH],
-    b2: [f32; WIDTH],
+/// What each triangle of a block says.
+struct Lanes<W: Wide> {
+    hit: W::Mask,
+    t: W,
+    b1: W,
+    b2: W,
+}
+
+/// Nearest hits so far, one for each lane of the blocks that were tried: the loop over blocks then has
+/// no branch that depends on what is hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest<W> {
+    t: W,
+    b1: W,
+    b2: W,
+    /// Block numbers, as bits.
+    block: W,
+}
+
+impl<W: Wide> Nearest<W> {
+    /// Nothing below `tmax` yet.
+    #[inline(always)]
+    pub fn new(tmax: f32) -> Self {
+        let zero = W::splat(0.0);
+        Self { t: W::splat(tmax), b1: zero, b2: zero, block: zero }
+    }
+
+    /// Tries the triangles of block number `index`.
+    #[inline(always)]
+    pub fn add(&mut self, shear: &Shear, b: &Block, index: u32) {
+        let h = shear.test(b, self.t);
+        self.t = h.t.select(h.hit, self.t);
+        self.b1 = h.b1.select(h.hit, self.b1);
+        self.b2 = h.b2.select(h.hit, self.b2);
+        self.block = W::splat(f32::from_bits(index)).select(h.hit, self.block);
+    }
+
+    /// The nearest of all below the `tmax` it began with: block, lane, distance, and barycentric weights
+    /// of the second and third vertex.
+    #[inline(always)]
+    pub fn best(&self, tmax: f32) -> Option<(u32, usize, f32, f32, f32)> {
+        let found = W::bits(self.t.less(W::splat(tmax)));
+        if found == 0 {
+            return None;
+        }
+        let t = self.t.array();
+        let nearest = min(min(min(t[0], t[1]), min(t[2], t[3])), min(min(t[4], t[5]), min(t[6], t[7])));
+        let lane = W::bits(self.t.equal(W::splat(nearest))).trailing_zeros() as usize % WIDTH;
+        Some((
+            self.block.array()[lane].to_bits(),
+            lane,
+            nearest,
+            self.b1.array()[lane],
+            self.b2.array()[lane],
+        ))
+    }
+}
+
+#[inline(always)]
+fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// Un-normalised geometric normal, length twice the area.

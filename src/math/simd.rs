@@ -1,0 +1,230 @@
+//! One function compiled for several instruction sets, chosen at run time.
+//!
+//! Bodies are plain loops over fixed arrays that the compiler turns into SIMD, or are generic over
+//! [`Wide`] where it does that badly. No fused operations are used, so every variant gives the same bits.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+/// Lanes of a [`Wide`].
+pub const WIDTH: usize = 8;
+
+/// Eight floats. `min` and `max` give the second operand when one is NaN, as the instructions do.
+pub trait Wide:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// A truth value for each lane.
+    type Mask: Copy;
+    fn splat(x: f32) -> Self;
+    fn load(x: &[f32; WIDTH]) -> Self;
+    fn array(self) -> [f32; WIDTH];
+    fn min(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
+    fn less(self, other: Self) -> Self::Mask;
+    fn less_or_equal(self, other: Self) -> Self::Mask;
+    fn equal(self, other: Self) -> Self::Mask;
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// `!a & b`.
+    fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Lane l is bit l.
+    fn bits(mask: Self::Mask) -> u32;
+    /// Lanes of `self` where the mask holds, else of `other`; moves bits, whatever they mean.
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+}
+
+/// [`Wide`] for any processor.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable([f32; WIDTH]);
+
+macro_rules! operator {
+    ($type:ident: $($trait:ident $name:ident |$a:ident, $b:ident| $body:expr;)+) => {
+        $(impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                let ($a, $b) = (self.0, other.0);
+                Self($body)
+            }
+        })+
+    };
+}
+
+#[inline(always)]
+fn each<A: Copy, B>(a: [A; WIDTH], b: [A; WIDTH], f: impl Fn(A, A) -> B) -> [B; WIDTH] {
+    std::array::from_fn(|l| f(a[l], b[l]))
+}
+
+operator! { Portable:
+    Add add |a, b| each(a, b, |x, y| x + y);
+    Sub sub |a, b| each(a, b, |x, y| x - y);
+    Mul mul |a, b| each(a, b, |x, y| x * y);
+    Div div |a, b| each(a, b, |x, y| x / y);
+}
+
+impl Wide for Portable {
+    type Mask = [bool; WIDTH];
+    fn splat(x: f32) -> Self {
+        Self([x; WIDTH])
+    }
+    fn load(x: &[f32; WIDTH]) -> Self {
+        Self(*x)
+    }
+    fn array(self) -> [f32; WIDTH] {
+        self.0
+    }
+    fn min(self, other: Self) -> Self {
+        Self(each(self.0, other.0, |a, b| if a < b { a } else { b }))
+    }
+    fn max(self, other: Self) -> Self {
+        Self(each(self.0, other.0, |a, b| if a > b { a } else { b }))
+    }
+    fn less(self, other: Self) -> Self::Mask {
+        each(self.0, other.0, |a, b| a < b)
+    }
+    fn less_or_equal(self, other: Self) -> Self::Mask {
+        each(self.0, other.0, |a, b| a <= b)
+    }
+    fn equal(self, other: Self) -> Self::Mask {
+        each(self.0, other.0, |a, b| a == b)
+    }
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each(a, b, |a, b| a & b)
+    }
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each(a, b, |a, b| a | b)
+    }
+    fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each(a, b, |a, b| !a & b)
+    }
+    fn bits(mask: Self::Mask) -> u32 {
+        mask.iter().enumerate().fold(0, |m, (l, &b)| m | u32::from(b) << l)
+    }
+    fn select(self, mask: Self::Mask, other: Self) -> Self {
+        Self(std::array::from_fn(|l| if mask[l] { self.0[l] } else { other.0[l] }))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx::Avx2;
+
+/// Every function here must end up inlined in one with the feature; what makes values of [`Avx2`] is
+/// reached from [`widest_wide!`] only, which has checked for it.
+#[cfg(target_arch = "x86_64")]
+mod avx {
+    use std::arch::x86_64::*;
+    use std::ops::{Add, Div, Mul, Sub};
+
+    use super::{WIDTH, Wide};
+
+    /// [`Wide`] as one register.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Avx2(__m256);
+
+    // SAFETY of this block and the next: see the module.
+    operator! { Avx2:
+        Add add |a, b| unsafe { _mm256_add_ps(a, b) };
+        Sub sub |a, b| unsafe { _mm256_sub_ps(a, b) };
+        Mul mul |a, b| unsafe { _mm256_mul_ps(a, b) };
+        Div div |a, b| unsafe { _mm256_div_ps(a, b) };
+    }
+
+    macro_rules! methods {
+        ($(fn $name:ident($($arg:ident: $ty:ty),*) -> $ret:ty = $body:expr;)+) => {
+            $(#[inline(always)]
+            fn $name($($arg: $ty),*) -> $ret {
+                unsafe { $body }
+            })+
+        };
+    }
+
+    impl Wide for Avx2 {
+        type Mask = __m256;
+        methods! {
+            fn splat(x: f32) -> Self = Self(_mm256_set1_ps(x));
+            fn load(x: &[f32; WIDTH]) -> Self = Self(_mm256_loadu_ps(x.as_ptr()));
+            fn and(a: __m256, b: __m256) -> __m256 = _mm256_and_ps(a, b);
+            fn or(a: __m256, b: __m256) -> __m256 = _mm256_or_ps(a, b);
+            fn and_not(a: __m256, b: __m256) -> __m256 = _mm256_andnot_ps(a, b);
+            fn bits(mask: __m256) -> u32 = _mm256_movemask_ps(mask) as u32;
+        }
+        #[inline(always)]
+        fn array(self) -> [f32; WIDTH] {
+            let mut out = [0.0; WIDTH];
+            // SAFETY: see the module; the store writes the eight floats of `out`.
+            unsafe { _mm256_storeu_ps(out.as_mut_ptr(), self.0) };
+            out
+        }
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            Self(unsafe { _mm256_min_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            Self(unsafe { _mm256_max_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn less(self, other: Self) -> __m256 {
+            unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn less_or_equal(self, other: Self) -> __m256 {
+            unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn equal(self, other: Self) -> __m256 {
+            unsafe { _mm256_cmp_ps::<_CMP_EQ_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn select(self, mask: __m256, other: Self) -> Self {
+            Self(unsafe { _mm256_blendv_ps(other.0, self.0, mask) })
+        }
+    }
+}
+
+/// `widest_wide!(body; a: A = x, ... => R)` calls `body::<W>(x, ...)`, which must be `#[inline(always)]`, with
+/// the fastest [`Wide`] of this machine. It returns from the function it stands in.
+macro_rules! widest_wide {
+    ($type:ident::$body:ident; $($name:ident: $ty:ty = $value:expr),* $(,)? => $ret:ty) => {{
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx2")]
+            fn avx2($($name: $ty),*) -> $ret {
+                $type::$body::<crate::math::simd::Avx2>($($name),*)
+            }
+            if crate::math::simd::has_avx2() {
+                // SAFETY: the feature was just detected.
+                return unsafe { avx2($($value),*) };
+            }
+        }
+        $type::$body::<crate::math::simd::Portable>($($value),*)
+    }};
+}
+pub(crate) use widest_wide;
+
+/// Whether 256-bit integer and float instructions exist.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2")
+}
+
+/// `widest!(body(a: A = x, ...) -> R)` calls `body(x, ...)`, which must be `#[inline(always)]`, compiled
+/// with AVX2 where this machine has it (wider registers gain nothing in branchy code, and copies through
+/// them stall). It returns from the function it stands in.
+macro_rules! widest {
+    ($body:path; $($name:ident: $ty:ty = $value:expr),* $(,)? => $ret:ty) => {{
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx2")]
+            fn avx2($($name: $ty),*) -> $ret {
+                $body($($name),*)
+            }
+            if crate::math::simd::has_avx2() {
+                // SAFETY: the feature was just detected.
+                return unsafe { avx2($($value),*) };
+            }
+        }
+        $body($($value),*)
+    }};
+}
+pub(crate) use widest;
