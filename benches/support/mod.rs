@@ -1,0 +1,100 @@
+//! Scenes and photons that the benchmarks generate for themselves.
+#![allow(dead_code, reason = "every benchmark uses a part")]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use caustica::photon::trace::{TraceJob, trace};
+use caustica::photon::{Owner, Photon};
+use caustica::scene::Scene;
+use caustica::scene::build::{BuildOptions, build};
+use caustica_formats::files::Memory;
+use caustica_formats::{ReadOptions, read_scene};
+
+/// The Cornell box with diffuse boxes.
+const CORNELL: &str = include_str!("../../scenes/cornell-diffuse.xml");
+
+/// Reads and compiles a scene with the files it names.
+fn load(xml: &str, more: Vec<(&str, Vec<u8>)>) -> Scene {
+    let mut files: BTreeMap<PathBuf, Vec<u8>> =
+        more.into_iter().map(|(name, bytes)| (PathBuf::from(name), bytes)).collect();
+    files.insert("scene.xml".into(), xml.as_bytes().to_vec());
+    let files = Memory(files);
+    let read = match read_scene(&files, Path::new("scene.xml"), &ReadOptions::default()) {
+        Ok(read) => read,
+        Err(failure) => panic!("{failure}"),
+    };
+    match build(&read.scene, &files, BuildOptions::default()) {
+        Ok(built) => built.scene,
+        Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
+    }
+}
+
+/// The box with a film of `size` pixels squared.
+pub fn cornell(size: u32) -> Scene {
+    let width = CORNELL.replace(r#"name="width" value="512""#, &format!(r#"name="width" value="{size}""#));
+    load(&width.replace(r#"name="height" value="512""#, &format!(r#"name="height" value="{size}""#)), vec![])
+}
+
+/// A million triangles: a hilly sheet, seen from above under a lamp.
+pub fn hills() -> Scene {
+    let side = 708;
+    let mut ply = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
+         property float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        side * side,
+        (side - 1) * (side - 1) * 2
+    )
+    .into_bytes();
+    for j in 0..side {
+        for i in 0..side {
+            let (x, y) = (i as f32 / side as f32 * 2.0 - 1.0, j as f32 / side as f32 * 2.0 - 1.0);
+            let z = 0.1 * (9.0 * x).sin() * (7.0 * y).cos() + 0.01 * (90.0 * x + 40.0 * y).sin();
+            [x, y, z].iter().for_each(|c| ply.extend(c.to_le_bytes()));
+        }
+    }
+    for j in 0..side - 1 {
+        for i in 0..side - 1 {
+            let a = j * side + i;
+            for face in [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]] {
+                ply.push(3);
+                face.iter().for_each(|&v: &i32| ply.extend(v.to_le_bytes()));
+            }
+        }
+    }
+    let xml = r#"<scene version="3.0.0">
+        <sensor type="perspective">
+            <float name="fov" value="40"/>
+            <transform name="to_world"><lookat origin="0, -2.5, 2" target="0, 0, 0" up="0, 0, 1"/></transform>
+            <film type="hdrfilm"><integer name="width" value="256"/><integer name="height" value="256"/></film>
+        </sensor>
+        <shape type="ply"><string name="filename" value="hills.ply"/><bsdf type="diffuse"/></shape>
+        <shape type="sphere"><point name="center" x="0" y="0" z="3"/><float name="radius" value="0.3"/>
+            <emitter type="area"><rgb name="radiance" value="10"/></emitter></shape>
+    </scene>"#;
+    load(xml, vec![("hills.ply", ply)])
+}
+
+/// About `count` photons of the box, all in the global map.
+pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
+    let job = |paths| TraceJob {
+        key: 1,
+        paths,
+        owner: Owner::GlobalMap,
+        next_event: false,
+        caustic_map: false,
+        max_depth: u32::MAX,
+    };
+    let trial = trace(scene, &job(20_000)).photons.len();
+    let mut photons = trace(scene, &job(count as u64 * 20_000 / trial as u64 * 101 / 100)).photons;
+    photons.truncate(count);
+    photons
+}
+
+/// One worker thread, for figures per core.
+pub fn one_thread() -> rayon::ThreadPool {
+    match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+        Ok(pool) => pool,
+        Err(e) => panic!("{e}"),
+    }
+}
