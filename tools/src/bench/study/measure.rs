@@ -18,6 +18,8 @@ pub struct Measured {
     pub seeds: u64,
     /// Means over seeds.
     pub seconds: f64,
+    /// Of all threads; steadier than `seconds` where a machine is shared.
+    pub cpu_seconds: f64,
     pub rmse: f64,
     pub flip: f64,
     /// Difference of the means relative to the reference's.
@@ -83,7 +85,7 @@ impl Bench<'_> {
         }
         let size = [self.reference.width, self.reference.height];
         let mut images = Vec::new();
-        let mut sums = [0.0f64; 5];
+        let mut sums = [0.0f64; 6];
         let first = self.work.join(format!("{}-{key}-0.exr", study.name));
         for seed in 0..v.seeds {
             let image = self.work.join(format!("{}-{key}-{seed}.exr", study.name));
@@ -97,11 +99,12 @@ impl Bench<'_> {
             let made = self.programs.ours(&v.settings, &job)?;
             let pixels = load_sized(&image, self.scene, size)?;
             let Judged { rmse, bias, flip, .. } = judge(&pixels, self.reference);
-            let values = [made.seconds, rmse * rmse, flip, bias, black(&pixels, self.reference)];
+            let values =
+                [made.seconds, made.cpu_seconds, rmse * rmse, flip, bias, black(&pixels, self.reference)];
             sums.iter_mut().zip(values).for_each(|(s, v)| *s += v);
             images.push(pixels);
         }
-        let [seconds, mse, flip, mean_bias, black] = sums.map(|s| s / v.seeds.max(1) as f64);
+        let [seconds, cpu_seconds, mse, flip, mean_bias, black] = sums.map(|s| s / v.seeds.max(1) as f64);
         let (bias2, variance) = separate(&images, self.reference);
         let measured = Measured {
             label: v.label.clone(),
@@ -109,6 +112,7 @@ impl Bench<'_> {
             group: v.group.clone(),
             seeds: v.seeds,
             seconds,
+            cpu_seconds,
             rmse: mse.sqrt(),
             flip,
             mean_bias,

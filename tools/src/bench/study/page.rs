@@ -66,7 +66,7 @@ pub fn write(made: &[Made], common: &Common<'_>, folder: &Path) -> Result<(), Be
             ),
         );
     }
-    text += "\n**Columns.** Time is of one render without loading. RMSE² = bias² + noise²: bias is the root mean square over pixels of \
+    text += "\n**Columns.** Times are of one render without loading; CPU time, of all threads, is the steadier where the machine is shared. RMSE² = bias² + noise²: bias is the root mean square over pixels of \
              (mean over seeds − reference), noise that of the standard deviation over seeds. FLIP is the mean LDR-FLIP.\n";
     for m in made {
         study(m, folder, &mut text)?;
@@ -86,7 +86,7 @@ fn study(m: &Made, folder: &Path, text: &mut String) -> Result<(), BenchError> {
     line(
         text,
         format_args!(
-            "| {} | time s | RMSE | bias | noise | mean % | FLIP | black % | seeds |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|",
+            "| {} | CPU s | wall s | RMSE | bias | noise | mean % | FLIP | black % | seeds |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
             s.title.to_lowercase()
         ),
     );
@@ -95,8 +95,9 @@ fn study(m: &Made, folder: &Path, text: &mut String) -> Result<(), BenchError> {
         line(
             text,
             format_args!(
-                "| {} | {:.2} | {:.4} | {:.4} | {noise} | {:+.2} | {:.4} | {:.2} | {} |",
+                "| {} | {:.2} | {:.2} | {:.4} | {:.4} | {noise} | {:+.2} | {:.4} | {:.2} | {} |",
                 r.label,
+                r.cpu_seconds,
                 r.seconds,
                 r.rmse,
                 r.bias_rms,

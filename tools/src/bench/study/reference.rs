@@ -19,7 +19,8 @@ const SCENES: [(&str, &str); 3] = [
 /// Consistent: radii shrink, direct light is sampled, the room's depth is not limited.
 const PROGRESSIVE: &str = "integrator=photonmap mode=progressive lookup=radius nee=true radius=0.05 caustic_radius=0.025 \
                            photons=20000 caustic_photons=10000 kernel=epanechnikov caustic_kernel=epanechnikov boundary=true \
-                           caustic_map=true roulette=renormalise max_depth=-1";
+                           caustic_map=true roulette=renormalise max_depth=-1 \
+                           hide_emitters=true";
 
 /// A truth and what is known of its error.
 #[derive(Debug)]
@@ -88,7 +89,15 @@ pub struct Check {
 pub fn check(name: &'static str, programs: &Programs, work: &Path, p: Profile) -> Result<Check, BenchError> {
     let file = scene(name, work)?;
     let ours = Reference::new(programs, &file, work, p)?;
-    let path = picture(programs, &file, work, "integrator=path max_depth=-1", p.reference_passes, 1, p.side)?;
+    let path = picture(
+        programs,
+        &file,
+        work,
+        "integrator=path max_depth=-1 hide_emitters=true",
+        p.reference_passes,
+        1,
+        p.side,
+    )?;
     let Judged { bias, rmse, .. } = judge(&ours.pixels, &path);
     Ok(Check { scene: name, path_samples: p.reference_passes, bias, rmse })
 }
