@@ -228,8 +228,13 @@ fn caustic_map(p: Profile) -> Study {
     // As many paths aimed at the spheres as store what the global paths store of caustic photons.
     let equal = n * 57 / 5000;
     let with = |label: &str, x: f64, paths: u64, change: &str| {
+        let group = match (paths == own, change.contains("cap")) {
+            (true, false) => "with caustic map",
+            (true, true) => "with cap",
+            (false, _) => "equal photons",
+        };
         let change = format!("photons={n} caustic_photons={paths} caustic_map=true {change}");
-        variant(label, x, "with caustic map", &change, 16, p.seeds)
+        variant(label, x, group, &change, 16, p.seeds)
     };
     let alone = format!("photons={n} caustic_photons={n}");
     Study {
@@ -249,8 +254,8 @@ fn caustic_map(p: Profile) -> Study {
             with("caustic r = 0.05", 0.05, own, "caustic_radius=0.05"),
             with("caustic r = 0.025", 0.025, own, "caustic_radius=0.025"),
             with("caustic r = 0.0125", 0.0125, own, "caustic_radius=0.0125"),
-            with("caustic r = 0.025, cap 20", 0.0255, own, "caustic_radius=0.025 caustic_cap=20"),
-            with("caustic r = 0.025, equal photons", 0.0245, equal, "caustic_radius=0.025"),
+            with("caustic r = 0.025, cap 20", 0.025, own, "caustic_radius=0.025 caustic_cap=20"),
+            with("caustic r = 0.025, equal photons", 0.025, equal, "caustic_radius=0.025"),
         ],
     }
 }
