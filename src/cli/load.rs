@@ -17,7 +17,6 @@ use crate::scene::{Plan, Scene, Settings};
 #[derive(Debug, Args)]
 pub struct SceneArgs {
     /// Mitsuba scene (.xml, versions 0.4 to 3.x)
-    #[arg(required_unless_present = "help_settings")]
     pub scene: Option<PathBuf>,
     /// Value of a scene parameter `$NAME`
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
@@ -121,7 +120,7 @@ pub struct Loaded {
 impl SceneArgs {
     /// Reads, compiles and plans. Warnings are printed unless `quiet`.
     pub fn load(&self, quiet: bool) -> Result<Loaded, String> {
-        let path = self.scene.clone().ok_or("no scene was given")?;
+        let path = self.scene.clone().ok_or("no scene was given: name a Mitsuba .xml file")?;
         let files = Hashing::new(&Disk);
         let options = ReadOptions {
             defines: self.define.clone(),
