@@ -1,0 +1,98 @@
+//! What a pixel sees.
+
+use crate::support::{Estimate, Picture, area, assert_agree, camera, film, rectangle, render, scene};
+
+/// A lamp facing the camera, which looks along −z.
+fn panel(half: f64, place: &str, radiance: &str) -> String {
+    rectangle(half, place, &area(radiance))
+}
+
+const EMISSION: &[(&str, &str)] = &[("max_depth", "1")];
+
+#[test]
+fn a_crop_shows_the_pixels_of_the_whole_film() {
+    let crop = "<integer name='crop_offset_x' value='5'/><integer name='crop_offset_y' value='3'/>
+                <integer name='crop_width' value='6'/><integer name='crop_height' value='7'/>";
+    let body = |film: &str| {
+        format!(
+            "<sensor type='perspective'><float name='fov' value='42'/><transform name='to_world'>
+             <lookat origin='0,0,3.6' target='0,0,0' up='0,1,0'/></transform>{film}</sensor>{}{}",
+            crate::support::walls("0.6"),
+            crate::support::lamp(0.4, "3")
+        )
+    };
+    let whole_film = film(16, 16);
+    let whole = scene(&body(&whole_film));
+    let part = scene(&body(&whole_film.replace("</film>", &format!("{crop}</film>"))));
+    assert_eq!(part.film.crop, [5, 3, 6, 7]);
+    // Photon counts and radii are given, because the automatic ones follow the rendered film.
+    for settings in
+        [&[("integrator", "path")][..], &[("photons", "2000"), ("radius", "0.1"), ("nee", "false")][..]]
+    {
+        let (all, some) = (render(&whole, settings, 3), render(&part, settings, 3));
+        for y in 0..7 {
+            for x in 0..6 {
+                let (a, b) = (all.pixels.as_slice()[(y + 3) * 16 + x + 5], some.pixels.as_slice()[y * 6 + x]);
+                assert_eq!(a, b, "pixel {x}, {y}");
+            }
+        }
+    }
+}
+
+/// Half of the film shows a lamp of radiance 1. Filters are symmetric, so the mean is ½ for each of
+/// them, with negative lobes or without. Noise as measured, at most 1 % / 4.5.
+#[test]
+fn every_filter_keeps_the_mean() {
+    let lamp = panel(2.0, "<translate x='-2'/>", "1");
+    for (name, _) in caustica::film::filter::NAMES {
+        let view = camera("0,0,3", "0,0,0", 30.0, 8).replace("type='box'", &format!("type='{name}'"));
+        let picture = render(&scene(&format!("{view}{lamp}")), EMISSION, 4096);
+        assert_agree(name, picture.beauty(0), Estimate::exact(0.5), 0.01);
+    }
+}
+
+fn values(picture: &Picture) -> Vec<f64> {
+    picture.pixel_values().iter().map(|p| p[0]).collect()
+}
+
+/// A lamp that covers the middle 4 × 4 pixels of 8 × 8 exactly: at the distance of focus every pixel is
+/// 0 or 1 however wide the lens, elsewhere the rim is blurred. Rounding may move a ray across the rim:
+/// with 256 samples a pixel, less than 1e-2 of a pixel.
+#[test]
+fn only_the_plane_of_focus_is_sharp() {
+    let view = |focus: f64| {
+        format!(
+            "<sensor type='thinlens'><float name='fov' value='90'/><float name='aperture_radius' value='0.3'/>
+             <float name='focus_distance' value='{focus}'/><transform name='to_world'>
+             <lookat origin='0,0,2' target='0,0,0' up='0,1,0'/></transform>{}</sensor>",
+            film(8, 8)
+        )
+    };
+    let lamp = panel(1.0, "", "1");
+    let sharp = values(&render(&scene(&format!("{}{lamp}", view(2.0))), EMISSION, 256));
+    for (i, v) in sharp.iter().enumerate() {
+        let inside = (2..6).contains(&(i % 8)) && (2..6).contains(&(i / 8));
+        assert!((v - f64::from(u8::from(inside))).abs() < 0.01, "pixel {i}: {v}");
+    }
+    let blurred = values(&render(&scene(&format!("{}{lamp}", view(1.0))), EMISSION, 256));
+    let between = blurred.iter().filter(|v| (0.1..0.9).contains(*v)).count();
+    assert!(between > 12, "{between} pixels of the rim are blurred");
+    // What is lost inside the rim is found outside: the lens only moves light.
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    assert!((mean(&sharp) - 0.25).abs() < 1e-3);
+}
+
+#[test]
+fn nothing_is_seen_nearer_than_the_near_clip_or_beyond_the_far_clip() {
+    let lamps = format!("{}{}", panel(1.0, "<translate z='1'/>", "1"), panel(8.0, "<translate z='-3'/>", "5"));
+    let seen = |near: f64, far: f64| {
+        let view = camera("0,0,2", "0,0,0", 20.0, 4).replace(
+            "<transform",
+            &format!("<float name='near_clip' value='{near}'/><float name='far_clip' value='{far}'/><transform"),
+        );
+        render(&scene(&format!("{view}{lamps}")), EMISSION, 2).beauty(0).mean
+    };
+    assert_eq!(seen(0.5, 100.0), 1.0);
+    assert_eq!(seen(1.1, 100.0), 5.0);
+    assert_eq!(seen(1.1, 4.9), 0.0);
+}

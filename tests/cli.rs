@@ -1,0 +1,160 @@
+//! What the program says when it cannot do its work, word for word, and its exit status.
+
+use std::process::Command;
+
+use insta::assert_snapshot;
+
+use crate::support::box_camera;
+
+struct Run {
+    status: i32,
+    text: String,
+}
+
+/// Runs `caustica` in a folder that holds these files.
+fn run(files: &[(&str, &str)], arguments: &[&str]) -> Run {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let output = Command::new(env!("CARGO_BIN_EXE_caustica"))
+        .args(arguments)
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    // Blanks at line ends are removed by editors from snapshots.
+    let text = text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n");
+    Run { status: output.status.code().unwrap_or(-1), text: text.trim_end().to_owned() }
+}
+
+/// The message about a scene of these lines, which must end with status 1 and write no picture.
+fn message(scene: &str, more: &[(&str, &str)]) -> String {
+    let files = [&[("scene.xml", scene)], more].concat();
+    let run = run(&files, &["render", "scene.xml", "-o", "out.exr"]);
+    assert_eq!(run.status, 1, "{}", run.text);
+    run.text
+}
+
+fn whole_scene() -> String {
+    format!("<scene version='3.0.0'><integrator type='path'/>{}</scene>", box_camera(4))
+}
+
+#[test]
+fn unknown_plugin() {
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='spher'/>\n</scene>", &[]), @"");
+}
+
+#[test]
+fn misspelt_parameter() {
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='sphere'>\n    <float name='radus' value='2'/>\n  </shape>\n</scene>", &[]), @"");
+}
+
+#[test]
+fn missing_mesh() {
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='obj'>\n    <string name='filename' value='bunny.obj'/>\n  </shape>\n</scene>", &[]), @"");
+}
+
+#[test]
+fn malformed_xml() {
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='sphere'>\n  </bsdf>\n</scene>", &[]), @"");
+}
+
+#[test]
+fn include_cycle() {
+    assert_snapshot!(message(
+        "<scene version='3.0.0'>\n  <include filename='a.xml'/>\n</scene>",
+        &[
+            ("a.xml", "<scene version='3.0.0'>\n  <include filename='b.xml'/>\n</scene>"),
+            ("b.xml", "<scene version='3.0.0'>\n  <include filename='a.xml'/>\n</scene>"),
+        ],
+    ), @"");
+}
+
+#[test]
+fn unresolved_reference() {
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <bsdf type='diffuse' id='wall'/>\n  <shape type='sphere'>\n    <ref id='wal'/>\n  </shape>\n</scene>", &[]), @"");
+}
+
+#[test]
+fn vertex_that_is_not_a_number() {
+    assert_snapshot!(message(
+        "<scene version='3.0.0'>\n  <sensor type='perspective'/>\n  <shape type='obj'>\n    <string name='filename' value='mesh.obj'/>\n  </shape>\n</scene>",
+        &[("mesh.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n")],
+    ), @"");
+}
+
+#[test]
+fn all_problems_are_listed_at_once() {
+    let text = message("<scene version='3.0.0'>\n  <shape type='spher'/>\n  <bsdf type='difuse'/>\n</scene>", &[]);
+    assert_eq!(text.matches("error: ").count(), 2, "{text}");
+}
+
+#[test]
+fn scene_file_that_is_not_there_or_of_no_known_language() {
+    let gone = run(&[], &["render", "gone.xml"]);
+    assert_eq!(gone.status, 1);
+    assert_snapshot!(gone.text, @"");
+    let other = run(&[("scene.txt", "")], &["render", "scene.txt"]);
+    assert_eq!(other.status, 1);
+    assert_snapshot!(other.text, @"");
+}
+
+#[test]
+fn output_that_cannot_be_written() {
+    let scene = whole_scene();
+    let files = [("scene.xml", scene.as_str()), ("plain", "")];
+    for output in ["none/out.exr", "plain/out.exr"] {
+        let run = run(&files, &["render", "scene.xml", "--quiet", "-o", output]);
+        assert_eq!(run.status, 1);
+        // The system's own words differ between systems; ours come first.
+        assert!(run.text.starts_with(&format!("error: cannot write `{output}`: ")), "{}", run.text);
+    }
+    let run = run(&files, &["render", "scene.xml", "--quiet", "-o", "out.gif"]);
+    assert_eq!(run.status, 1);
+    assert_snapshot!(run.text, @"");
+}
+
+#[test]
+fn settings_that_do_not_exist_or_do_not_parse() {
+    let scene = whole_scene();
+    let files = [("scene.xml", scene.as_str())];
+    let name = run(&files, &["render", "scene.xml", "--set", "kernal=cone"]);
+    assert_eq!(name.status, 1);
+    assert_snapshot!(name.text, @"");
+    let value = run(&files, &["render", "scene.xml", "--set", "kernel=round"]);
+    assert_eq!(value.status, 1);
+    assert_snapshot!(value.text, @"");
+    let layer = run(&files, &["render", "scene.xml", "--quiet", "--layers", "direkt"]);
+    assert_eq!(layer.status, 1);
+    assert_snapshot!(layer.text, @"");
+}
+
+#[test]
+fn arguments_that_do_not_parse() {
+    let scene = whole_scene();
+    let files = [("scene.xml", scene.as_str())];
+    let size = run(&files, &["render", "scene.xml", "--size", "640"]);
+    // clap's status for usage errors.
+    assert_eq!(size.status, 2);
+    assert_snapshot!(size.text, @"");
+    let option = run(&files, &["render", "scene.xml", "--sise", "6x4"]);
+    assert_eq!(option.status, 2);
+    assert_snapshot!(option.text, @"");
+}
+
+#[test]
+fn checkpoints_of_other_renders_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.xml"), whole_scene()).unwrap();
+    let run = |seed: &str, rest: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+        command.current_dir(folder.path()).args(["render", "scene.xml", "--quiet", "--spp", "1"]);
+        command.args(["-o", "out.exr", "--checkpoint", "c", "--seed", seed]).args(rest).output().unwrap()
+    };
+    assert!(run("1", &[]).status.success());
+    assert!(run("1", &["--resume"]).status.success());
+    let refused = run("2", &["--resume"]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert_snapshot!(String::from_utf8(refused.stderr).unwrap().trim(), @"");
+}

@@ -1,0 +1,94 @@
+//! What a path segment is: the conventions of Mitsuba's `path`, and the same in photon mapping.
+
+use crate::support::{
+    DOWN, UP, area, assert_agree, box_camera, camera, diffuse, lamp, rectangle, render, scene, walls,
+};
+use caustica::film::Layer;
+
+#[test]
+fn the_first_depths_are_black_emission_and_direct_light() {
+    let scene = scene(&[box_camera(12), walls("0.6"), lamp(0.4, "3")].concat());
+    for (name, variant) in
+        [("path", &[("integrator", "path")][..]), ("next event", &[][..]), ("photons only", &[("nee", "false")][..])]
+    {
+        let at = |depth: &str| {
+            let settings = [&[("max_depth", depth), ("photons", "4000")][..], variant].concat();
+            render(&scene, &settings, 16)
+        };
+        let [black, emission, direct, indirect] = ["0", "1", "2", "3"].map(at);
+        let part = |p: &crate::support::Picture, layer| p.estimate(&[layer], 0).mean;
+        assert_eq!(black.beauty(0).mean, 0.0, "{name}");
+        assert_eq!(emission.beauty(0).mean, part(&emission, Layer::Emission), "{name}");
+        assert!(part(&emission, Layer::Emission) > 0.0, "{name}");
+        // Emission is the same at every depth, up to the order of additions.
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b;
+        assert!(close(part(&direct, Layer::Emission), part(&emission, Layer::Emission)), "{name}");
+        assert!(part(&direct, Layer::Direct) > 0.0, "{name}");
+        assert_eq!(part(&direct, Layer::Indirect), 0.0, "{name}");
+        assert!(part(&indirect, Layer::Indirect) > 0.0, "{name}");
+    }
+}
+
+/// 1 %: noise as measured; the blur of discs at shadow edges is inside the picture and cancels in its
+/// mean, what is left is the correction at the walls' edges.
+#[test]
+fn every_depth_agrees_between_integrators() {
+    let scene = scene(&[box_camera(16), walls("0.6"), lamp(0.5, "3")].concat());
+    for depth in ["2", "3", "4"] {
+        let path = render(&scene, &[("integrator", "path"), ("max_depth", depth)], 1024);
+        for nee in ["true", "false"] {
+            let settings = [("max_depth", depth), ("nee", nee), ("photons", "8000")];
+            let mapped = render(&scene, &settings, 100);
+            for channel in 0..3 {
+                let what = format!("depth {depth}, nee {nee}");
+                assert_agree(&what, mapped.beauty(channel), path.beauty(channel), 0.01);
+            }
+        }
+    }
+}
+
+const NULL: &str = "<bsdf type='null'/>";
+
+/// Mitsuba 3.9.1: a lamp behind a null surface is black at depth 1.
+#[test]
+fn passing_a_null_surface_is_a_segment() {
+    let behind = rectangle(1.0, "", &area("2"));
+    let before = rectangle(3.0, "<translate z='1'/>", NULL);
+    let scene = scene(&format!("{}{behind}{before}", camera("0,0,3", "0,0,0", 10.0, 4)));
+    for integrator in ["path", "photonmap"] {
+        let seen = |depth: &str| {
+            let settings = [("integrator", integrator), ("max_depth", depth)];
+            render(&scene, &settings, 2).beauty(0).mean
+        };
+        assert_eq!(seen("1"), 0.0, "{integrator}");
+        assert_eq!(seen("2"), 2.0, "{integrator}");
+    }
+}
+
+/// A mask of opacity 0.3 between lamp and floor lets 0.7 of the light through, and so do photons, shadow
+/// rays and scattered rays. 1 %: noise as measured; the floor is wide, so nothing is cut off.
+#[test]
+fn masks_let_the_same_light_through_in_both_integrators() {
+    let floor = rectangle(6.0, UP, &diffuse("0.5"));
+    let light = rectangle(0.5, &format!("{DOWN}<translate y='2'/>"), &area("5"));
+    let veil = |opacity: f64| {
+        let mask = format!(
+            "<bsdf type='mask'><float name='opacity' value='{opacity}'/>{}</bsdf>",
+            diffuse("0")
+        );
+        rectangle(6.0, &format!("{DOWN}<translate y='1'/>"), &mask)
+    };
+    let view = camera("0,0.9,0.5", "0,0,0", 50.0, 8);
+    let open = scene(&format!("{view}{floor}{light}"));
+    let veiled = scene(&format!("{view}{floor}{light}{}", veil(0.3)));
+    let path = [("integrator", "path")];
+    let bare = render(&open, &path, 2048).estimate(&[Layer::Direct], 0);
+    let through = render(&veiled, &path, 4096).estimate(&[Layer::Direct], 0);
+    let dimmed = crate::support::Estimate { mean: 0.7 * bare.mean, sigma: 0.7 * bare.sigma };
+    assert_agree("path", through, dimmed, 0.01);
+    for nee in ["true", "false"] {
+        let mapped = render(&veiled, &[("nee", nee), ("photons", "20000")], 128);
+        assert_agree(&format!("nee {nee}"), mapped.estimate(&[Layer::Direct], 0), through, 0.01);
+        assert_agree(&format!("nee {nee}, all"), mapped.beauty(0), render(&veiled, &path, 4096).beauty(0), 0.01);
+    }
+}

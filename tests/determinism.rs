@@ -1,0 +1,87 @@
+//! Same scene, same settings, same bytes: whatever the threads, and whether in one run or two.
+
+use std::path::Path;
+use std::process::Command;
+
+use caustica::film::Pixels;
+use caustica::render::{Checkpoint, render as render_passes};
+use caustica::scene::{Plan, Scene};
+
+use crate::support::{box_camera, budget, lamp, render, scene, settings, sphere, walls};
+
+const BODY_GLASS: &str =
+    "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+
+fn body() -> String {
+    [box_camera(20), walls("0.6"), lamp(0.4, "3"), sphere("0,-0.4,0", 0.5, BODY_GLASS)].concat()
+}
+
+const MODES: [&[(&str, &str)]; 4] = [
+    &[("integrator", "path")],
+    &[],
+    &[("nee", "false"), ("lookup", "nearest"), ("photons", "stored:5000")],
+    &[("mode", "classic"), ("photons", "20000"), ("caustic_cap", "30")],
+];
+
+fn threads(n: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap()
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let scene = scene(&body());
+    for changes in MODES {
+        let one = threads(1).install(|| render(&scene, changes, 4).pixels);
+        let three = threads(3).install(|| render(&scene, changes, 4).pixels);
+        assert!(one == three, "{changes:?}");
+    }
+}
+
+fn passes(scene: &Scene, changes: &[(&str, &str)], start: Pixels, done: u32, until: u32) -> Pixels {
+    let settings = settings(scene, changes);
+    let plan = Plan::new(scene, &settings);
+    render_passes(scene, &plan, &settings, budget(until), start, done, &mut |_| {}).pixels
+}
+
+#[test]
+fn a_resumed_render_is_the_whole_render() {
+    let scene = scene(&body());
+    let fresh = || Pixels::new(scene.film.pixel_count());
+    for changes in MODES {
+        let whole = passes(&scene, changes, fresh(), 0, 8);
+        let first = passes(&scene, changes, fresh(), 0, 4);
+        let saved = Checkpoint { identity: Vec::new(), passes: 4, pixels: first }.encode();
+        let loaded = Checkpoint::decode(&saved).unwrap();
+        let resumed = passes(&scene, changes, loaded.pixels, loaded.passes, 8);
+        assert!(whole == resumed, "{changes:?}");
+    }
+}
+
+fn caustica(folder: &Path, arguments: &str) {
+    let output = Command::new(env!("CARGO_BIN_EXE_caustica"))
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn the_program_writes_the_same_bytes_for_any_threads_and_when_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    std::fs::write(
+        folder.path().join("box.xml"),
+        format!("<scene version='3.0.0'><integrator type='photonmapper'/>{}</scene>", body()),
+    )
+    .unwrap();
+    for mode in ["--mode progressive", "--mode classic", "--integrator path"] {
+        let run = |rest: &str| caustica(folder.path(), &format!("render box.xml --quiet {mode} {rest}"));
+        run("--spp 8 --threads 1 -o one.exr");
+        run("--spp 8 --threads 2 -o two.exr");
+        run("--spp 4 -o half.exr --checkpoint half.checkpoint");
+        run("--spp 8 -o resumed.exr --checkpoint half.checkpoint --resume");
+        assert!(at("one.exr") == at("two.exr"), "threads, {mode}");
+        assert!(at("one.exr") == at("resumed.exr"), "resumed, {mode}");
+    }
+}

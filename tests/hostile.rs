@@ -1,0 +1,72 @@
+//! Scenes that ask for infinities get finite pictures, in finite time.
+
+use crate::support::{Picture, area, box_camera, camera, diffuse, lamp, render, scene, sphere, walls};
+
+const BOTH: [&[(&str, &str)]; 3] = [&[("integrator", "path")], &[], &[("nee", "false")]];
+
+fn assert_finite(picture: &Picture) {
+    assert!(picture.pixel_values().iter().flatten().all(|v| v.is_finite() && *v >= 0.0));
+}
+
+/// Albedo 1 inside a closed lamp has no equilibrium; roulette ends every path all the same.
+#[test]
+fn a_furnace_without_absorption_ends() {
+    let shell = format!("<boolean name='flip_normals' value='true'/>{}{}", diffuse("1"), area("1"));
+    let scene = scene(&format!("{}{}", camera("0,0,0", "0,0,1", 90.0, 4), sphere("0,0,0", 1.0, &shell)));
+    for settings in BOTH {
+        let picture = render(&scene, settings, 4);
+        assert_finite(&picture);
+        assert!(picture.beauty(0).mean > 1.0);
+    }
+}
+
+/// Light and camera paths between perfect mirrors.
+#[test]
+fn a_box_of_mirrors_ends() {
+    let mirror = "<bsdf type='conductor'><string name='material' value='none'/></bsdf>";
+    let room = format!("<shape type='cube'><boolean name='flip_normals' value='true'/>{mirror}</shape>");
+    let bulb = sphere("0.5,0.5,0.5", 0.1, &area("3"));
+    let stone = sphere("-0.4,-0.4,0.4", 0.3, &diffuse("0.5"));
+    for body in [format!("{room}{bulb}{stone}"), format!("{room}{bulb}")] {
+        let scene = scene(&format!("{}{body}", camera("0,0,0", "0,0,1", 90.0, 4)));
+        for settings in BOTH {
+            assert_finite(&render(&scene, settings, 4));
+        }
+    }
+}
+
+#[test]
+fn a_scene_without_lamps_is_black() {
+    let scene = scene(&[box_camera(4), walls("0.6")].concat());
+    for settings in BOTH {
+        let picture = render(&scene, settings, 2);
+        assert!(picture.pixel_values().iter().flatten().all(|v| *v == 0.0));
+    }
+}
+
+/// Nothing but a sky; nothing at all; a lamp of radiance 0; radiance near the largest float; a lens in
+/// contact with a wall; a lamp in a wall; a flat triangle and a sphere of no size.
+#[test]
+fn degenerate_scenes_give_finite_pictures() {
+    let sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+    let wall = "<shape type='rectangle'/>";
+    let point = |at: &str| format!("<emitter type='point'><point name='position' value='{at}'/><rgb name='intensity' value='1'/></emitter>");
+    let near = camera("0,0,0.000001", "0,0,-1", 90.0, 4);
+    let view = camera("0,0,3", "0,0,0", 40.0, 4);
+    for body in [
+        format!("{view}{sky}"),
+        view.clone(),
+        format!("{view}{}{}", walls("0.6"), lamp(0.4, "0")),
+        format!("{view}{}{}", walls("0.6"), lamp(0.4, "1e30")),
+        format!("{near}{wall}{}", point("0,0,1")),
+        format!("{view}{wall}{}", point("0,0,0")),
+        format!("{view}{wall}{}", point("0,0,1e-30")),
+        format!("{view}{wall}<shape type='rectangle'><transform name='to_world'><scale x='1e-20' y='1'/></transform>{}</shape>", area("1")),
+        format!("{view}{wall}{}{}", sphere("0,0,1", 1e-12, &area("1")), point("1,1,1")),
+    ] {
+        let scene = scene(&body);
+        for settings in BOTH {
+            assert_finite(&render(&scene, settings, 2));
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The layers are the picture, and each is the same light in both integrators: no path is lost, none
+//! counted twice.
+
+use caustica::film::{LAYERS, Layer};
+use caustica::photon::trace::{TraceJob, trace};
+use caustica::photon::{LightPath, Owner};
+use caustica::scene::Scene;
+
+use crate::support::{Picture, assert_agree, box_camera, lamp, render, scene, sphere, walls};
+
+fn glass_box() -> Scene {
+    let glass = "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+    scene(&[box_camera(24), walls("0.6"), lamp(0.6, "3"), sphere("0,-0.3,0", 0.5, glass)].concat())
+}
+
+/// Sums are kept in f64 per layer, so only the order of additions differs.
+fn assert_layers_sum(picture: &Picture) {
+    for i in 0..picture.pixels.len() {
+        let beauty = picture.pixel(i);
+        for (channel, whole) in beauty.into_iter().enumerate() {
+            let sum: f64 =
+                LAYERS.iter().map(|(l, _)| picture.pixels.layer(i, *l, picture.passes)[channel]).sum();
+            assert!((sum - whole).abs() <= 1e-5 * whole, "pixel {i}: {sum} against {whole}");
+        }
+    }
+}
+
+#[test]
+fn layers_sum_to_the_beauty_and_agree_between_integrators() {
+    let scene = glass_box();
+    let path = render(&scene, &[("integrator", "path")], 4096);
+    let photons = [("photons", "20000"), ("caustic_photons", "20000")];
+    let mapped = render(&scene, &photons, 128);
+    let off = render(&scene, &[&photons[..], &[("nee", "false")]].concat(), 128);
+    let single = render(&scene, &[&photons[..], &[("caustic_map", "false")]].concat(), 128);
+    for picture in [&path, &mapped, &off, &single] {
+        assert_layers_sum(picture);
+    }
+    for channel in 0..3 {
+        // Bounds: noise, plus the blur of a disc over the edges of shadows and caustics that leave the
+        // picture; 1 % covers it at the radius of these passes, 2 % for the dim caustic layer.
+        for (layer, bound) in [
+            (Layer::Emission, 0.01),
+            (Layer::Direct, 0.01),
+            (Layer::Caustic, 0.02),
+            (Layer::Indirect, 0.01),
+        ] {
+            let expected = path.estimate(&[layer], channel);
+            let name = |what: &str| format!("{layer:?}, {what}");
+            assert_agree(&name("maps"), mapped.estimate(&[layer], channel), expected, bound);
+            assert_agree(&name("nee off"), off.estimate(&[layer], channel), expected, bound);
+            assert_agree(&name("one map"), single.estimate(&[layer], channel), expected, bound);
+        }
+        for (what, picture) in [("maps", &mapped), ("nee off", &off), ("one map", &single)] {
+            assert_agree(&format!("sum, {what}"), picture.beauty(channel), path.beauty(channel), 0.01);
+        }
+    }
+}
+
+fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(LightPath) -> bool) -> (usize, f64) {
+    let chosen = photons.iter().filter(|p| wanted(p.path));
+    chosen.fold((0, 0.0), |(n, sum), p| (n + 1, sum + f64::from(p.flux.x)))
+}
+
+/// With the same random numbers, the photons of the owners are exactly a partition of all photons.
+#[test]
+fn owners_divide_the_photons_without_loss_or_overlap() {
+    let scene = glass_box();
+    let job = |owner, next_event, caustic_map| TraceJob {
+        key: 7,
+        paths: 50_000,
+        owner,
+        next_event,
+        caustic_map,
+        max_depth: u32::MAX,
+    };
+    let photons = |owner, next_event, caustic_map| trace(&scene, &job(owner, next_event, caustic_map)).photons;
+    let all = photons(Owner::GlobalMap, false, false);
+    let (direct, specular, scattered) = (
+        flux(&all, |p| p == LightPath::Direct),
+        flux(&all, |p| p == LightPath::Specular),
+        flux(&all, |p| p == LightPath::Scattered),
+    );
+    assert!(direct.0 > 10_000 && specular.0 > 1000 && scattered.0 > 10_000);
+    assert_eq!(flux(&photons(Owner::GlobalMap, true, true), |_| true), scattered);
+    assert_eq!(flux(&photons(Owner::CausticMap, true, true), |_| true), specular);
+    assert_eq!(flux(&photons(Owner::CausticMap, false, true), |_| true), specular);
+    assert_eq!(flux(&photons(Owner::NextEvent, true, true), |_| true), direct);
+    let both = photons(Owner::GlobalMap, false, true);
+    assert_eq!(both.len(), direct.0 + scattered.0);
+    assert_eq!(flux(&both, |p| p == LightPath::Specular).0, 0);
+    let both = photons(Owner::GlobalMap, true, false);
+    assert_eq!(both.len(), specular.0 + scattered.0);
+    assert_eq!(flux(&both, |p| p == LightPath::Direct).0, 0);
+}

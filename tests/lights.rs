@@ -1,0 +1,104 @@
+//! Direct light in closed form.
+
+use std::f64::consts::PI;
+
+use caustica::film::Layer;
+
+use crate::support::{Estimate, area, assert_agree, camera, diffuse, rectangle, render, scene, sphere, DOWN};
+
+/// A patch of a large white plane around the origin, seen from above through one narrow pixel: 0.02
+/// wide, over which the irradiances below change by less than 10⁻³.
+fn plane(lamp: &str) -> caustica::scene::Scene {
+    let floor = rectangle(50.0, "", &diffuse("0.5"));
+    scene(&format!("{}{floor}{lamp}", camera("0,0.0001,10", "0,0,0", 0.11, 1)))
+}
+
+/// Radiance of the patch is ρE/π by all integrators. With next event estimation and a delta light there
+/// is no noise; photons have theirs, and the disc of radius 0.05 sees the same irradiance to (r/d)² < 10⁻³.
+fn check(what: &str, lamp: &str, irradiance: f64, nee_passes: u32) {
+    let scene = plane(lamp);
+    let expected = Estimate::exact(0.5 * irradiance / PI);
+    let path = render(&scene, &[("integrator", "path"), ("max_depth", "2")], nee_passes);
+    assert_agree(&format!("{what}, path"), path.beauty(0), expected, 0.003);
+    let mapped = render(&scene, &[("max_depth", "2")], nee_passes);
+    assert_agree(&format!("{what}, next event"), mapped.beauty(0), expected, 0.003);
+}
+
+#[test]
+fn irradiance_of_delta_lights_is_exact() {
+    let point = "<emitter type='point'><point name='position' value='3,0,4'/><rgb name='intensity' value='10'/></emitter>";
+    // E = I·cosθ/d², cosθ = 4/5, d² = 25.
+    check("point", point, 10.0 * 0.8 / 25.0, 2);
+    let sun = "<emitter type='directional'><vector name='direction' value='0.6,0,-0.8'/><rgb name='irradiance' value='2'/></emitter>";
+    check("directional", sun, 2.0 * 0.8, 2);
+    // 17.5° off the axis of a spot that falls from 15° to 20°: half of the intensity, linear in the angle.
+    let angle = 17.5f64.to_radians();
+    let spot = format!(
+        "<emitter type='spot'><transform name='to_world'><lookat origin='0,0,2' target='{},0,0' up='0,1,0'/></transform>
+         <rgb name='intensity' value='10'/><float name='cutoff_angle' value='20'/><float name='beam_width' value='15'/></emitter>",
+        2.0 * angle.tan()
+    );
+    check("spot", &spot, 10.0 * 0.5 / 4.0, 2);
+}
+
+/// A Lambertian disc lamp of radius a at height h over the patch: E = πL·a²/(a² + h²). The narrow sky
+/// of a constant emitter: E = πL.
+#[test]
+fn irradiance_of_area_lights_is_exact() {
+    let disk = format!(
+        "<shape type='disk'><transform name='to_world'><rotate x='1' angle='180'/><translate z='1'/></transform>{}</shape>",
+        area("3")
+    );
+    // The camera would see the lamp from above: its back does not emit, but hides. Look from below it.
+    let floor = rectangle(50.0, "", &diffuse("0.5"));
+    let view = camera("0,0.0001,0.9", "0,0,0", 1.0, 1);
+    let disk_scene = scene(&format!("{view}{floor}{disk}"));
+    let sky = "<emitter type='constant'><rgb name='radiance' value='2'/></emitter>";
+    let sky_scene = scene(&format!("{view}{floor}{sky}"));
+    for (what, scene, irradiance) in
+        [("disk", disk_scene, PI * 3.0 * 0.5), ("constant", sky_scene, PI * 2.0)]
+    {
+        let expected = Estimate::exact(0.5 * irradiance / PI);
+        for integrator in ["path", "photonmap"] {
+            let settings = [("integrator", integrator), ("max_depth", "2")];
+            let got = render(&scene, &settings, 1 << 14).estimate(&[Layer::Direct], 0);
+            // Noise as measured; nothing is biased, the patch is 0.016 wide.
+            assert_agree(&format!("{what}, {integrator}"), got, expected, 0.005);
+        }
+    }
+}
+
+/// A point light in the middle of a diffuse sphere: E = I/R² everywhere, and with all bounces
+/// L = ρE/(π(1 − ρ)); photon densities on a sphere are unbiased (see the furnace).
+#[test]
+fn a_point_light_in_a_diffuse_sphere_lights_it_evenly() {
+    let shell = format!("<boolean name='flip_normals' value='true'/>{}", diffuse("0.6"));
+    let light = "<emitter type='point'><rgb name='intensity' value='4'/></emitter>";
+    let scene = scene(&format!("{}{}{light}", camera("0,0,0.001", "0,0,1", 100.0, 8), sphere("0,0,0", 2.0, &shell)));
+    let direct = 0.6 * 4.0 / 4.0 / PI;
+    let all = Estimate::exact(direct / (1.0 - 0.6));
+    let photons = ("photons", "8192");
+    for (what, settings, passes) in [
+        ("path", &[("integrator", "path")][..], 512),
+        ("next event", &[photons][..], 24),
+        ("photons only", &[photons, ("nee", "false")][..], 24),
+    ] {
+        let picture = render(&scene, settings, passes);
+        assert_agree(what, picture.beauty(1), all, 0.01);
+        assert_agree(what, picture.estimate(&[Layer::Direct], 1), Estimate::exact(direct), 0.01);
+    }
+}
+
+/// A rectangle emits from its front only: the side it does not face stays black.
+#[test]
+fn lamps_emit_from_their_front_only() {
+    let floor = rectangle(5.0, "<rotate x='1' angle='-90'/><translate y='-1'/>", &diffuse("0.5"));
+    let view = camera("0,0,3", "0,-1,0", 10.0, 4);
+    let lit = |turn: &str| {
+        let lamp = rectangle(0.5, &format!("{turn}<translate y='1'/>"), &area("3"));
+        let scene = scene(&format!("{view}{floor}{lamp}"));
+        ["path", "photonmap"].map(|i| render(&scene, &[("integrator", i)], 16).beauty(0).mean)
+    };
+    assert!(lit(DOWN).iter().all(|&l| l > 0.01));
+    assert_eq!(lit("<rotate x='1' angle='-90'/>"), [0.0; 2]);
+}

@@ -1,0 +1,22 @@
+//! The renderer through its public interface: physics, reproducibility, messages, and the layout rules.
+//!
+//! Every tolerance stands beside its reason: noise is measured (see `support`), bias is bounded.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+mod camera;
+mod cli;
+mod convergence;
+mod depth;
+mod determinism;
+mod flux;
+mod furnace;
+mod hostile;
+mod layers;
+mod lights;
+mod map;
+mod nee;
+mod roulette;
+mod tidy;
+mod watertight;

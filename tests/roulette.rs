@@ -1,0 +1,84 @@
+//! Choices that change noise only, never the mean.
+
+use caustica::film::Layer;
+use caustica::scene::Scene;
+
+use crate::support::{assert_agree, box_camera, lamp, render, scene, sphere, walls};
+
+/// The owner's spheres: plastic kd 0.7 ks 0.2 and glass ks 0.1 kt 0.8.
+fn owners_box() -> Scene {
+    let plastic = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.7'/><rgb name='specular_reflectance' value='0.2'/></bsdf>";
+    let glass = "<bsdf type='dielectric'><rgb name='specular_reflectance' value='0.1'/><rgb name='specular_transmittance' value='0.8'/></bsdf>";
+    scene(&[
+        box_camera(24),
+        walls("0.6"),
+        lamp(0.5, "4"),
+        sphere("-0.45,-0.5,-0.2", 0.45, plastic),
+        sphere("0.45,-0.5,0.2", 0.45, glass),
+    ]
+    .concat())
+}
+
+/// All three draw the same events, so there is no bias between them at all: with the same photons only
+/// the camera paths differ, and 0.5 % is 4.5 sigma or more of both renders (asserted).
+#[test]
+fn roulette_policies_have_the_same_mean() {
+    let scene = owners_box();
+    let with = |policy: &str| {
+        render(&scene, &[("roulette", policy), ("photons", "8000"), ("caustic_photons", "8000")], 128)
+    };
+    let renormalise = with("renormalise");
+    for policy in ["absorb", "retry"] {
+        let other = with(policy);
+        for channel in 0..3 {
+            assert_agree(policy, other.beauty(channel), renormalise.beauty(channel), 0.005);
+        }
+    }
+}
+
+/// And they are right: `path` knows no such policy. 1 %: noise, and the blur of shadows and caustics.
+#[test]
+fn owners_spheres_agree_with_path_tracing() {
+    let scene = owners_box();
+    let path = render(&scene, &[("integrator", "path")], 4096);
+    let mapped = render(&scene, &[("photons", "8000"), ("caustic_photons", "8000")], 128);
+    for channel in 0..3 {
+        assert_agree("progressive", mapped.beauty(channel), path.beauty(channel), 0.01);
+    }
+}
+
+/// One map with a fixed radius: a disc of 0.08 blurs the indirect light by ½·E[d²]·∇²L, about a per cent
+/// of it on walls of size 2; the mean over the picture moves less. One map's own noise, 10⁶ photons
+/// of the same power, is 0.1 %. The k nearest with a cap smooth regions alike.
+#[test]
+fn classic_mode_and_nearest_lookups_agree_with_path_tracing() {
+    let scene = scene(&[box_camera(24), walls("0.6"), lamp(0.5, "4")].concat());
+    let path = render(&scene, &[("integrator", "path")], 2048);
+    let classic = [("mode", "classic"), ("photons", "500000"), ("radius", "0.08")];
+    let nearest = [("lookup", "nearest"), ("neighbours", "200"), ("radius", "0.3")];
+    let off = [("nee", "false")];
+    for (what, changes) in [
+        ("classic", classic.to_vec()),
+        ("classic, nearest", [&classic[..2], &nearest[..]].concat()),
+        ("classic, nearest, nee off", [&classic[..2], &nearest[..], &off[..]].concat()),
+    ] {
+        let picture = render(&scene, &changes, 32);
+        for channel in 0..3 {
+            assert_agree(what, picture.beauty(channel), path.beauty(channel), 0.015);
+        }
+    }
+}
+
+/// A cap below what the disc holds uses a smaller disc around the same place: same mean where the
+/// caustic is smooth. 2 %: noise, and the two sizes of blur at the caustic's rim.
+#[test]
+fn a_cap_on_caustic_photons_keeps_the_mean() {
+    let scene = owners_box();
+    let caustic = |cap: &str| {
+        let settings =
+            [("caustic_photons", "100000"), ("caustic_radius", "0.06"), ("caustic_cap", cap), ("photons", "1024")];
+        render(&scene, &settings, 48).estimate(&[Layer::Caustic], 0)
+    };
+    let all = caustic("-1");
+    assert_agree("cap 40", caustic("40"), all, 0.02);
+}

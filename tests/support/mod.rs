@@ -1,0 +1,213 @@
+//! Scenes from text, renders with error bars, and comparisons that respect them.
+
+use std::path::{Path, PathBuf};
+
+use caustica::film::{LAYERS, Layer, Pixels};
+use caustica::render::{Budget, Statistics};
+use caustica::scene::build::{BuildOptions, build};
+use caustica::scene::{Plan, Scene, Settings};
+use caustica_formats::files::Memory;
+use caustica_formats::{ReadOptions, read_scene};
+
+/// Sigmas that an honest estimate may be off: one in 150 000 for a normal error. Seeds are fixed, so a
+/// test that passes keeps passing until the code changes.
+pub const SIGMAS: f64 = 4.5;
+
+/// Compiles `body` inside a scene of version 3.
+pub fn scene(body: &str) -> Scene {
+    scene_with(body, &[])
+}
+
+/// The same with further files in memory.
+pub fn scene_with(body: &str, files: &[(&str, &str)]) -> Scene {
+    let text = format!("<scene version='3.0.0'>{body}</scene>");
+    let all = files.iter().chain(&[("scene.xml", text.as_str())]);
+    let memory = Memory(all.map(|(path, text)| (PathBuf::from(path), text.as_bytes().to_vec())).collect());
+    let read = read_scene(&memory, Path::new("scene.xml"), &ReadOptions::default())
+        .unwrap_or_else(|failure| panic!("{failure}"));
+    match build(&read.scene, &memory, BuildOptions::default()) {
+        Ok(built) => built.scene,
+        Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
+    }
+}
+
+/// A box-filtered film.
+pub fn film(width: u32, height: u32) -> String {
+    format!(
+        "<film type='hdrfilm'><integer name='width' value='{width}'/><integer name='height' value='{height}'/>
+         <rfilter type='box'/></film>"
+    )
+}
+
+/// A pinhole camera with a square film.
+pub fn camera(origin: &str, target: &str, fov: f64, size: u32) -> String {
+    format!(
+        "<sensor type='perspective'><float name='fov' value='{fov}'/>
+         <transform name='to_world'><lookat origin='{origin}' target='{target}' up='0,1,0.01'/></transform>
+         {}</sensor>",
+        film(size, size)
+    )
+}
+
+pub fn diffuse(reflectance: &str) -> String {
+    format!("<bsdf type='diffuse'><rgb name='reflectance' value='{reflectance}'/></bsdf>")
+}
+
+pub fn area(radiance: &str) -> String {
+    format!("<emitter type='area'><rgb name='radiance' value='{radiance}'/></emitter>")
+}
+
+/// A sphere with whatever stands inside it.
+pub fn sphere(center: &str, radius: f64, inside: &str) -> String {
+    format!(
+        "<shape type='sphere'><point name='center' value='{center}'/><float name='radius' value='{radius}'/>{inside}</shape>"
+    )
+}
+
+/// A rectangle of half the given size.
+pub fn rectangle(half: f64, transform: &str, inside: &str) -> String {
+    format!(
+        "<shape type='rectangle'><transform name='to_world'><scale value='{half}'/>{transform}</transform>{inside}</shape>"
+    )
+}
+
+/// Turns the rectangle's front to look along −y, +y, +x, −x.
+pub const DOWN: &str = "<rotate x='1' angle='90'/>";
+pub const UP: &str = "<rotate x='1' angle='-90'/>";
+pub const RIGHT: &str = "<rotate y='1' angle='90'/>";
+pub const LEFT: &str = "<rotate y='1' angle='-90'/>";
+
+/// Five walls of the cube [-1, 1]³, open towards +z: coloured sides, the rest `white`.
+pub fn walls(white: &str) -> String {
+    let white = diffuse(white);
+    [
+        rectangle(1.0, &format!("{UP}<translate y='-1'/>"), &white),
+        rectangle(1.0, &format!("{DOWN}<translate y='1'/>"), &white),
+        rectangle(1.0, "<translate z='-1'/>", &white),
+        rectangle(1.0, &format!("{RIGHT}<translate x='-1'/>"), &diffuse("0.6,0.1,0.1")),
+        rectangle(1.0, &format!("{LEFT}<translate x='1'/>"), &diffuse("0.1,0.5,0.1")),
+    ]
+    .concat()
+}
+
+/// A square lamp under the ceiling.
+pub fn lamp(half: f64, radiance: &str) -> String {
+    rectangle(half, &format!("{DOWN}<translate y='0.99'/>"), &area(radiance))
+}
+
+/// The camera that looks into [`walls`].
+pub fn box_camera(size: u32) -> String {
+    camera("0,0,3.6", "0,0,0", 42.0, size)
+}
+
+/// A mean with its standard error.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate {
+    pub mean: f64,
+    pub sigma: f64,
+}
+
+impl Estimate {
+    pub fn exact(mean: f64) -> Self {
+        Self { mean, sigma: 0.0 }
+    }
+}
+
+/// A finished render.
+#[derive(Debug)]
+pub struct Picture {
+    pub pixels: Pixels,
+    pub passes: u32,
+    pub statistics: Statistics,
+    /// Means over the film of every layer and channel, pass by pass.
+    means: Vec<[[f64; 3]; LAYERS.len()]>,
+}
+
+impl Picture {
+    /// Mean over the film of the chosen layers. The error is that of the mean over passes, because
+    /// pixels share photons within a pass. (Camera samples are stratified over passes, which makes the
+    /// true error smaller than this.)
+    pub fn estimate(&self, layers: &[Layer], channel: usize) -> Estimate {
+        let values: Vec<f64> =
+            self.means.iter().map(|m| layers.iter().map(|&l| m[l as usize][channel]).sum()).collect();
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        Estimate { mean, sigma: (square / n).sqrt() }
+    }
+
+    pub fn beauty(&self, channel: usize) -> Estimate {
+        self.estimate(&LAYERS.map(|(l, _)| l), channel)
+    }
+
+    pub fn pixel(&self, i: usize) -> [f64; 3] {
+        self.pixels.beauty(i, self.passes)
+    }
+
+    pub fn pixel_values(&self) -> Vec<[f64; 3]> {
+        (0..self.pixels.len()).map(|i| self.pixel(i)).collect()
+    }
+}
+
+pub fn settings(scene: &Scene, changes: &[(&str, &str)]) -> Settings {
+    let mut settings = scene.settings.clone();
+    for (name, value) in changes {
+        settings.set(name, value).unwrap();
+    }
+    settings
+}
+
+pub fn budget(passes: u32) -> Budget<'static> {
+    Budget { passes: Some(passes), time: None, error: None, interrupt: None }
+}
+
+/// Renders passes 0..`passes`.
+pub fn render(scene: &Scene, changes: &[(&str, &str)], passes: u32) -> Picture {
+    let settings = settings(scene, changes);
+    let plan = Plan::new(scene, &settings);
+    let count = scene.film.pixel_count();
+    let mut means = Vec::new();
+    let mut last = [[0.0; 3]; LAYERS.len()];
+    let outcome = caustica::render::render(
+        scene,
+        &plan,
+        &settings,
+        budget(passes),
+        Pixels::new(count),
+        0,
+        &mut |progress| {
+            let mut sums = [[0.0; 3]; LAYERS.len()];
+            for pixel in progress.pixels.as_slice() {
+                for (l, layer) in sums.iter_mut().enumerate() {
+                    (0..3).for_each(|c| layer[c] += pixel[3 * l + c]);
+                }
+            }
+            means.push(std::array::from_fn(|l| {
+                std::array::from_fn(|c| (sums[l][c] - last[l][c]) / count as f64)
+            }));
+            last = sums;
+        },
+    );
+    assert_eq!(outcome.statistics.rejected_samples, 0, "a sample was not finite");
+    assert_eq!(outcome.statistics.rejected_photons, 0, "a photon was not finite");
+    Picture { pixels: outcome.pixels, passes, statistics: outcome.statistics, means }
+}
+
+/// Asserts |a − b| ≤ `relative`·b. The noise must be so small that this is [`SIGMAS`] of it or more:
+/// then the test neither fails by chance nor passes by noise. What `relative` leaves beyond the noise is
+/// room for bias; the caller says how much there is.
+#[track_caller]
+pub fn assert_agree(what: &str, a: Estimate, b: Estimate, relative: f64) {
+    let sigma = a.sigma.hypot(b.sigma);
+    let bound = relative * b.mean.abs();
+    println!(
+        "{what}: {:.6} against {:.6}: {:+.3} % (noise {:.3} %, bound {:.3} %)",
+        a.mean,
+        b.mean,
+        100.0 * (a.mean / b.mean - 1.0),
+        100.0 * sigma / b.mean.abs(),
+        100.0 * relative
+    );
+    assert!(SIGMAS * sigma <= bound, "{what}: noise {sigma:e} is too large for the bound {bound:e}");
+    assert!((a.mean - b.mean).abs() <= bound, "{what}: {a:?} against {b:?}, bound {bound:e}");
+}

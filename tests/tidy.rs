@@ -1,0 +1,207 @@
+//! The layout rules of the code map (`src/lib.rs`, `formats/src/lib.rs`), checked on the text.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+struct Source {
+    /// Relative to the workspace, with `/`.
+    path: String,
+    text: String,
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for path in entries.map(|e| e.unwrap().path()) {
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+fn sources() -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    for folder in ["src", "tests", "benches", "formats", "tools"] {
+        collect(&root.join(folder), &mut files);
+    }
+    files.sort();
+    let relative = |p: &Path| p.strip_prefix(root).unwrap().to_string_lossy().replace('\\', "/");
+    files.iter().map(|p| Source { path: relative(p), text: fs::read_to_string(p).unwrap() }).collect()
+}
+
+/// The part that is compiled into the product: unit tests may reach upwards for their examples.
+fn product(text: &str) -> &str {
+    text.split("#[cfg(test)]\nmod ").next().unwrap_or(text)
+}
+
+fn name(s: &str) -> &str {
+    s.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or("")
+}
+
+/// First segments of every path that starts with `root::`; a list in braces counts by its top level.
+fn imports<'a>(text: &'a str, root: &str) -> Vec<&'a str> {
+    let key = format!("{root}::");
+    let mut found = Vec::new();
+    for line in text.lines().filter(|l| !l.trim_start().starts_with("//")) {
+        for (at, _) in line.match_indices(&key) {
+            // `caustica::` is not the end of another name.
+            if line[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+                continue;
+            }
+            let rest = &line[at + key.len()..];
+            match rest.strip_prefix('{') {
+                Some(list) => found.extend(list.split(',').map(|s| name(s.trim()))),
+                None => found.push(name(rest)),
+            }
+        }
+    }
+    found.retain(|n| !n.is_empty());
+    found
+}
+
+/// Modules from the bottom up; a module may import those of lower levels and its own. Neighbours of one
+/// level that need each other stand in [`ALSO`].
+const LEVELS: &[&[&str]] = &[
+    &["math"],
+    &["sampling"],
+    &["shape", "texture", "accel"],
+    &["bsdf", "emitter", "sensor", "film"],
+    &["settings"],
+    &["scene"],
+    &["photon"],
+    &["integrator"],
+    &["render"],
+    &["cli"],
+];
+
+/// Exceptions: importer, imported, path that must be the whole of it.
+const ALSO: &[(&str, &str)] =
+    // `settings` names kernels, which know only floats; the packets of leaves are as wide as triangles'.
+    &[("settings", "photon::kernel"), ("accel", "shape::triangle")];
+
+#[test]
+fn imports_point_downwards() {
+    let level = |module: &str| LEVELS.iter().position(|l| l.contains(&module));
+    let mut wrong = Vec::new();
+    for s in sources().iter().filter(|s| s.path.starts_with("src/")) {
+        let inside = &s.path["src/".len()..];
+        let own = inside.split('/').next().unwrap().trim_end_matches(".rs");
+        if own == "lib" || own == "main" {
+            continue;
+        }
+        let at = level(own).unwrap_or_else(|| panic!("{} is in no level of this test", s.path));
+        for line in product(&s.text).lines() {
+            for target in imports(line, "crate") {
+                let allowed = target == own
+                    || level(target).is_some_and(|l| l < at)
+                    || ALSO.iter().any(|(from, to)| *from == own && line.contains(&format!("crate::{to}")));
+                if level(target).is_some() && !allowed {
+                    wrong.push(format!("{}: {}", s.path, line.trim()));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "imports that point upwards:\n{}", wrong.join("\n"));
+}
+
+/// `photon/kernel` knows only floats; `photon/store` and `scan` only math (and what a photon is);
+/// `bsdf` and `shape` never see a scene (a level rule, restated where it matters most).
+#[test]
+fn the_photon_store_knows_no_surfaces() {
+    for s in sources() {
+        let targets = imports(product(&s.text), "crate");
+        match s.path.as_str() {
+            "src/photon/kernel.rs" => {
+                let other: Vec<_> = targets.iter().filter(|t| **t != "photon").collect();
+                assert!(other.is_empty(), "{}: {other:?}", s.path);
+                assert!(!s.text.contains("use super::"), "{}", s.path);
+            }
+            "src/photon/store.rs" | "src/photon/scan.rs" => {
+                let other: Vec<_> = targets.iter().filter(|t| **t != "math").collect();
+                assert!(other.is_empty(), "{}: {other:?}", s.path);
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
+    for s in sources() {
+        let text = product(&s.text);
+        let names = |crate_name: &str| !imports(text, crate_name).is_empty();
+        if s.path.starts_with("formats/") || s.path.starts_with("tools/") {
+            assert!(!names("caustica"), "{} imports the renderer", s.path);
+        }
+        if s.path.starts_with("formats/") {
+            assert!(!names("caustica_tools"), "{} imports the tools", s.path);
+        }
+        if let Some(inside) = s.path.strip_prefix("formats/src/") {
+            let module = inside.split('/').next().unwrap().trim_end_matches(".rs");
+            let targets = imports(text, "crate");
+            let lower: &[&str] = match module {
+                "ir" => &["ir", "diagnostic"],
+                "diagnostic" => &["diagnostic"],
+                "files" => &["files"],
+                "image" => &["image", "files"],
+                "spectrum" => &["spectrum", "ir"],
+                "mesh" => &["mesh", "ir"],
+                "mitsuba" => {
+                    &["mitsuba", "ir", "diagnostic", "files", "spectrum", "image", "mesh", "Failure", "Read", "ReadOptions", "read"]
+                }
+                "pbrt" => {
+                    &["pbrt", "ir", "diagnostic", "files", "spectrum", "image", "mesh", "Failure", "Read", "ReadOptions", "read"]
+                }
+                _ => continue,
+            };
+            let other: Vec<_> = targets.iter().filter(|t| !lower.contains(t)).collect();
+            assert!(other.is_empty(), "{}: {other:?}", s.path);
+        }
+        if s.path.starts_with("tools/src/") {
+            let other: Vec<_> =
+                imports(text, "caustica_formats").into_iter().filter(|t| *t != "image").collect();
+            assert!(other.is_empty(), "{}: {other:?}", s.path);
+        }
+    }
+}
+
+#[test]
+fn only_the_builder_and_the_command_line_read_the_scene_representation() {
+    for s in sources().iter().filter(|s| s.path.starts_with("src/")) {
+        let reads = !imports(product(&s.text), "caustica_formats").is_empty();
+        let may = s.path.starts_with("src/scene/build/") || s.path.starts_with("src/cli/");
+        assert!(!reads || may, "{} imports caustica_formats", s.path);
+        let tools = !imports(product(&s.text), "caustica_tools").is_empty();
+        assert!(!tools || s.path.starts_with("src/cli/"), "{} imports caustica_tools", s.path);
+        let bvh = !imports(&s.text, "obvhs").is_empty();
+        assert!(!bvh || s.path == "src/accel.rs", "{} names obvhs", s.path);
+    }
+}
+
+#[test]
+fn files_are_short() {
+    for s in sources() {
+        let lines = s.text.lines().count();
+        assert!(lines <= 600, "{} has {lines} lines; 600 is the most", s.path);
+    }
+}
+
+#[test]
+fn nothing_is_left_unfinished() {
+    // Put together here, so that this file does not contain what it looks for.
+    let words = [
+        concat!("todo", "!"),
+        concat!("unimplemented", "!"),
+        concat!("dbg", "!"),
+        concat!("#[", "ignore"),
+        concat!("FIX", "ME"),
+        concat!("XX", "X"),
+    ];
+    for s in sources() {
+        for word in words {
+            assert!(!s.text.contains(word), "{} contains {word}", s.path);
+        }
+    }
+}

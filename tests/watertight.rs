@@ -1,0 +1,266 @@
+//! Rays find what is there: no gaps at edges, traversal equals testing everything, instances equal
+//! copies.
+
+use std::collections::HashMap;
+
+use caustica::math::{Ray, Vec3};
+use caustica::sampling::CounterRng;
+use caustica::scene::{Geometry, Level, Primitive, Scene};
+use caustica::shape::triangle::{Block, Shear};
+
+use crate::support::{camera, scene, scene_with};
+
+/// Unit icosphere after `levels` subdivisions.
+fn icosphere(levels: u32) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
+    let g = (1.0 + 5f64.sqrt()) / 2.0;
+    let unit = |v: [f64; 3]| {
+        let l = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        v.map(|x| x / l)
+    };
+    let mut points: Vec<[f64; 3]> = [
+        [-1.0, g, 0.0],
+        [1.0, g, 0.0],
+        [-1.0, -g, 0.0],
+        [1.0, -g, 0.0],
+        [0.0, -1.0, g],
+        [0.0, 1.0, g],
+        [0.0, -1.0, -g],
+        [0.0, 1.0, -g],
+        [g, 0.0, -1.0],
+        [g, 0.0, 1.0],
+        [-g, 0.0, -1.0],
+        [-g, 0.0, 1.0],
+    ]
+    .map(unit)
+    .to_vec();
+    #[rustfmt::skip]
+    let mut faces: Vec<[usize; 3]> = vec![
+        [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2],
+        [10, 7, 6], [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5],
+        [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
+    ];
+    for _ in 0..levels {
+        let mut middle = HashMap::new();
+        let mut half = |points: &mut Vec<[f64; 3]>, a: usize, b: usize| {
+            *middle.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                points.push(unit(std::array::from_fn(|i| points[a][i] + points[b][i])));
+                points.len() - 1
+            })
+        };
+        faces = faces
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let (ab, bc, ca) = (half(&mut points, a, b), half(&mut points, b, c), half(&mut points, c, a));
+                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    (points, faces)
+}
+
+fn obj(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
+    let mut text = String::new();
+    points.iter().for_each(|[x, y, z]| text.push_str(&format!("v {} {} {}\n", *x as f32, *y as f32, *z as f32)));
+    faces.iter().for_each(|f| text.push_str(&format!("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1)));
+    text
+}
+
+fn single(v: Vec<[[f32; 3]; 3]>) -> Geometry {
+    let primitives: Vec<Primitive> =
+        v.into_iter().enumerate().map(|(i, v)| Primitive::triangle(v, 0, i as u32)).collect();
+    Geometry { world: Level::new(&primitives, Vec::new(), &[]), groups: Vec::new(), instances: Vec::new() }
+}
+
+struct Floats(CounterRng);
+
+impl Floats {
+    fn new(seed: u64) -> Self {
+        Self(CounterRng::new(seed, 0))
+    }
+
+    fn next(&mut self) -> f32 {
+        self.0.next_f32() * 2.0 - 1.0
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.0.next_u64() % n as u64) as usize
+    }
+}
+
+/// A closed mesh cannot be left: a million rays from inside, aimed at vertices and at points of shared
+/// edges, all hit, and the shadow ray agrees.
+#[test]
+fn no_ray_escapes_through_the_edges_of_a_closed_mesh() {
+    let (points, faces) = icosphere(4);
+    let text = obj(&points, &faces);
+    let shape = "<shape type='obj'><string name='filename' value='ball.obj'/></shape>";
+    let scene = scene_with(&format!("{}{shape}", camera("0,0,0", "0,0,1", 40.0, 4)), &[("ball.obj", &text)]);
+    let corner = |i: usize| {
+        let world = |c: usize| (f64::from(points[i][c] as f32) - scene.origin[c]) as f32;
+        Vec3::new(world(0), world(1), world(2))
+    };
+    let mut floats = Floats::new(1);
+    let mut missed = 0;
+    let rays = 1_000_000;
+    for i in 0..rays {
+        let o = floats.vector() * 0.45;
+        let face = faces[floats.below(faces.len())];
+        let (a, b) = (corner(face[i % 3]), corner(face[(i + 1) % 3]));
+        let target = match i % 4 {
+            0 => a,
+            1 => (a + b) * 0.5,
+            _ => a + (b - a) * (floats.next() * 0.5 + 0.5),
+        };
+        let ray = Ray::new(o, target - o);
+        missed += u32::from(scene.geometry.closest(&ray).is_none());
+        missed += u32::from(!scene.geometry.occluded(&ray));
+    }
+    assert_eq!(missed, 0, "of {rays} rays");
+}
+
+/// The nearest of all triangles, each tested alone by the same test: what is compared is the traversal.
+fn nearest(triangles: &[Block], ray: &Ray) -> Option<f32> {
+    let shear = Shear::new(ray);
+    triangles.iter().filter_map(|b| shear.intersect(b, ray.tmax)).map(|h| h.1).min_by(f32::total_cmp)
+}
+
+#[test]
+fn traversal_equals_testing_every_triangle() {
+    let mut floats = Floats::new(2);
+    for count in [1usize, 2, 7, 8, 9, 60, 700] {
+        let mut triangles: Vec<[[f32; 3]; 3]> = Vec::new();
+        for i in 0..count {
+            let (a, b, c) = (floats.vector(), floats.vector(), floats.vector());
+            let small = 0.3;
+            triangles.push(match i % 7 {
+                // A point, a needle, a flat one, a duplicate, one along an axis, and ordinary ones.
+                0 if count > 2 => [a, a, a],
+                1 => [a, a + b * 1e-6, a + c * small],
+                2 => [a, a + b * small, a + b * 2.0 * small],
+                3 => triangles[floats.below(i)].map(Vec3::from),
+                4 => [a, a + Vec3::X * small, a + Vec3::Y * small],
+                _ => [a, a + b * small, a + c * small],
+            }
+            .map(|v| v.to_array()));
+        }
+        let blocks: Vec<Block> = triangles
+            .iter()
+            .map(|t| {
+                let mut block = Block::EMPTY;
+                block.set(0, t);
+                block
+            })
+            .collect();
+        let geometry = single(triangles.clone());
+        let mut hits = 0;
+        for i in 0..4000 {
+            let o = floats.vector() * 2.0;
+            let t = triangles[floats.below(count)].map(Vec3::from);
+            let d = match i % 4 {
+                0 => floats.vector(),
+                1 => t[0] - o,
+                2 => (t[0] + t[1] + t[2]) / 3.0 - o,
+                _ => [Vec3::X, -Vec3::Y, Vec3::Z][i % 3],
+            };
+            let tmax = if i % 5 == 0 { 1.0 } else { f32::INFINITY };
+            let ray = Ray { tmax, ..Ray::new(o, d) };
+            let expected = nearest(&blocks, &ray);
+            hits += u32::from(expected.is_some());
+            assert_eq!(geometry.closest(&ray).map(|h| h.t), expected, "{count} triangles, {ray:?}");
+            assert_eq!(geometry.occluded(&ray), expected.is_some(), "{count} triangles, {ray:?}");
+        }
+        assert!(hits > 100, "only {hits} rays hit anything");
+    }
+}
+
+/// Distances and shading normals that camera-like rays find; `None` for a miss.
+fn look(scene: &Scene, rays: &[(Vec3, Vec3)]) -> Vec<Option<(f32, Vec3, Vec3)>> {
+    let shift = Vec3::from(scene.origin.map(|x| x as f32));
+    rays.iter()
+        .map(|&(o, d)| {
+            let ray = Ray::new(o - shift, d);
+            let hit = scene.geometry.closest(&ray);
+            assert_eq!(scene.geometry.occluded(&ray), hit.is_some());
+            hit.map(|h| {
+                let s = scene.surface(&ray, &h);
+                (h.t, s.ng, s.frame.n)
+            })
+        })
+        .collect()
+}
+
+/// A group seen through an instance, and its shapes placed directly with the same transform, mirrored
+/// ones included. The two work in different coordinates, so distances agree to some roundings of the
+/// scene's size (1e-5) and only rays that graze a silhouette may differ (fewer than one in a thousand).
+#[test]
+fn instances_equal_copies() {
+    let (points, faces) = icosphere(1);
+    let text = obj(&points, &faces);
+    let shapes = |transform: &str| {
+        let place = |own: &str| format!("<transform name='to_world'>{own}{transform}</transform>");
+        format!(
+            "<shape type='obj'><string name='filename' value='ball.obj'/>{}</shape>
+             <shape type='cube'>{}</shape>
+             <shape type='sphere'><float name='radius' value='0.7'/>{}</shape>",
+            place("<translate x='-1.5'/>"),
+            place("<scale value='0.4'/><translate y='1.2'/>"),
+            place("<translate x='1.5'/>")
+        )
+    };
+    let mut floats = Floats::new(4);
+    let rays: Vec<(Vec3, Vec3)> = (0..20_000).map(|_| (floats.vector() * 4.0, floats.vector())).collect();
+    for transform in [
+        "<rotate x='1' y='2' z='3' angle='40'/><translate x='0.2' y='-0.1' z='0.3'/>",
+        "<scale value='1.3'/><translate y='0.5'/>",
+        "<scale x='-1'/><rotate z='1' angle='20'/>",
+        "<scale x='0.7' y='-1.2' z='1.1'/><translate z='0.4'/>",
+    ] {
+        let view = camera("0,0,9", "0,0,0", 40.0, 4);
+        let files = [("ball.obj", text.as_str())];
+        let copies = scene_with(&format!("{view}{}", shapes(transform)), &files);
+        let group = format!("<shape type='shapegroup' id='g'>{}</shape>", shapes(""));
+        let instance = format!(
+            "{view}{group}<shape type='instance'><ref id='g'/><transform name='to_world'>{transform}</transform></shape>"
+        );
+        let instances = scene_with(&instance, &files);
+        let (a, b) = (look(&copies, &rays), look(&instances, &rays));
+        let (mut different, mut hits) = (0, 0);
+        for (a, b) in a.iter().zip(&b) {
+            match (a, b) {
+                (Some((t, ng, ns)), Some((u, mg, ms))) => {
+                    hits += 1;
+                    let same = (t - u).abs() < 1e-4 && (*ng - *mg).length() < 1e-3 && (*ns - *ms).length() < 1e-3;
+                    different += u32::from(!same);
+                }
+                (None, None) => {}
+                _ => different += 1,
+            }
+        }
+        assert!(hits > 1000, "{hits}");
+        assert!(different * 1000 < hits, "{transform}: {different} of {hits} differ");
+    }
+}
+
+/// Far from the author's origin nothing is lost: the compiled scene has its own.
+#[test]
+fn a_scene_far_from_the_origin_is_the_same_scene() {
+    let body = |at: f64| {
+        format!(
+            "{}<shape type='cube'><transform name='to_world'><scale value='0.5'/><translate x='{at}'/></transform></shape>
+             <shape type='sphere'><point name='center' value='{at},1,0'/><float name='radius' value='0.5'/></shape>",
+            camera(&format!("{at},0,5"), &format!("{at},0,0"), 40.0, 4)
+        )
+    };
+    let (near, far) = (scene(&body(0.0)), scene(&body(1e7)));
+    assert_eq!(near.sensor.position, far.sensor.position);
+    let mut floats = Floats::new(6);
+    for _ in 0..2000 {
+        let ray = Ray::new(floats.vector() * 3.0, floats.vector());
+        let t = |s: &Scene| s.geometry.closest(&ray).map(|h| h.t);
+        assert_eq!(t(&near), t(&far));
+    }
+}
