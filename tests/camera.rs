@@ -45,8 +45,8 @@ fn a_crop_shows_the_pixels_of_the_whole_film() {
 fn every_filter_keeps_the_mean() {
     let lamp = panel(2.0, "<translate x='-2'/>", "1");
     for (name, _) in caustica::film::filter::NAMES {
-        let view = camera("0,0,3", "0,0,0", 30.0, 8).replace("type='box'", &format!("type='{name}'"));
-        let picture = render(&scene(&format!("{view}{lamp}")), EMISSION, 4096);
+        let view = camera("0,0,3", "0,0,0", 30.0, 16).replace("type='box'", &format!("type='{name}'"));
+        let picture = render(&scene(&format!("{view}{lamp}")), EMISSION, 2048);
         assert_agree(name, picture.beauty(0), Estimate::exact(0.5), 0.01);
     }
 }
@@ -84,11 +84,14 @@ fn only_the_plane_of_focus_is_sharp() {
 
 #[test]
 fn nothing_is_seen_nearer_than_the_near_clip_or_beyond_the_far_clip() {
-    let lamps = format!("{}{}", panel(1.0, "<translate z='1'/>", "1"), panel(8.0, "<translate z='-3'/>", "5"));
+    let lamps =
+        format!("{}{}", panel(1.0, "<translate z='1'/>", "1"), panel(8.0, "<translate z='-3'/>", "5"));
     let seen = |near: f64, far: f64| {
         let view = camera("0,0,2", "0,0,0", 20.0, 4).replace(
             "<transform",
-            &format!("<float name='near_clip' value='{near}'/><float name='far_clip' value='{far}'/><transform"),
+            &format!(
+                "<float name='near_clip' value='{near}'/><float name='far_clip' value='{far}'/><transform"
+            ),
         );
         render(&scene(&format!("{view}{lamps}")), EMISSION, 2).beauty(0).mean
     };

@@ -42,22 +42,54 @@ fn whole_scene() -> String {
 
 #[test]
 fn unknown_plugin() {
-    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='spher'/>\n</scene>", &[]), @"");
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='spher'/>\n</scene>", &[]), @r#"
+    error: unknown shape plugin `spher`
+      ┌─ scene.xml:2:16
+      │
+    2 │   <shape type='spher'/>
+      │                ^^^^^
+      │
+      = help: did you mean `sphere`?
+    "#);
 }
 
 #[test]
 fn misspelt_parameter() {
-    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='sphere'>\n    <float name='radus' value='2'/>\n  </shape>\n</scene>", &[]), @"");
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='sphere'>\n    <float name='radus' value='2'/>\n  </shape>\n</scene>", &[]), @r#"
+    error: unknown parameter `radus` of sphere
+      ┌─ scene.xml:3:18
+      │
+    3 │     <float name='radus' value='2'/>
+      │                  ^^^^^
+      │
+      = help: did you mean `radius`?
+    "#);
 }
 
 #[test]
 fn missing_mesh() {
-    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='obj'>\n    <string name='filename' value='bunny.obj'/>\n  </shape>\n</scene>", &[]), @"");
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='obj'>\n    <string name='filename' value='bunny.obj'/>\n  </shape>\n</scene>", &[]), @r#"
+    error: mesh `bunny.obj` not found
+      ┌─ scene.xml:3:36
+      │
+    3 │     <string name='filename' value='bunny.obj'/>
+      │                                    ^^^^^^^^^
+      │
+      = help: searched in: .
+    "#);
 }
 
 #[test]
 fn malformed_xml() {
-    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='sphere'>\n  </bsdf>\n</scene>", &[]), @"");
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <shape type='sphere'>\n  </bsdf>\n</scene>", &[]), @r#"
+    error: mismatched end tag </bsdf>, expected </shape>
+      ┌─ scene.xml:3:3
+      │
+    2 │   <shape type='sphere'>
+      │    ----- <shape> begins here
+    3 │   </bsdf>
+      │   ^^^^^^^
+    "#);
 }
 
 #[test]
@@ -68,12 +100,31 @@ fn include_cycle() {
             ("a.xml", "<scene version='3.0.0'>\n  <include filename='b.xml'/>\n</scene>"),
             ("b.xml", "<scene version='3.0.0'>\n  <include filename='a.xml'/>\n</scene>"),
         ],
-    ), @"");
+    ), @r#"
+    error: include cycle: a.xml → b.xml → a.xml
+      ┌─ b.xml:2:22
+      │
+    2 │   <include filename='a.xml'/>
+      │                      ^^^^^
+      │
+      ┌─ a.xml:2:22
+      │
+    2 │   <include filename='b.xml'/>
+      │                      ----- by way of this
+    "#);
 }
 
 #[test]
 fn unresolved_reference() {
-    assert_snapshot!(message("<scene version='3.0.0'>\n  <bsdf type='diffuse' id='wall'/>\n  <shape type='sphere'>\n    <ref id='wal'/>\n  </shape>\n</scene>", &[]), @"");
+    assert_snapshot!(message("<scene version='3.0.0'>\n  <bsdf type='diffuse' id='wall'/>\n  <shape type='sphere'>\n    <ref id='wal'/>\n  </shape>\n</scene>", &[]), @r#"
+    error: no object has the id `wal`
+      ┌─ scene.xml:4:14
+      │
+    4 │     <ref id='wal'/>
+      │              ^^^
+      │
+      = help: did you mean `wall`?
+    "#);
 }
 
 #[test]
@@ -81,12 +132,19 @@ fn vertex_that_is_not_a_number() {
     assert_snapshot!(message(
         "<scene version='3.0.0'>\n  <sensor type='perspective'/>\n  <shape type='obj'>\n    <string name='filename' value='mesh.obj'/>\n  </shape>\n</scene>",
         &[("mesh.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n")],
-    ), @"");
+    ), @r#"
+    error: cannot read mesh `mesh.obj`: vertex 2 (line 2) has a coordinate that is not finite
+      ┌─ scene.xml:3:16
+      │
+    3 │   <shape type='obj'>
+      │                ^^^
+    "#);
 }
 
 #[test]
 fn all_problems_are_listed_at_once() {
-    let text = message("<scene version='3.0.0'>\n  <shape type='spher'/>\n  <bsdf type='difuse'/>\n</scene>", &[]);
+    let text =
+        message("<scene version='3.0.0'>\n  <shape type='spher'/>\n  <bsdf type='difuse'/>\n</scene>", &[]);
     assert_eq!(text.matches("error: ").count(), 2, "{text}");
 }
 
@@ -94,10 +152,13 @@ fn all_problems_are_listed_at_once() {
 fn scene_file_that_is_not_there_or_of_no_known_language() {
     let gone = run(&[], &["render", "gone.xml"]);
     assert_eq!(gone.status, 1);
-    assert_snapshot!(gone.text, @"");
+    assert_snapshot!(gone.text, @"error: gone.xml: No such file or directory (os error 2)");
     let other = run(&[("scene.txt", "")], &["render", "scene.txt"]);
     assert_eq!(other.status, 1);
-    assert_snapshot!(other.text, @"");
+    assert_snapshot!(other.text, @r#"
+    error: scene.txt: not a scene language caustica reads
+     = help: the extension decides; known: .xml
+    "#);
 }
 
 #[test]
@@ -112,7 +173,7 @@ fn output_that_cannot_be_written() {
     }
     let run = run(&files, &["render", "scene.xml", "--quiet", "-o", "out.gif"]);
     assert_eq!(run.status, 1);
-    assert_snapshot!(run.text, @"");
+    assert_snapshot!(run.text, @"error: cannot write `out.gif`: extension `gif` is none of exr, png, hdr, pfm");
 }
 
 #[test]
@@ -121,13 +182,13 @@ fn settings_that_do_not_exist_or_do_not_parse() {
     let files = [("scene.xml", scene.as_str())];
     let name = run(&files, &["render", "scene.xml", "--set", "kernal=cone"]);
     assert_eq!(name.status, 1);
-    assert_snapshot!(name.text, @"");
+    assert_snapshot!(name.text, @"error: there is no setting `kernal`; did you mean `kernel`?");
     let value = run(&files, &["render", "scene.xml", "--set", "kernel=round"]);
     assert_eq!(value.status, 1);
-    assert_snapshot!(value.text, @"");
+    assert_snapshot!(value.text, @"error: setting `kernel` wants one of constant, cone, epanechnikov, biweight, triweight, tricube, gaussian, logistic, silverman, got `round`");
     let layer = run(&files, &["render", "scene.xml", "--quiet", "--layers", "direkt"]);
     assert_eq!(layer.status, 1);
-    assert_snapshot!(layer.text, @"");
+    assert_snapshot!(layer.text, @"error: there is no layer `direkt`; there are emission, direct, caustic, indirect, variance, samples");
 }
 
 #[test]
@@ -137,10 +198,22 @@ fn arguments_that_do_not_parse() {
     let size = run(&files, &["render", "scene.xml", "--size", "640"]);
     // clap's status for usage errors.
     assert_eq!(size.status, 2);
-    assert_snapshot!(size.text, @"");
+    assert_snapshot!(size.text, @r#"
+    error: invalid value '640' for '--size <WxH>': expected WIDTHxHEIGHT, such as 640x480
+
+    For more information, try '--help'.
+    "#);
     let option = run(&files, &["render", "scene.xml", "--sise", "6x4"]);
     assert_eq!(option.status, 2);
-    assert_snapshot!(option.text, @"");
+    assert_snapshot!(option.text, @r#"
+    error: unexpected argument '--sise' found
+
+      tip: a similar argument exists: '--size'
+
+    Usage: caustica render --size <WxH> <SCENE>
+
+    For more information, try '--help'.
+    "#);
 }
 
 #[test]
@@ -156,5 +229,5 @@ fn checkpoints_of_other_renders_are_refused() {
     assert!(run("1", &["--resume"]).status.success());
     let refused = run("2", &["--resume"]);
     assert_eq!(refused.status.code(), Some(1));
-    assert_snapshot!(String::from_utf8(refused.stderr).unwrap().trim(), @"");
+    assert_snapshot!(String::from_utf8(refused.stderr).unwrap().trim(), @"error: cannot resume from `c`: it belongs to another render: seed was `1`, now it is `2`");
 }

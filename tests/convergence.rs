@@ -7,7 +7,8 @@ use crate::support::{box_camera, lamp, render, scene, sphere, walls};
 /// a third of the smallest error, which adds 5 % to it.
 #[test]
 fn error_falls_steadily_with_passes() {
-    let glass = "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+    let glass =
+        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
     let scene =
         scene(&[box_camera(16), walls("0.6"), lamp(0.6, "3"), sphere("0,-0.3,0", 0.5, glass)].concat());
     let truth = render(&scene, &[("integrator", "path")], 16_384);

@@ -8,9 +8,11 @@ use caustica::film::Layer;
 #[test]
 fn the_first_depths_are_black_emission_and_direct_light() {
     let scene = scene(&[box_camera(12), walls("0.6"), lamp(0.4, "3")].concat());
-    for (name, variant) in
-        [("path", &[("integrator", "path")][..]), ("next event", &[][..]), ("photons only", &[("nee", "false")][..])]
-    {
+    for (name, variant) in [
+        ("path", &[("integrator", "path")][..]),
+        ("next event", &[][..]),
+        ("photons only", &[("nee", "false")][..]),
+    ] {
         let at = |depth: &str| {
             let settings = [&[("max_depth", depth), ("photons", "4000")][..], variant].concat();
             render(&scene, &settings, 16)
@@ -72,10 +74,8 @@ fn masks_let_the_same_light_through_in_both_integrators() {
     let floor = rectangle(6.0, UP, &diffuse("0.5"));
     let light = rectangle(0.5, &format!("{DOWN}<translate y='2'/>"), &area("5"));
     let veil = |opacity: f64| {
-        let mask = format!(
-            "<bsdf type='mask'><float name='opacity' value='{opacity}'/>{}</bsdf>",
-            diffuse("0")
-        );
+        let mask =
+            format!("<bsdf type='mask'><float name='opacity' value='{opacity}'/>{}</bsdf>", diffuse("0"));
         rectangle(6.0, &format!("{DOWN}<translate y='1'/>"), &mask)
     };
     let view = camera("0,0.9,0.5", "0,0,0", 50.0, 8);
@@ -89,6 +89,11 @@ fn masks_let_the_same_light_through_in_both_integrators() {
     for nee in ["true", "false"] {
         let mapped = render(&veiled, &[("nee", nee), ("photons", "20000")], 128);
         assert_agree(&format!("nee {nee}"), mapped.estimate(&[Layer::Direct], 0), through, 0.01);
-        assert_agree(&format!("nee {nee}, all"), mapped.beauty(0), render(&veiled, &path, 4096).beauty(0), 0.01);
+        assert_agree(
+            &format!("nee {nee}, all"),
+            mapped.beauty(0),
+            render(&veiled, &path, 4096).beauty(0),
+            0.01,
+        );
     }
 }

@@ -5,12 +5,12 @@ use crate::support::{Estimate, area, assert_agree, camera, diffuse, render, scen
 
 const WHITE: &str = "0.5";
 
-/// A cube of half size 1, seen from inside at a wall's centre: what the view and the largest first
-/// radius (0.43) cover stays 0.2 away from the edges.
+/// A cube of half size 1, seen from inside at a wall's centre: the view ends 0.42 before the edges,
+/// far more than the discs of these photon counts reach (0.05).
 fn cube(albedo: &str, inside: &str) -> String {
     format!(
         "{}<shape type='cube'><boolean name='flip_normals' value='true'/>{}{}</shape>{inside}",
-        camera("0,0,0", "0,0,1", 40.0, 8),
+        camera("0,0,0", "0,0,1", 60.0, 20),
         diffuse(albedo),
         area("1")
     )
@@ -20,22 +20,20 @@ fn cube(albedo: &str, inside: &str) -> String {
 /// (Archimedes), so every radial kernel is unbiased in the whole picture.
 fn ball(albedo: &str, inside: &str) -> String {
     let shell = format!("<boolean name='flip_normals' value='true'/>{}{}", diffuse(albedo), area("1"));
-    format!("{}{}{inside}", camera("0,0,0", "0,0,1", 100.0, 8), sphere("0,0,0", 1.0, &shell))
+    format!("{}{}{inside}", camera("0,0,0", "0,0,1", 140.0, 20), sphere("0,0,0", 1.0, &shell))
 }
 
 /// The 1 % that the issue allows; the noise is below 1 % / 4.5, and there is no bias.
 fn check(what: &str, body: &str, albedo: f64, settings: &[(&str, &str)], passes: u32) {
     let picture = render(&scene(body), settings, passes);
-    for channel in 0..3 {
-        let expected = Estimate::exact(1.0 / (1.0 - albedo));
-        assert_agree(what, picture.beauty(channel), expected, 0.01);
-    }
+    // Everything is grey here.
+    assert_agree(what, picture.beauty(1), Estimate::exact(1.0 / (1.0 - albedo)), 0.01);
 }
 
 #[test]
 fn path_tracing_shows_the_closed_form_at_a_wall_centre() {
     for (text, albedo) in [(WHITE, 0.5), ("0.8", 0.8)] {
-        check("cube, path", &cube(text, ""), albedo, &[("integrator", "path")], 1024);
+        check("cube, path", &cube(text, ""), albedo, &[("integrator", "path")], 512);
     }
 }
 
@@ -49,7 +47,7 @@ fn photon_mapping_shows_the_closed_form_at_a_wall_centre() {
                     &cube(text, ""),
                     albedo,
                     &[("nee", nee), ("kernel", kernel), ("photons", "30000")],
-                    24,
+                    32,
                 );
             }
         }
@@ -63,7 +61,7 @@ fn every_kernel_is_unbiased_on_a_sphere() {
             &format!("ball, {kernel}"),
             &ball("0.8", ""),
             0.8,
-            &[("nee", "false"), ("kernel", kernel.name()), ("photons", "8192")],
+            &[("nee", "false"), ("kernel", kernel.name()), ("photons", "12000")],
             16,
         );
     }
@@ -72,7 +70,7 @@ fn every_kernel_is_unbiased_on_a_sphere() {
 /// k nearest photons in the disc through the k-th, minus that one, are an unbiased density too.
 #[test]
 fn nearest_lookups_are_unbiased_on_a_sphere() {
-    let settings = [("nee", "false"), ("lookup", "nearest"), ("neighbours", "50"), ("photons", "8192")];
+    let settings = [("nee", "false"), ("lookup", "nearest"), ("neighbours", "50"), ("photons", "12000")];
     for mode in ["progressive", "classic"] {
         let mut settings = settings.to_vec();
         settings.push(("mode", mode));
@@ -89,16 +87,17 @@ fn nearest_lookups_are_unbiased_on_a_sphere() {
 /// glass takes from its surroundings and gives back, which cancels in the mean over the shell.
 #[test]
 fn lossless_things_inside_a_furnace_are_invisible() {
-    let glass = "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+    let glass =
+        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
     let mirror = "<bsdf type='conductor'><string name='material' value='none'/></bsdf>";
     for (name, bsdf) in [("glass", glass), ("mirror", mirror)] {
         for z in ["-0.5", "0.5"] {
             // Behind the camera, and in the middle of the view.
             let body = ball("0.5", &sphere(&format!("0,0,{z}"), 0.2, bsdf));
-            check(&format!("{name} at {z}, path"), &body, 0.5, &[("integrator", "path")], 1024);
+            check(&format!("{name} at {z}, path"), &body, 0.5, &[("integrator", "path")], 256);
             for nee in ["true", "false"] {
-                let settings = [("nee", nee), ("photons", "20000"), ("caustic_photons", "20000")];
-                check(&format!("{name} at {z}, nee {nee}"), &body, 0.5, &settings, 32);
+                let settings = [("nee", nee), ("photons", "8000"), ("caustic_photons", "8000")];
+                check(&format!("{name} at {z}, nee {nee}"), &body, 0.5, &settings, 16);
             }
         }
     }

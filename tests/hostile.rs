@@ -50,7 +50,11 @@ fn a_scene_without_lamps_is_black() {
 fn degenerate_scenes_give_finite_pictures() {
     let sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
     let wall = "<shape type='rectangle'/>";
-    let point = |at: &str| format!("<emitter type='point'><point name='position' value='{at}'/><rgb name='intensity' value='1'/></emitter>");
+    let point = |at: &str| {
+        format!(
+            "<emitter type='point'><point name='position' value='{at}'/><rgb name='intensity' value='1'/></emitter>"
+        )
+    };
     let near = camera("0,0,0.000001", "0,0,-1", 90.0, 4);
     let view = camera("0,0,3", "0,0,0", 40.0, 4);
     for body in [
@@ -61,7 +65,10 @@ fn degenerate_scenes_give_finite_pictures() {
         format!("{near}{wall}{}", point("0,0,1")),
         format!("{view}{wall}{}", point("0,0,0")),
         format!("{view}{wall}{}", point("0,0,1e-30")),
-        format!("{view}{wall}<shape type='rectangle'><transform name='to_world'><scale x='1e-20' y='1'/></transform>{}</shape>", area("1")),
+        format!(
+            "{view}{wall}<shape type='rectangle'><transform name='to_world'><scale x='1e-20' y='1'/></transform>{}</shape>",
+            area("1")
+        ),
         format!("{view}{wall}{}{}", sphere("0,0,1", 1e-12, &area("1")), point("1,1,1")),
     ] {
         let scene = scene(&body);

@@ -9,7 +9,8 @@ use caustica::scene::Scene;
 use crate::support::{Picture, assert_agree, box_camera, lamp, render, scene, sphere, walls};
 
 fn glass_box() -> Scene {
-    let glass = "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+    let glass =
+        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
     scene(&[box_camera(24), walls("0.6"), lamp(0.6, "3"), sphere("0,-0.3,0", 0.5, glass)].concat())
 }
 
@@ -28,7 +29,7 @@ fn assert_layers_sum(picture: &Picture) {
 #[test]
 fn layers_sum_to_the_beauty_and_agree_between_integrators() {
     let scene = glass_box();
-    let path = render(&scene, &[("integrator", "path")], 4096);
+    let path = render(&scene, &[("integrator", "path")], 2048);
     let photons = [("photons", "20000"), ("caustic_photons", "20000")];
     let mapped = render(&scene, &photons, 128);
     let off = render(&scene, &[&photons[..], &[("nee", "false")]].concat(), 128);
@@ -39,12 +40,9 @@ fn layers_sum_to_the_beauty_and_agree_between_integrators() {
     for channel in 0..3 {
         // Bounds: noise, plus the blur of a disc over the edges of shadows and caustics that leave the
         // picture; 1 % covers it at the radius of these passes, 2 % for the dim caustic layer.
-        for (layer, bound) in [
-            (Layer::Emission, 0.01),
-            (Layer::Direct, 0.01),
-            (Layer::Caustic, 0.02),
-            (Layer::Indirect, 0.01),
-        ] {
+        for (layer, bound) in
+            [(Layer::Emission, 0.01), (Layer::Direct, 0.01), (Layer::Caustic, 0.02), (Layer::Indirect, 0.01)]
+        {
             let expected = path.estimate(&[layer], channel);
             let name = |what: &str| format!("{layer:?}, {what}");
             assert_agree(&name("maps"), mapped.estimate(&[layer], channel), expected, bound);
@@ -74,7 +72,8 @@ fn owners_divide_the_photons_without_loss_or_overlap() {
         caustic_map,
         max_depth: u32::MAX,
     };
-    let photons = |owner, next_event, caustic_map| trace(&scene, &job(owner, next_event, caustic_map)).photons;
+    let photons =
+        |owner, next_event, caustic_map| trace(&scene, &job(owner, next_event, caustic_map)).photons;
     let all = photons(Owner::GlobalMap, false, false);
     let (direct, specular, scattered) = (
         flux(&all, |p| p == LightPath::Direct),

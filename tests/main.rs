@@ -5,6 +5,7 @@
 
 mod support;
 
+mod bsdf;
 mod camera;
 mod cli;
 mod convergence;

@@ -54,7 +54,8 @@ fn coordinate() -> impl Strategy<Value = f32> {
 }
 
 fn point() -> impl Strategy<Value = Vec3> {
-    (coordinate(), coordinate(), prop_oneof![Just(0.0f32), coordinate()]).prop_map(|(x, y, z)| Vec3::new(x, y, z))
+    (coordinate(), coordinate(), prop_oneof![Just(0.0f32), coordinate()])
+        .prop_map(|(x, y, z)| Vec3::new(x, y, z))
 }
 
 fn axis() -> impl Strategy<Value = Vec3> {
@@ -98,10 +99,16 @@ proptest! {
 fn lookups_agree_with_brute_force_on_many_photons() {
     let mut rng = CounterRng::new(3, 0);
     let mut float = || rng.next_f32() * 2.0 - 1.0;
-    let photons: Vec<Photon> = (0..20_000).map(|_| photon(Vec3::new(float(), float(), 0.001 * float()), Vec3::Z)).collect();
+    let photons: Vec<Photon> =
+        (0..20_000).map(|_| photon(Vec3::new(float(), float(), 0.001 * float()), Vec3::Z)).collect();
     let map = PhotonMap::build(&photons, 0.1);
     for _ in 0..200 {
-        let q = Query { p: Vec3::new(1.2 * float(), 1.2 * float(), 0.05 * float()), n: Vec3::Z, lift: 1e-6, radius: 0.05 };
+        let q = Query {
+            p: Vec3::new(1.2 * float(), 1.2 * float(), 0.05 * float()),
+            n: Vec3::Z,
+            lift: 1e-6,
+            radius: 0.05,
+        };
         check(&map, &q, 30, 0.0);
     }
 }
@@ -146,7 +153,17 @@ fn white() -> caustica::bsdf::Closure {
 
 fn density(map: &PhotonMap, estimator: &Estimator, p: Vec3) -> f64 {
     let mut out = Radiance::default();
-    Gather::default().estimate(map, estimator, &surface(p), &white(), Vec3::Z, Rgb::ONE, u32::MAX, &mut out);
+    Gather::default().estimate(
+        map,
+        estimator,
+        &surface(p),
+        &white(),
+        Vec3::Z,
+        Rgb::ONE,
+        u32::MAX,
+        None,
+        &mut out,
+    );
     f64::from(out.sum().x) * std::f64::consts::PI
 }
 
@@ -171,9 +188,14 @@ fn every_kernel_finds_a_uniform_density() {
             })
             .sum();
         let sigma = (square / (truth * f64::from(r * r)) / places.len() as f64).sqrt();
-        for (name, lookup, cap) in [("radius", Lookup::Radius, u32::MAX), ("cap", Lookup::Radius, 200), ("nearest", Lookup::Nearest, u32::MAX)] {
+        for (name, lookup, cap) in [
+            ("radius", Lookup::Radius, u32::MAX),
+            ("cap", Lookup::Radius, 200),
+            ("nearest", Lookup::Nearest, u32::MAX),
+        ] {
             let estimator = Estimator::new(kernel, r, lookup, 200, cap);
-            let mean = places.iter().map(|&p| density(&map, &estimator, p)).sum::<f64>() / places.len() as f64;
+            let mean =
+                places.iter().map(|&p| density(&map, &estimator, p)).sum::<f64>() / places.len() as f64;
             // 200 of the 785 photons of the disc have about twice the deviation; the kernel within the
             // disc of the k-th sees k − 1 uniform photons, which is unbiased.
             let sigma = if name == "radius" { sigma } else { sigma * (785.0f64 / 200.0).sqrt() };

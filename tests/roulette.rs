@@ -9,14 +9,16 @@ use crate::support::{assert_agree, box_camera, lamp, render, scene, sphere, wall
 fn owners_box() -> Scene {
     let plastic = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.7'/><rgb name='specular_reflectance' value='0.2'/></bsdf>";
     let glass = "<bsdf type='dielectric'><rgb name='specular_reflectance' value='0.1'/><rgb name='specular_transmittance' value='0.8'/></bsdf>";
-    scene(&[
-        box_camera(24),
-        walls("0.6"),
-        lamp(0.5, "4"),
-        sphere("-0.45,-0.5,-0.2", 0.45, plastic),
-        sphere("0.45,-0.5,0.2", 0.45, glass),
-    ]
-    .concat())
+    scene(
+        &[
+            box_camera(24),
+            walls("0.6"),
+            lamp(0.5, "4"),
+            sphere("-0.45,-0.5,-0.2", 0.45, plastic),
+            sphere("0.45,-0.5,0.2", 0.45, glass),
+        ]
+        .concat(),
+    )
 }
 
 /// All three draw the same events, so there is no bias between them at all: with the same photons only
@@ -75,8 +77,12 @@ fn classic_mode_and_nearest_lookups_agree_with_path_tracing() {
 fn a_cap_on_caustic_photons_keeps_the_mean() {
     let scene = owners_box();
     let caustic = |cap: &str| {
-        let settings =
-            [("caustic_photons", "100000"), ("caustic_radius", "0.06"), ("caustic_cap", cap), ("photons", "1024")];
+        let settings = [
+            ("caustic_photons", "100000"),
+            ("caustic_radius", "0.06"),
+            ("caustic_cap", cap),
+            ("photons", "1024"),
+        ];
         render(&scene, &settings, 48).estimate(&[Layer::Caustic], 0)
     };
     let all = caustic("-1");

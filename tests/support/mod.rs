@@ -21,7 +21,8 @@ pub fn scene(body: &str) -> Scene {
 /// The same with further files in memory.
 pub fn scene_with(body: &str, files: &[(&str, &str)]) -> Scene {
     let text = format!("<scene version='3.0.0'>{body}</scene>");
-    let all = files.iter().chain(&[("scene.xml", text.as_str())]);
+    let main = [("scene.xml", text.as_str())];
+    let all = files.iter().chain(&main);
     let memory = Memory(all.map(|(path, text)| (PathBuf::from(path), text.as_bytes().to_vec())).collect());
     let read = read_scene(&memory, Path::new("scene.xml"), &ReadOptions::default())
         .unwrap_or_else(|failure| panic!("{failure}"));
@@ -124,15 +125,19 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Mean over the film of the chosen layers. The error is that of the mean over passes, because
-    /// pixels share photons within a pass. (Camera samples are stratified over passes, which makes the
-    /// true error smaller than this.)
+    /// Mean over the film of the chosen layers. The error is measured from batches of passes (16 to 32
+    /// of them): pixels share photons within a pass, and camera samples are stratified over 2ᵐ
+    /// consecutive passes, so neither pixels nor passes are independent, but batches nearly are. (They
+    /// are stratified among each other, which makes the true error smaller than this.)
     pub fn estimate(&self, layers: &[Layer], channel: usize) -> Estimate {
         let values: Vec<f64> =
             self.means.iter().map(|m| layers.iter().map(|&l| m[l as usize][channel]).sum()).collect();
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let batch = 1 << (values.len() / 16).max(1).ilog2();
+        let batches: Vec<f64> =
+            values.chunks_exact(batch).map(|b| b.iter().sum::<f64>() / batch as f64).collect();
+        let n = batches.len() as f64;
+        let square = batches.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
         Estimate { mean, sigma: (square / n).sqrt() }
     }
 
