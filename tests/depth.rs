@@ -5,6 +5,8 @@ use crate::support::{
 };
 use caustica::film::Layer;
 
+const LIT: &[Layer] = &[Layer::Direct, Layer::Caustic, Layer::Indirect];
+
 #[test]
 fn the_first_depths_are_black_emission_and_direct_light() {
     let scene = scene(&[box_camera(12), walls("0.6"), lamp(0.4, "3")].concat());
@@ -31,7 +33,7 @@ fn the_first_depths_are_black_emission_and_direct_light() {
     }
 }
 
-/// 1 %: noise as measured; the blur of discs at shadow edges is inside the picture and cancels in its
+/// What lamps shine on (the rims of lamps in the picture are only noise), to 1.5 %: noise as measured; the blur of discs at shadow edges is inside the picture and cancels in its
 /// mean, what is left is the correction at the walls' edges.
 #[test]
 fn every_depth_agrees_between_integrators() {
@@ -39,11 +41,11 @@ fn every_depth_agrees_between_integrators() {
     for depth in ["2", "3", "4"] {
         let path = render(&scene, &[("integrator", "path"), ("max_depth", depth)], 1024);
         for nee in ["true", "false"] {
-            let settings = [("max_depth", depth), ("nee", nee), ("photons", "8000")];
-            let mapped = render(&scene, &settings, 100);
+            let settings = [("max_depth", depth), ("nee", nee), ("photons", "6000")];
+            let mapped = render(&scene, &settings, 128);
             for channel in 0..3 {
                 let what = format!("depth {depth}, nee {nee}");
-                assert_agree(&what, mapped.beauty(channel), path.beauty(channel), 0.01);
+                assert_agree(&what, mapped.estimate(LIT, channel), path.estimate(LIT, channel), 0.015);
             }
         }
     }
@@ -68,7 +70,7 @@ fn passing_a_null_surface_is_a_segment() {
 }
 
 /// A mask of opacity 0.3 between lamp and floor lets 0.7 of the light through, and so do photons, shadow
-/// rays and scattered rays. 1 %: noise as measured; the floor is wide, so nothing is cut off.
+/// rays and scattered rays. 1 % for `path`, 2 % for photons, most of which miss the view: noise as measured; the floor is wide, so nothing is cut off.
 #[test]
 fn masks_let_the_same_light_through_in_both_integrators() {
     let floor = rectangle(6.0, UP, &diffuse("0.5"));
@@ -83,12 +85,13 @@ fn masks_let_the_same_light_through_in_both_integrators() {
     let veiled = scene(&format!("{view}{floor}{light}{}", veil(0.3)));
     let path = [("integrator", "path")];
     let bare = render(&open, &path, 2048).estimate(&[Layer::Direct], 0);
-    let through = render(&veiled, &path, 4096).estimate(&[Layer::Direct], 0);
+    let masked = render(&veiled, &path, 4096);
+    let (through, whole) = (masked.estimate(&[Layer::Direct], 0), masked.beauty(0));
     let dimmed = crate::support::Estimate { mean: 0.7 * bare.mean, sigma: 0.7 * bare.sigma };
     assert_agree("path", through, dimmed, 0.01);
     for nee in ["true", "false"] {
-        let mapped = render(&veiled, &[("nee", nee), ("photons", "20000")], 128);
-        assert_agree(&format!("nee {nee}"), mapped.estimate(&[Layer::Direct], 0), through, 0.01);
+        let mapped = render(&veiled, &[("nee", nee), ("photons", "60000")], 128);
+        assert_agree(&format!("nee {nee}"), mapped.estimate(&[Layer::Direct], 0), through, 0.02);
         assert_agree(
             &format!("nee {nee}, all"),
             mapped.beauty(0),

@@ -39,15 +39,15 @@ fn path_tracing_shows_the_closed_form_at_a_wall_centre() {
 
 #[test]
 fn photon_mapping_shows_the_closed_form_at_a_wall_centre() {
-    for (text, albedo) in [(WHITE, 0.5), ("0.8", 0.8)] {
+    for (text, albedo, photons, passes) in [(WHITE, 0.5, "30000", 16), ("0.8", 0.8, "50000", 64)] {
         for nee in ["true", "false"] {
             for kernel in ["constant", "epanechnikov"] {
                 check(
                     &format!("cube, albedo {albedo}, nee {nee}, {kernel}"),
                     &cube(text, ""),
                     albedo,
-                    &[("nee", nee), ("kernel", kernel), ("photons", "30000")],
-                    32,
+                    &[("nee", nee), ("kernel", kernel), ("photons", photons)],
+                    passes,
                 );
             }
         }
@@ -61,8 +61,8 @@ fn every_kernel_is_unbiased_on_a_sphere() {
             &format!("ball, {kernel}"),
             &ball("0.8", ""),
             0.8,
-            &[("nee", "false"), ("kernel", kernel.name()), ("photons", "12000")],
-            16,
+            &[("nee", "false"), ("kernel", kernel.name()), ("photons", "16000")],
+            20,
         );
     }
 }

@@ -15,12 +15,12 @@ fn plane(lamp: &str) -> caustica::scene::Scene {
 
 /// Radiance of the patch is ρE/π. With next event estimation and a delta light there is no noise but the
 /// place within the patch.
-fn check(what: &str, lamp: &str, irradiance: f64, nee_passes: u32) {
+fn check(what: &str, lamp: &str, irradiance: f64, passes: u32) {
     let scene = plane(lamp);
     let expected = Estimate::exact(0.5 * irradiance / PI);
-    let path = render(&scene, &[("integrator", "path"), ("max_depth", "2")], nee_passes);
+    let path = render(&scene, &[("integrator", "path"), ("max_depth", "2")], passes);
     assert_agree(&format!("{what}, path"), path.beauty(0), expected, 0.003);
-    let mapped = render(&scene, &[("max_depth", "2")], nee_passes);
+    let mapped = render(&scene, &[("max_depth", "2")], passes);
     assert_agree(&format!("{what}, next event"), mapped.beauty(0), expected, 0.003);
 }
 
@@ -28,9 +28,9 @@ fn check(what: &str, lamp: &str, irradiance: f64, nee_passes: u32) {
 fn irradiance_of_delta_lights_is_exact() {
     let point = "<emitter type='point'><point name='position' value='3,0,4'/><rgb name='intensity' value='10'/></emitter>";
     // E = I·cosθ/d², cosθ = 4/5, d² = 25.
-    check("point", point, 10.0 * 0.8 / 25.0, 2);
+    check("point", point, 10.0 * 0.8 / 25.0, 32);
     let sun = "<emitter type='directional'><vector name='direction' value='0.6,0,-0.8'/><rgb name='irradiance' value='2'/></emitter>";
-    check("directional", sun, 2.0 * 0.8, 2);
+    check("directional", sun, 2.0 * 0.8, 32);
     // 17.5° off the axis of a spot that falls from 15° to 20°: half of the intensity, linear in the angle.
     let angle = 17.5f64.to_radians();
     let spot = format!(
@@ -38,7 +38,7 @@ fn irradiance_of_delta_lights_is_exact() {
          <rgb name='intensity' value='10'/><float name='cutoff_angle' value='20'/><float name='beam_width' value='15'/></emitter>",
         2.0 * angle.tan()
     );
-    check("spot", &spot, 10.0 * 0.5 / 4.0, 2);
+    check("spot", &spot, 10.0 * 0.5 / 4.0, 1024);
 }
 
 /// A Lambertian disc lamp of radius a at height h over the patch: E = πL·a²/(a² + h²). The narrow sky

@@ -1,6 +1,6 @@
 //! Direct light by next event estimation and from first photon hits are the same light.
 
-use crate::support::{assert_agree, box_camera, lamp, render, scene, walls};
+use crate::support::{ALL, assert_same, box_camera, lamp, render, scene, walls};
 
 /// The figure: 0.5 % per channel after 200 progressive passes. The noise of both renders is
 /// asserted to leave it room; what remains is the bias of the boundary correction in both.
@@ -13,6 +13,6 @@ fn next_event_estimation_on_and_off_agree() {
     let on = render(&scene, &[("nee", "true"), ("photons", "10000")], 200);
     let off = render(&scene, &[("nee", "false"), ("photons", "10000")], 200);
     for channel in 0..3 {
-        assert_agree("nee off against on", off.beauty(channel), on.beauty(channel), 0.005);
+        assert_same("nee off against on", &off, &on, ALL, channel, 0.005);
     }
 }

@@ -3,7 +3,7 @@
 use caustica::film::Layer;
 use caustica::scene::Scene;
 
-use crate::support::{assert_agree, box_camera, lamp, render, scene, sphere, walls};
+use crate::support::{ALL, assert_agree, assert_same, box_camera, lamp, render, scene, sphere, walls};
 
 /// The owner's spheres: plastic kd 0.7 ks 0.2 and glass ks 0.1 kt 0.8.
 fn owners_box() -> Scene {
@@ -33,7 +33,7 @@ fn roulette_policies_have_the_same_mean() {
     for policy in ["absorb", "retry"] {
         let other = with(policy);
         for channel in 0..3 {
-            assert_agree(policy, other.beauty(channel), renormalise.beauty(channel), 0.005);
+            assert_same(policy, &other, &renormalise, ALL, channel, 0.005);
         }
     }
 }
@@ -64,7 +64,7 @@ fn classic_mode_and_nearest_lookups_agree_with_path_tracing() {
         ("classic, nearest", [&classic[..2], &nearest[..]].concat()),
         ("classic, nearest, nee off", [&classic[..2], &nearest[..], &off[..]].concat()),
     ] {
-        let picture = render(&scene, &changes, 32);
+        let picture = render(&scene, &changes, 128);
         for channel in 0..3 {
             assert_agree(what, picture.beauty(channel), path.beauty(channel), 0.015);
         }
@@ -83,8 +83,8 @@ fn a_cap_on_caustic_photons_keeps_the_mean() {
             ("caustic_cap", cap),
             ("photons", "1024"),
         ];
-        render(&scene, &settings, 48).estimate(&[Layer::Caustic], 0)
+        render(&scene, &settings, 48)
     };
     let all = caustic("-1");
-    assert_agree("cap 40", caustic("40"), all, 0.02);
+    assert_same("cap 40", &caustic("40"), &all, &[Layer::Caustic], 0, 0.02);
 }

@@ -216,7 +216,7 @@ fn instances_equal_copies() {
     let shapes = |transform: &str| {
         let place = |own: &str| format!("<transform name='to_world'>{own}{transform}</transform>");
         format!(
-            "<shape type='obj'><string name='filename' value='ball.obj'/>{}</shape>
+            "<shape type='obj'><string name='filename' value='ball.obj'/><boolean name='face_normals' value='true'/>{}</shape>
              <shape type='cube'>{}</shape>
              <shape type='sphere'><float name='radius' value='0.7'/>{}</shape>",
             place("<translate x='-1.5'/>"),

@@ -132,13 +132,17 @@ impl Picture {
     pub fn estimate(&self, layers: &[Layer], channel: usize) -> Estimate {
         let values: Vec<f64> =
             self.means.iter().map(|m| layers.iter().map(|&l| m[l as usize][channel]).sum()).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let batch = 1 << (values.len() / 16).max(1).ilog2();
-        let batches: Vec<f64> =
-            values.chunks_exact(batch).map(|b| b.iter().sum::<f64>() / batch as f64).collect();
-        let n = batches.len() as f64;
-        let square = batches.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        Estimate { mean, sigma: (square / n).sqrt() }
+        estimate(&values)
+    }
+
+    /// The difference to `other`, whose passes saw the same film positions (and, with the same settings
+    /// of photons, the same photons): what both have in common is no noise.
+    pub fn minus(&self, other: &Self, layers: &[Layer], channel: usize) -> Estimate {
+        assert_eq!(self.passes, other.passes);
+        let part =
+            |m: &[[f64; 3]; LAYERS.len()]| -> f64 { layers.iter().map(|&l| m[l as usize][channel]).sum() };
+        let values: Vec<f64> = self.means.iter().zip(&other.means).map(|(a, b)| part(a) - part(b)).collect();
+        estimate(&values)
     }
 
     pub fn beauty(&self, channel: usize) -> Estimate {
@@ -154,6 +158,16 @@ impl Picture {
     }
 }
 
+/// Mean of the values of passes, with the error measured from batches.
+fn estimate(values: &[f64]) -> Estimate {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let batch = 1 << (values.len() / 16).max(1).ilog2();
+    let batches: Vec<f64> =
+        values.chunks_exact(batch).map(|b| b.iter().sum::<f64>() / batch as f64).collect();
+    let n = batches.len() as f64;
+    let square = batches.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    Estimate { mean, sigma: (square / n).sqrt() }
+}
 pub fn settings(scene: &Scene, changes: &[(&str, &str)]) -> Settings {
     let mut settings = scene.settings.clone();
     for (name, value) in changes {
@@ -216,3 +230,13 @@ pub fn assert_agree(what: &str, a: Estimate, b: Estimate, relative: f64) {
     assert!(SIGMAS * sigma <= bound, "{what}: noise {sigma:e} is too large for the bound {bound:e}");
     assert!((a.mean - b.mean).abs() <= bound, "{what}: {a:?} against {b:?}, bound {bound:e}");
 }
+
+/// [`assert_agree`] for two renders of the same passes, by their difference.
+#[track_caller]
+pub fn assert_same(what: &str, a: &Picture, b: &Picture, layers: &[Layer], channel: usize, relative: f64) {
+    let (difference, whole) = (a.minus(b, layers, channel), b.estimate(layers, channel).mean);
+    let shifted = Estimate { mean: whole + difference.mean, sigma: difference.sigma };
+    assert_agree(what, shifted, Estimate::exact(whole), relative);
+}
+
+pub const ALL: &[Layer] = &[Layer::Emission, Layer::Direct, Layer::Caustic, Layer::Indirect];
