@@ -1,7 +1,8 @@
 //! The renderer through its public interface: physics, reproducibility, messages, and the layout rules.
 //!
 //! Every tolerance stands beside its reason: noise is measured (see `support`), bias is bounded.
-#![allow(clippy::unwrap_used)]
+// Measured values are printed for whoever runs a test with --nocapture.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod support;
 
