@@ -1,0 +1,24 @@
+//! Our pictures against references made by Mitsuba 3: one trial for each manifest `reference/*.toml`
+//! and integrator. `CAUSTICA_REFERENCE=long` renders 16 times as many samples under tighter limits.
+//!
+//! A trial that fails leaves picture, reference, FLIP map and the HTML page of the comparison in
+//! `target/reference-failures/NAME/`.
+
+mod reference_suite;
+
+use libtest_mimic::Arguments;
+use reference_suite::{Profile, trials};
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    match trials(root, Profile::from_environment()) {
+        Ok(trials) => libtest_mimic::run(&arguments, trials).exit_code(),
+        Err(problem) => {
+            eprintln!("{problem}");
+            ExitCode::FAILURE
+        }
+    }
+}
