@@ -157,7 +157,7 @@ def bias_check(mi, row):
     import numpy as np
 
     scene, keep = load(mi, ROOT / row["bias_check"], [96, 96])
-    passes, spp = 32, 128
+    passes, spp = 32, 64
     a, va = render(mi, scene, {"type": "ptracer", **keep}, spp, range(1000, 1000 + passes))
     b, vb = render(mi, scene, {"type": "path", **keep}, spp, range(2000, 2000 + passes))
     n = a.shape[0] * a.shape[1]
@@ -231,7 +231,7 @@ def photonmap_limits(row: dict) -> dict:
     size = "x".join(str(n) for n in row.get("size", [96, 96]))
     arguments = row.get("photonmap_args", [])
     limits = {}
-    for profile, spp in [("short", 64), ("long", 1024)]:
+    for profile, spp in [("short", 64), ("long", 256)]:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "image.exr"
             caustica("render", row["scene"], "--quiet", "--layers", "none", "--filter", "box", "--integrator",
@@ -325,13 +325,20 @@ def make(mi, variant: str, row: dict) -> None:
         text += f"sha256 = {toml(hashlib.sha256(file.read_bytes()).hexdigest())}\n"
     if row["integrator"] == "path":
         short, long = row.get("path_spp", 64), row.get("path_spp_long", 1024)
-        limits = lambda n: path_limits(mi, scene, integrator, n, target, mean, variance, passes * spp)
+        shrink = ((passes * spp / long + 1) / (passes * spp / short + 1)) ** 0.5
+        limits = path_limits(mi, scene, integrator, short, target, mean, variance, passes * spp)
         text += table("path", {
             "reason": "RMSE and FLIP: 1.25 times the worse of two pictures by Mitsuba with as many samples and"
             " seeds of their own. Bias: 4.5 standard errors of the mean of such a picture, and 0.2 % for"
             " single precision. z-test: that of Mitsuba's render tests.",
-            "short": limits(short),
-            "long": limits(long),
+            "short": limits,
+            "long": {
+                "spp": long,
+                # Noise falls with the root of the samples, down to that of the reference.
+                "max_rmse": up((limits["max_rmse"] ** 2 * short / long + 1.25**2 * variance.mean()) ** 0.5),
+                "max_flip": limits["max_flip"],
+                "max_bias": up((limits["max_bias"] - 0.002) * shrink + 0.002),
+            },
         })
     text += PHOTONMAP + old[1] if len(old) == 2 else table("photonmap", photonmap_limits(row))
     manifest.write_text(text)
