@@ -51,6 +51,9 @@ pub struct Limits {
     pub max_rmse: f64,
     pub max_flip: f64,
     pub max_bias: f64,
+    /// Whether the z-test of a path traced picture has to accept.
+    #[serde(default)]
+    pub z_test: bool,
     /// More arguments of `caustica render`.
     #[serde(default)]
     pub args: Vec<String>,
