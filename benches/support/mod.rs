@@ -75,14 +75,14 @@ pub fn hills() -> Scene {
     load(xml, vec![("hills.ply", ply)])
 }
 
-/// About `count` photons of the box, all in the global map.
+/// Photons of the box's global map in a default render: all have scattered before.
 pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
     let job = |paths| TraceJob {
         key: 1,
         paths,
         owner: Owner::GlobalMap,
-        next_event: false,
-        caustic_map: false,
+        next_event: true,
+        caustic_map: true,
         max_depth: u32::MAX,
     };
     let trial = trace(scene, &job(20_000)).photons.len();
