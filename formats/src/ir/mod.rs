@@ -17,17 +17,23 @@ use serde::{Deserialize, Serialize};
 
 pub use arena::{Arena, Id};
 pub use bsdf::{
-    Bsdf, BsdfKind, Conductor, ConductorMaterial, Dielectric, Ior, Microfacet, MicrofacetDistribution,
-    Plastic,
+    Bsdf, BsdfKind, Coat, Conductor, ConductorMaterial, Dielectric, Ior, Microfacet, MicrofacetDistribution,
+    PerturbedShading, Plastic, Principled, PrincipledIndex, PrincipledThin, RoughnessRemap, Shadowing,
+    WardVariant,
 };
 pub use color::{Color, ColorInput, ColorSlot, FloatInput, SpectrumRule};
-pub use emitter::{Emitter, EmitterKind};
+pub use emitter::{Emitter, EmitterKind, EnvironmentMapping, LightImage, SpotFalloff};
 pub use integrator::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
 pub use sensor::{
-    ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Sampler, Sensor, Tonemap,
+    ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Projection, Sampler, Sensor,
+    Tonemap,
 };
-pub use shape::{AreaEmission, MeshFile, MeshFormat, Shape, ShapeGroup, ShapeKind};
-pub use texture::{Bitmap, Texture, TextureEncoding, TextureFilter, TextureKind, WrapMode};
+pub use shape::{
+    AreaEmission, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind,
+};
+pub use texture::{
+    Bitmap, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding, TextureFilter, TextureKind, WrapMode,
+};
 pub use transform::Transform;
 
 use crate::diagnostic::Span;

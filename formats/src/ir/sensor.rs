@@ -4,14 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use super::{Origin, Transform};
 
-/// A perspective camera looking along local +Z with +Y up and +X to the left of the picture.
+/// A camera looking along local +Z with +Y up and +X to the left of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensor {
     pub name: Option<String>,
     pub origin: Origin,
     pub to_world: Transform,
-    pub fov: Fov,
-    pub fov_axis: FovAxis,
+    pub projection: Projection,
+    /// pbrt's window on the screen plane [x0, x1, y0, y1]; `None` follows from the film's shape.
+    pub screen_window: Option<[f64; 4]>,
     /// Range along the optical axis; nothing nearer or farther is seen.
     pub near_clip: f64,
     pub far_clip: f64,
@@ -21,6 +22,16 @@ pub struct Sensor {
     pub lens: Option<Lens>,
     pub film: Film,
     pub sampler: Sampler,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Projection {
+    Perspective {
+        fov: Fov,
+        axis: FovAxis,
+    },
+    /// Sees x in ±1 and y in ±1/aspect of its local frame, which `to_world` may scale.
+    Orthographic,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,6 +71,8 @@ pub struct Film {
     /// Extension-like name as written: `openexr`, `rgbe`, `pfm`, `png`, `jpeg`.
     pub file_format: String,
     pub sample_border: bool,
+    /// Radiance of the scene times this is what the film stores (pbrt's imaging ratio).
+    pub imaging_ratio: f64,
     /// Tone mapping asked for by an `ldrfilm`; used for the PNG only.
     pub tonemap: Option<Tonemap>,
 }
@@ -74,12 +87,46 @@ pub struct Crop {
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Filter {
-    Box { radius: f64 },
-    Tent { radius: f64 },
-    Gaussian { stddev: f64 },
-    Mitchell { b: f64, c: f64 },
+    Box {
+        radius: f64,
+    },
+    Tent {
+        radius: f64,
+    },
+    Gaussian {
+        stddev: f64,
+    },
+    Mitchell {
+        b: f64,
+        c: f64,
+    },
     CatmullRom,
-    Lanczos { lobes: u32 },
+    Lanczos {
+        lobes: u32,
+    },
+    /// pbrt's: truncated at `radius`, with the value there taken off.
+    TruncatedGaussian {
+        sigma: f64,
+        radius: [f64; 2],
+    },
+    /// pbrt's: stretched to `radius`.
+    ScaledMitchell {
+        b: f64,
+        c: f64,
+        radius: [f64; 2],
+    },
+    /// pbrt's box and triangle may be wider on one axis.
+    WideBox {
+        radius: [f64; 2],
+    },
+    WideTent {
+        radius: [f64; 2],
+    },
+    /// pbrt's Lanczos-windowed sinc.
+    WindowedSinc {
+        tau: f64,
+        radius: [f64; 2],
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

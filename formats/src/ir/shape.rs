@@ -1,10 +1,11 @@
 //! Shapes, shape groups and meshes on disk.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, ColorInput, Id, Origin, Transform};
+use super::{Bsdf, ColorInput, FloatInput, Id, Origin, Transform};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
@@ -19,6 +20,8 @@ pub struct Shape {
     pub emission: Option<AreaEmission>,
     /// Reverses geometric and shading normals.
     pub flip_normals: bool,
+    /// Opacity of the shape itself (pbrt's `alpha`); a BSDF may be masked as well.
+    pub alpha: Option<FloatInput>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,15 +29,25 @@ pub struct AreaEmission {
     pub origin: Origin,
     /// Radiance leaving the side of the normal.
     pub radiance: ColorInput,
+    pub scale: f64,
+    pub two_sided: bool,
+    /// Along the normal only (Mitsuba's `directionalarea`).
+    pub collimated: bool,
+    /// pbrt: rescales the lamp to emit this many watts (mean of the channels' luminance) in all.
+    pub power: Option<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ShapeKind {
     Mesh(MeshFile),
+    /// A mesh written into the scene file itself.
+    Inline(Arc<InlineMesh>),
     Sphere {
         center: [f64; 3],
         radius: f64,
     },
+    /// A part of a sphere at the origin, of a disk, or of a cylinder about +Z, as pbrt cuts them.
+    Partial(PartialQuadric),
     /// [-1, 1]² at z = 0, normal +Z.
     Rectangle,
     /// [-1, 1]³.
@@ -51,6 +64,25 @@ pub enum ShapeKind {
     Instance {
         group: Id<ShapeGroup>,
     },
+}
+
+/// pbrt's quadrics with their cuts; angles in degrees, u = φ/phi_max.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PartialQuadric {
+    Sphere { radius: f64, z_min: f64, z_max: f64, phi_max: f64 },
+    Disk { height: f64, radius: f64, inner_radius: f64, phi_max: f64 },
+    Cylinder { radius: f64, z_min: f64, z_max: f64, phi_max: f64 },
+}
+
+/// Vertices in object space, in the precision of a mesh file; empty lists are absent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct InlineMesh {
+    pub positions: Vec<[f32; 3]>,
+    pub normals: Vec<[f32; 3]>,
+    pub uvs: Vec<[f32; 2]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Author's surface this was made from, for comments (`bilinearmesh`, `loopsubdiv`).
+    pub made_from: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

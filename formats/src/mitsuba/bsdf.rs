@@ -8,7 +8,7 @@ use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::ir::{
     Bsdf, BsdfKind, Color, ColorInput, ColorSlot, Conductor, ConductorMaterial, Dielectric, Id, Ior,
-    Microfacet, MicrofacetDistribution, Plastic,
+    Microfacet, MicrofacetDistribution, Plastic, RoughnessRemap, Shadowing,
 };
 use crate::spectrum::conductor_names;
 
@@ -143,6 +143,8 @@ fn microfacet<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Microfacet 
         alpha_u: reader.optional_float_input(props, "alpha_u").unwrap_or_else(|| alpha.clone()),
         alpha_v: reader.optional_float_input(props, "alpha_v").unwrap_or(alpha),
         sample_visible: props.boolean("sample_visible", true),
+        shadowing: Shadowing::Separable,
+        remap: RoughnessRemap::None,
     }
 }
 
@@ -182,7 +184,7 @@ fn conductor<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Conductor {
                 props.problems.push(Diagnostic::warning(text, Some(props.object.span)));
             }
             let (eta, k) = (eta.unwrap_or(Color::Gray(0.0)), k.unwrap_or(Color::Gray(1.0)));
-            ConductorMaterial::EtaK { eta, k, ext_eta }
+            ConductorMaterial::EtaK { eta: ColorInput::Color(eta), k: ColorInput::Color(k), ext_eta }
         }
     };
     Conductor { material, specular_reflectance }

@@ -6,7 +6,7 @@ use super::props::Props;
 use super::reader::Reader;
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
-use crate::ir::{AreaEmission, ColorSlot, Emitter, EmitterKind};
+use crate::ir::{AreaEmission, ColorSlot, Emitter, EmitterKind, SpotFalloff};
 
 type ReadEmitter = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<EmitterKind>;
 
@@ -73,7 +73,7 @@ impl<'a> Reader<'a> {
             let radiance = self.color_input(&mut props, "radiance", ColorSlot::Emission, 1.0);
             let origin = props.origin();
             self.finish(props);
-            AreaEmission { origin, radiance }
+            AreaEmission { origin, radiance, scale: 1.0, two_sided: false, collimated: false, power: None }
         });
         self.emissions.insert(index, emission.clone());
         emission
@@ -134,6 +134,7 @@ fn spot<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKin
         intensity,
         cutoff_angle,
         beam_width,
+        falloff: SpotFalloff::Linear,
         texture,
     })
 }

@@ -61,6 +61,7 @@ impl<'a> Reader<'a> {
             component_format: ComponentFormat::Float16,
             file_format: "openexr".to_owned(),
             sample_border: false,
+            imaging_ratio: 1.0,
             tonemap: None,
         };
         let Some(index) = index else { return film };

@@ -6,7 +6,7 @@ use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
-use crate::ir::{Fov, FovAxis, Lens, Sampler, Sensor, Transform};
+use crate::ir::{Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform};
 
 type ReadLens = fn(&mut Props<'_>, f64) -> Option<Lens>;
 
@@ -57,7 +57,7 @@ impl<'a> Reader<'a> {
         }
         let lens = lens(&mut props, far_clip);
         let fov = fov(&mut props);
-        let fov_axis = props.choice("fov_axis", FovAxis::X, AXES);
+        let axis = props.choice("fov_axis", FovAxis::X, AXES);
         let to_world = props.transform("to_world");
         check_rigid(&mut props, &to_world);
         let principal_point_offset =
@@ -71,8 +71,8 @@ impl<'a> Reader<'a> {
             name: props.name(),
             origin: props.origin(),
             to_world,
-            fov,
-            fov_axis,
+            projection: Projection::Perspective { fov, axis },
+            screen_window: None,
             near_clip,
             far_clip,
             principal_point_offset,

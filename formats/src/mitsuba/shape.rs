@@ -76,6 +76,7 @@ impl<'a> Reader<'a> {
             bsdf: bsdf.map(|nested| self.bsdf(nested.index)),
             emission: emitter.and_then(|nested| self.area_emission(nested.index)),
             flip_normals,
+            alpha: None,
             kind: ShapeKind::Cube,
         };
         if to_world.inverse().is_none() {

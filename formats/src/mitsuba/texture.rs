@@ -7,7 +7,7 @@ use super::props::Props;
 use super::reader::Reader;
 use super::version::Dialect;
 use crate::ir::{
-    Bitmap, Color, ColorInput, ColorSlot, Id, Texture, TextureEncoding, TextureFilter, TextureKind,
+    Bitmap, Color, ColorInput, ColorSlot, Id, Mapping, Texture, TextureEncoding, TextureFilter, TextureKind,
     Transform, WrapMode,
 };
 
@@ -107,7 +107,17 @@ fn bitmap<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureK
     let channel = props.optional_choice("channel", &channels).flatten();
     let to_uv = to_uv(props, reader.dialect);
     props.ignore(&["cache", "max_anisotropy", "format", "accel"]);
-    Some(TextureKind::Bitmap(Bitmap { path: path?, filter, wrap_u, wrap_v, encoding, channel, to_uv }))
+    Some(TextureKind::Bitmap(Bitmap {
+        path: path?,
+        filter,
+        wrap_u,
+        wrap_v,
+        encoding,
+        channel,
+        mapping: Mapping::Uv(to_uv),
+        scale: 1.0,
+        invert: false,
+    }))
 }
 
 fn checkerboard<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKind> {
@@ -117,7 +127,7 @@ fn checkerboard<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Te
 }
 
 fn scale<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKind> {
-    let factor = reader.color(props, "scale", ColorSlot::Unbounded, 1.0);
+    let factor = ColorInput::Color(reader.color(props, "scale", ColorSlot::Unbounded, 1.0));
     let value = if props.has("value") {
         reader.color_input(props, "value", ColorSlot::Unbounded, 1.0)
     } else if let Some(nested) = props.only_child(Class::Texture) {

@@ -2,7 +2,7 @@
 
 use caustica_formats::ReadOptions;
 use caustica_formats::ir::{
-    BsdfKind, Color, ColorInput, ConductorMaterial, EmitterKind, HideEmitters, Scalar, ShapeKind,
+    BsdfKind, Color, ColorInput, ConductorMaterial, EmitterKind, HideEmitters, Projection, Scalar, ShapeKind,
     SpectrumRule, TextureKind, Transform,
 };
 
@@ -256,7 +256,8 @@ fn scenes_before_0_4_are_upgraded() {
         <luminaire type='constant'><rgb name='intensity' value='1 2 3'/></luminaire></scene>",
     );
     assert_eq!(read.sensors[0].to_world, Transform::scale([-1.0, 1.0, 1.0]));
-    assert_eq!(read.sensors[0].fov_axis, caustica_formats::ir::FovAxis::Smaller);
+    let Projection::Perspective { axis, .. } = read.sensors[0].projection else { panic!() };
+    assert_eq!(axis, caustica_formats::ir::FovAxis::Smaller);
     assert_eq!(read.sensors[0].film.pixel_format, caustica_formats::ir::PixelFormat::Rgba);
     assert_eq!(radiance(&read), &Color::Rgb([1.0, 2.0, 3.0]));
     let read = scene(

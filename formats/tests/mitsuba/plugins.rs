@@ -2,8 +2,8 @@
 
 use caustica_formats::ir::{
     BsdfKind, Color, ColorInput, ComponentFormat, Crop, EmitterKind, Filter, FloatInput, Fov, FovAxis, Ior,
-    MeshFormat, MicrofacetDistribution, PixelFormat, ShapeKind, TextureEncoding, TextureFilter, TextureKind,
-    Tonemap, WrapMode,
+    MeshFormat, MicrofacetDistribution, PixelFormat, Projection, ShapeKind, TextureEncoding, TextureFilter,
+    TextureKind, Tonemap, WrapMode,
 };
 
 use caustica_formats::ReadOptions;
@@ -27,7 +27,8 @@ fn named(name: &str) -> Ior {
 fn a_bare_sensor_has_the_defaults_of_the_manual() {
     let scene = v3("<sensor type='perspective'/>");
     let sensor = &scene.sensors[0];
-    assert_eq!((sensor.fov, sensor.fov_axis), (Fov::FocalLength(50.0), FovAxis::X));
+    let perspective = Projection::Perspective { fov: Fov::FocalLength(50.0), axis: FovAxis::X };
+    assert_eq!(sensor.projection, perspective);
     assert_eq!((sensor.near_clip, sensor.far_clip), (0.01, 10_000.0));
     let film = &sensor.film;
     assert_eq!((film.width, film.height, film.crop), (768, 576, None));

@@ -26,7 +26,7 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
                 position: relative(*position),
                 intensity: b.color(intensity, ColorSlot::Emission, at),
             }),
-            EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, texture } => {
+            EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, texture, .. } => {
                 let axes =
                     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|a| unit(to_world.vector(a)));
                 let [Some(s), Some(t), Some(n)] = axes else {
@@ -63,6 +63,10 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
                 }
                 environment = Some(emitters.len() as u32);
                 Emitter::Constant(Constant { radiance: b.color(radiance, ColorSlot::Emission, at) })
+            }
+            _ => {
+                b.unsupported("this emitter", "nothing", at);
+                continue;
             }
         };
         emitters.push(emitter);

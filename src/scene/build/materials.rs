@@ -120,6 +120,10 @@ impl Builder<'_> {
                 parts
             }
             BsdfKind::Null => Model::Null.into(),
+            _ => {
+                self.unsupported("this bsdf", "diffuse gray 0.5", origin);
+                diffuse(Param::Constant(DEFAULT_REFLECTANCE)).into()
+            }
         }
     }
 
@@ -180,9 +184,19 @@ impl Builder<'_> {
             }
             ConductorMaterial::EtaK { eta, k, ext_eta } => {
                 let ext = outside(self, ext_eta);
-                let eta = self.color(eta, ColorSlot::Unbounded, origin);
-                let k = self.color(k, ColorSlot::Unbounded, origin);
+                let constant = |b: &mut Self, input| match b.param(input, ColorSlot::Unbounded, origin) {
+                    Param::Constant(c) => c,
+                    Param::Texture(_) => {
+                        b.unsupported("a textured index of refraction", "1", origin);
+                        Rgb::ONE
+                    }
+                };
+                let (eta, k) = (constant(self, eta), constant(self, k));
                 Some((eta / ext, k / ext))
+            }
+            ConductorMaterial::Reflectance(_) => {
+                self.unsupported("a conductor given by its reflectance", "a perfect mirror", origin);
+                None
             }
         };
         ConductorModel { index, reflectance }

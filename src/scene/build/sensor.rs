@@ -34,9 +34,15 @@ pub fn choose<'a>(b: &mut Builder<'a>) -> Option<&'a ir::Sensor> {
 pub fn build(b: &mut Builder<'_>, s: &ir::Sensor, origin: [f64; 3]) -> (Sensor, FilmSize, Filter) {
     let film = film_size(b, &s.film);
     let aspect = f64::from(film.width) / f64::from(film.height);
-    let (fov, axis) = match s.fov {
-        ir::Fov::Degrees(d) => (d, fov_axis(s.fov_axis)),
-        ir::Fov::FocalLength(mm) => (2.0 * (FRAME_DIAGONAL * 0.5 / mm).atan().to_degrees(), Axis::Diagonal),
+    let (fov, axis) = match s.projection {
+        ir::Projection::Perspective { fov: ir::Fov::Degrees(d), axis } => (d, fov_axis(axis)),
+        ir::Projection::Perspective { fov: ir::Fov::FocalLength(mm), .. } => {
+            (2.0 * (FRAME_DIAGONAL * 0.5 / mm).atan().to_degrees(), Axis::Diagonal)
+        }
+        ir::Projection::Orthographic => {
+            b.unsupported("sensor `orthographic`", "a perspective sensor of 40 degrees", s.origin);
+            (40.0, Axis::X)
+        }
     };
     if !(fov > 0.0 && fov < 180.0) {
         b.error(format!("the field of view must lie between 0 and 180 degrees, not {fov}"), s.origin);
@@ -120,5 +126,12 @@ fn filter(f: &ir::Filter) -> Shape {
         ir::Filter::Mitchell { b, c } => Shape::Cubic(Cubic { b, c }),
         ir::Filter::CatmullRom => Shape::Cubic(Cubic { b: 0.0, c: 0.5 }),
         ir::Filter::Lanczos { lobes } => Shape::Lanczos(Lanczos { lobes }),
+        ir::Filter::WideBox { radius } => Shape::Box(Box { radius: radius[0] }),
+        ir::Filter::WideTent { radius } => Shape::Tent(Tent { radius: radius[0] }),
+        ir::Filter::TruncatedGaussian { sigma, .. } => Shape::Gaussian(Gaussian { stddev: sigma }),
+        ir::Filter::ScaledMitchell { b, c, .. } => Shape::Cubic(Cubic { b, c }),
+        ir::Filter::WindowedSinc { tau, .. } => {
+            Shape::Lanczos(Lanczos { lobes: tau.round().max(1.0) as u32 })
+        }
     }
 }

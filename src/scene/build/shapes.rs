@@ -203,7 +203,8 @@ fn corners(kind: &ShapeKind, meshes: &Meshes) -> Vec<[f64; 3]> {
         ),
         ShapeKind::Rectangle | ShapeKind::Disk => around([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]),
         ShapeKind::Cube => around([-1.0; 3], [1.0; 3]),
-        ShapeKind::Instance { .. } => Vec::new(),
+        ShapeKind::Inline(mesh) => mesh.positions.iter().map(|p| p.map(f64::from)).collect(),
+        ShapeKind::Instance { .. } | ShapeKind::Partial(_) => Vec::new(),
     }
 }
 
@@ -243,6 +244,19 @@ fn add_shape(
             Some(Some(mesh)) => Some(mesh),
             _ => return,
         },
+        ShapeKind::Inline(mesh) => {
+            built = Mesh {
+                positions: mesh.positions.clone(),
+                normals: mesh.normals.clone(),
+                uvs: mesh.uvs.clone(),
+                triangles: mesh.triangles.clone(),
+            };
+            Some(&built)
+        }
+        ShapeKind::Partial(_) => {
+            b.unsupported("this kind of shape", "nothing", shape.origin);
+            return;
+        }
         ShapeKind::Rectangle => {
             built = builtin::rectangle(to_level.determinant3() < 0.0);
             Some(&built)

@@ -59,11 +59,20 @@ impl Builder<'_> {
             }
             ir::TextureKind::Scale { value, factor } => {
                 let inner = self.param(value, slot, origin);
-                let factor = self.color(factor, ColorSlot::Unbounded, origin);
-                match inner {
-                    Param::Constant(c) => Param::Constant(c * factor),
-                    Param::Texture(_) => self.textures.push(Texture::Scaled(inner, factor)),
+                match (inner, self.param(factor, ColorSlot::Unbounded, origin)) {
+                    (Param::Constant(a), Param::Constant(b)) => Param::Constant(a * b),
+                    (inner, Param::Constant(factor)) | (Param::Constant(factor), inner) => {
+                        self.textures.push(Texture::Scaled(inner, factor))
+                    }
+                    (inner, Param::Texture(_)) => {
+                        self.unsupported("a texture scaled by a texture", "the unscaled one", origin);
+                        inner
+                    }
                 }
+            }
+            _ => {
+                self.unsupported("this kind of texture", "gray 0.5", origin);
+                Param::gray(0.5)
             }
         };
         self.textures.known.insert(key, param);
@@ -93,6 +102,10 @@ impl Builder<'_> {
             return None;
         };
         let decode = decoder(b.encoding, picture.encoding);
+        let ir::Mapping::Uv(to_uv) = b.mapping else {
+            self.unsupported("a texture mapped otherwise than by uv", "gray 0.5", origin);
+            return None;
+        };
         let texels = picture
             .data
             .chunks_exact(picture.channels.len())
@@ -104,7 +117,7 @@ impl Builder<'_> {
             texels,
             bilinear: b.filter == ir::TextureFilter::Bilinear,
             wrap: [wrap(b.wrap_u), wrap(b.wrap_v)],
-            to_uv: uv_transform(&b.to_uv),
+            to_uv: uv_transform(&to_uv),
         })
     }
 }
