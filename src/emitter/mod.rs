@@ -3,12 +3,18 @@
 mod area;
 mod constant;
 mod directional;
+mod environment;
+mod equal_area;
+mod picture;
 mod point;
 mod spot;
+mod table;
 
 pub use area::{Area, MeshTriangle, Surface};
 pub use constant::Constant;
 pub use directional::Directional;
+pub use environment::{Environment, Mapping as EnvironmentMapping};
+pub use picture::Picture;
 pub use point::Point;
 pub use spot::Spot;
 
@@ -45,6 +51,13 @@ pub struct SceneSphere {
     pub radius: f32,
 }
 
+impl SceneSphere {
+    /// Area of the disk it shows to light from infinity.
+    pub fn disk(&self) -> f32 {
+        std::f32::consts::PI * self.radius * self.radius
+    }
+}
+
 #[derive(Clone, Debug)]
 pub enum Emitter {
     Area(Area),
@@ -52,6 +65,7 @@ pub enum Emitter {
     Spot(Spot),
     Directional(Directional),
     Constant(Constant),
+    Environment(Box<Environment>),
 }
 
 impl Emitter {
@@ -64,6 +78,7 @@ impl Emitter {
             Self::Spot(e) => e.sample_direct(textures, p),
             Self::Directional(e) => e.sample_direct(),
             Self::Constant(e) => e.sample_direct(u),
+            Self::Environment(e) => e.sample_direct(u),
         }
     }
 
@@ -82,6 +97,7 @@ impl Emitter {
             Self::Spot(e) => e.sample_emission(textures, direction),
             Self::Directional(e) => e.sample_emission(scene, place),
             Self::Constant(e) => e.sample_emission(scene, place, direction),
+            Self::Environment(e) => e.sample_emission(scene, place, direction),
         }
     }
 
@@ -94,6 +110,7 @@ impl Emitter {
             Self::Spot(e) => e.power(),
             Self::Directional(e) => e.power(scene),
             Self::Constant(e) => e.power(scene),
+            Self::Environment(e) => e.power(scene),
         }
     }
 

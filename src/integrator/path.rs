@@ -100,9 +100,12 @@ impl PathTracer<'_> {
             let visible_lamps = !self.hide_emitters || seen;
             let Some(hit) = scene.geometry.closest(&ray) else {
                 if visible_lamps {
-                    let weight =
-                        if pdf > 0.0 { power_heuristic(pdf, scene.pdf_direct_background()) } else { 1.0 };
-                    out.add(stage.layer(), throughput * scene.background() * weight);
+                    let weight = if pdf > 0.0 {
+                        power_heuristic(pdf, scene.pdf_direct_background(ray.d))
+                    } else {
+                        1.0
+                    };
+                    out.add(stage.layer(), throughput * scene.background(ray.d) * weight);
                 }
                 break;
             };

@@ -335,7 +335,7 @@ impl Integrator for PhotonMapper<'_> {
             let visible_lamps = seen || !self.settings.hide_emitters;
             let Some(hit) = scene.geometry.closest(&ray) else {
                 if visible_lamps {
-                    out.add(Layer::Emission, throughput * scene.background());
+                    out.add(Layer::Emission, throughput * scene.background(ray.d));
                 }
                 break;
             };

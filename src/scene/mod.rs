@@ -168,11 +168,12 @@ impl Scene {
         self.shapes[s.shape as usize].emitter.is_some()
     }
 
-    /// Radiance from infinity.
+    /// Radiance from infinity, seen along the unit direction `d`.
     #[inline]
-    pub fn background(&self) -> Rgb {
+    pub fn background(&self, d: Vec3) -> Rgb {
         match self.environment.map(|e| &self.emitters[e as usize]) {
             Some(Emitter::Constant(c)) => c.radiance,
+            Some(Emitter::Environment(e)) => e.radiance(d),
             _ => Rgb::ZERO,
         }
     }
@@ -189,16 +190,16 @@ impl Scene {
         }
     }
 
-    /// The same for a ray that leaves the scene.
+    /// The same for a ray that leaves the scene along the unit direction `d`.
     #[inline]
-    pub fn pdf_direct_background(&self) -> f32 {
-        match self.environment {
-            Some(e) => match &self.emitters[e as usize] {
-                Emitter::Constant(c) => c.pdf_direct() * self.direct.probability(e as usize),
-                _ => 0.0,
-            },
-            None => 0.0,
-        }
+    pub fn pdf_direct_background(&self, d: Vec3) -> f32 {
+        let Some(e) = self.environment else { return 0.0 };
+        let pdf = match &self.emitters[e as usize] {
+            Emitter::Constant(c) => c.pdf_direct(),
+            Emitter::Environment(e) => e.pdf_direct(d),
+            _ => 0.0,
+        };
+        pdf * self.direct.probability(e as usize)
     }
 
     /// Light at `p` from one emitter, with the probability of choosing it divided out.

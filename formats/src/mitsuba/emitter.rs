@@ -6,7 +6,10 @@ use super::props::Props;
 use super::reader::Reader;
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
-use crate::ir::{AreaEmission, ColorSlot, Emitter, EmitterKind, SpotFalloff};
+use crate::ir::{
+    AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, LightImage, SpotFalloff,
+    TextureEncoding,
+};
 
 type ReadEmitter = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<EmitterKind>;
 
@@ -16,7 +19,7 @@ const EMITTERS: &[Plugin<ReadEmitter>] = &[
     read("spot", spot),
     read("directional", directional),
     read("constant", constant),
-    unsupported("envmap"),
+    read("envmap", envmap),
     unsupported("projector"),
     unsupported("sunsky"),
     unsupported("timed_sunsky"),
@@ -81,8 +84,9 @@ impl<'a> Reader<'a> {
 
     /// Rules about all emitters together.
     pub fn check_emitters(&mut self) {
-        let environments: Vec<_> =
-            self.scene.emitters.iter().filter(|e| matches!(e.kind, EmitterKind::Constant { .. })).collect();
+        let fills =
+            |e: &&Emitter| matches!(e.kind, EmitterKind::Constant { .. } | EmitterKind::Environment { .. });
+        let environments: Vec<_> = self.scene.emitters.iter().filter(fills).collect();
         if let [first, second, ..] = environments.as_slice() {
             let mut problem =
                 Diagnostic::error("a scene has one environment; this is a second one", second.origin.0);
@@ -155,4 +159,31 @@ fn directional<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Emi
 fn constant<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
     props.ignore(&["to_world"]);
     Some(EmitterKind::Constant { radiance: reader.color(props, "radiance", ColorSlot::Emission, 1.0) })
+}
+
+fn envmap<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
+    let path = reader.asset(props, "environment map");
+    let encoding = gamma(props);
+    let scale = props.float("scale", 1.0);
+    // How Mitsuba samples and stores it.
+    props.ignore(&["mis_compensation", "cache"]);
+    Some(EmitterKind::Environment {
+        to_world: props.transform("to_world"),
+        image: LightImage { path: path?, encoding, scale, illuminance: None },
+        mapping: EnvironmentMapping::LatLong,
+    })
+}
+
+/// 0.6: 0 is what the file says, −1 sRGB.
+pub(super) fn gamma(props: &mut Props<'_>) -> TextureEncoding {
+    match props.float("gamma", 0.0) {
+        0.0 => TextureEncoding::Auto,
+        1.0 => TextureEncoding::Linear,
+        -1.0 => TextureEncoding::Srgb,
+        gamma if gamma > 0.0 => TextureEncoding::Gamma(gamma),
+        gamma => {
+            props.complain("gamma", format!("`gamma` must be positive, 0 or -1, not {gamma}"));
+            TextureEncoding::Auto
+        }
+    }
 }

@@ -2,8 +2,8 @@
 
 use caustica_formats::ir::{self, ColorSlot, EmitterKind};
 
-use super::Builder;
-use crate::emitter::{Constant, Directional, Emitter, Point, Spot};
+use super::{Builder, analytic};
+use crate::emitter::{Constant, Directional, Emitter, Environment, EnvironmentMapping, Point, Spot};
 use crate::math::{Frame, Vec3};
 
 fn vec3(v: [f64; 3]) -> Vec3 {
@@ -64,6 +64,14 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
                 environment = Some(emitters.len() as u32);
                 Emitter::Constant(Constant { radiance: b.color(radiance, ColorSlot::Emission, at) })
             }
+            EmitterKind::Environment { to_world, image, mapping } => {
+                if environment.is_some() {
+                    b.error("a scene may have one environment light only", at);
+                }
+                let Some(light) = picture_environment(b, to_world, image, *mapping, at) else { continue };
+                environment = Some(emitters.len() as u32);
+                Emitter::Environment(Box::new(light))
+            }
             _ => {
                 b.unsupported("this emitter", "nothing", at);
                 continue;
@@ -72,4 +80,40 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
         emitters.push(emitter);
     }
     environment
+}
+
+fn picture_environment(
+    b: &mut Builder<'_>,
+    to_world: &ir::Transform,
+    image: &ir::LightImage,
+    mapping: ir::EnvironmentMapping,
+    at: ir::Origin,
+) -> Option<Environment> {
+    if !analytic::is_similarity(to_world) {
+        b.error("the to_world of an environment may turn and mirror it, but not stretch it", at);
+        return None;
+    }
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|a| unit(to_world.vector(a)));
+    let [Some(s), Some(t), Some(n)] = axes else {
+        b.error("the environment's to_world is singular", at);
+        return None;
+    };
+    let picture = b.light_image(image, at)?;
+    let mapping = match mapping {
+        ir::EnvironmentMapping::LatLong => EnvironmentMapping::LatLong,
+        ir::EnvironmentMapping::EqualArea => EnvironmentMapping::EqualArea,
+    };
+    if mapping == EnvironmentMapping::EqualArea && picture.width != picture.height {
+        let size = format!("{}×{}", picture.width, picture.height);
+        b.error(
+            format!("an equal-area environment must be square, but `{}` is {size}", image.path.display()),
+            at,
+        );
+        return None;
+    }
+    let mut light = Environment::new(picture, mapping, Frame { s, t, n });
+    if let Some(wanted) = image.illuminance {
+        light.set_illuminance(wanted as f32);
+    }
+    Some(light)
 }

@@ -123,7 +123,7 @@ impl Builder<'_> {
 }
 
 /// Indices of the channels to use as RGB. Alpha is dropped without un-premultiplying, as Mitsuba does.
-fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]> {
+pub(super) fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]> {
     let find = |wanted: &str| names.iter().position(|n| n.eq_ignore_ascii_case(wanted));
     if let Some(c) = one {
         return find(&c.to_string()).map(|i| [i; 3]);
@@ -134,7 +134,7 @@ fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]> {
     }
 }
 
-fn decoder(wanted: ir::TextureEncoding, stored: Encoding) -> impl Fn(f32) -> f32 {
+pub(super) fn decoder(wanted: ir::TextureEncoding, stored: Encoding) -> impl Fn(f32) -> f32 {
     let srgb = |x: f32| caustica_formats::spectrum::srgb_to_linear(f64::from(x)) as f32;
     move |x| match (wanted, stored) {
         (ir::TextureEncoding::Auto, Encoding::Srgb) | (ir::TextureEncoding::Srgb, _) => srgb(x),
