@@ -199,7 +199,8 @@ fn sample_all<I: Integrator>(
                         let (offset, weight) = scene.filter.sample(sampler.next_2d());
                         let film = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * inverse;
                         let ray = scene.sensor.ray(film, sampler.next_2d());
-                        let sample = integrator.sample(shared, ray, &mut sampler, &mut scratch);
+                        let mut sample = integrator.sample(shared, ray, &mut sampler, &mut scratch);
+                        sample.scale(scene.sensor.imaging_ratio);
                         if !accumulate(&mut sums[row * width + x], &sample, weight) {
                             rejected += 1;
                         }
