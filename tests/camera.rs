@@ -110,8 +110,7 @@ fn an_orthographic_camera_sees_all_distances_alike() {
          <lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>{}</sensor>",
         film(8, 4)
     );
-    let lamps =
-        format!("{}{}", panel(1.0, "", "1"), panel(1.5, "<translate x='1.5' z='-40'/>", "0.25"));
+    let lamps = format!("{}{}", panel(1.0, "", "1"), panel(1.5, "<translate x='1.5' z='-40'/>", "0.25"));
     let seen = values(&render(&scene(&format!("{view}{lamps}")), EMISSION, 16));
     for (i, v) in seen.iter().enumerate() {
         // The film is twice as wide as high: y spans ±1.

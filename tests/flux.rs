@@ -94,7 +94,15 @@ fn emission_samples_add_up_to_the_power_of_every_lamp() {
     // Lamps whose samples all carry the same power have no error but rounding; the falloff of a spot and
     // the checks are piecewise smooth in two stratified numbers (error below 2⁻⁸ of their spread); the
     // choice among lamps is stratified in one number (2⁻¹⁶ each).
-    let rows: [(&str, Vec<&str>, f32); 9] = [
+    let projector = "<emitter type='projector'><float name='fov' value='50'/><rgb name='irradiance' value='2,1,3'/></emitter>";
+    let beam = rectangle(
+        0.3,
+        DOWN,
+        "<emitter type='directionalarea'><rgb name='radiance' value='1,2,3'/></emitter>",
+    );
+    let rows: [(&str, Vec<&str>, f32); 11] = [
+        ("projector", vec![projector], 1e-5),
+        ("directionalarea", vec![&beam], 1e-5),
         ("point", vec![POINT], 1e-5),
         ("spot", vec![spot], 1e-3),
         ("directional", vec![sun], 1e-5),

@@ -9,7 +9,7 @@ pub use geometry::{Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement}
 pub use plan::Plan;
 
 use crate::bsdf::{Closure, Material};
-use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere};
+use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere, Sides};
 use crate::film::{FilmSize, Filter};
 use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::Discrete;
@@ -154,11 +154,13 @@ impl Scene {
     #[inline(always)]
     pub fn emitted(&self, s: &Surface, w: Vec3) -> Rgb {
         match self.shapes[s.shape as usize].emitter {
-            Some(e) if s.frame.n.dot(w) > 0.0 => match &self.emitters[e as usize] {
-                Emitter::Area(a) => self.textures.eval(a.radiance, s.uv),
+            Some(e) => match &self.emitters[e as usize] {
+                Emitter::Area(a) if s.frame.n.dot(w) > 0.0 || a.sides == Sides::Both => {
+                    self.textures.eval(a.radiance, s.uv)
+                }
                 _ => Rgb::ZERO,
             },
-            _ => Rgb::ZERO,
+            None => Rgb::ZERO,
         }
     }
 

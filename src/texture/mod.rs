@@ -21,6 +21,13 @@ impl Param {
         Self::Constant(Rgb::splat(value))
     }
 
+    pub fn texture(self, textures: &Textures) -> Option<&Texture> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Texture(i) => textures.0.get(i as usize),
+        }
+    }
+
     pub fn constant(&self) -> Option<Rgb> {
         match self {
             Self::Constant(c) => Some(*c),

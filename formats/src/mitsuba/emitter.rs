@@ -1,13 +1,14 @@
 //! Emitters: those of the scene, and those of shapes.
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
+use super::plugin::{Plugin, read, unsupported, unsupported_but};
 use super::props::Props;
 use super::reader::Reader;
+use super::sensor::{AXES, fov};
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
-    AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, LightImage, SpotFalloff,
+    AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage, SpotFalloff,
     TextureEncoding,
 };
 
@@ -20,20 +21,22 @@ const EMITTERS: &[Plugin<ReadEmitter>] = &[
     read("directional", directional),
     read("constant", constant),
     read("envmap", envmap),
-    unsupported("projector"),
-    unsupported("sunsky"),
-    unsupported("timed_sunsky"),
-    unsupported("sky"),
-    unsupported("sun"),
-    unsupported("collimated"),
+    read("projector", projector),
+    unsupported_but("sunsky", BAKED),
+    unsupported_but("timed_sunsky", BAKED),
+    unsupported_but("sky", BAKED),
+    unsupported_but("sun", "use a `directional` emitter"),
+    unsupported_but("collimated", "use a small rectangle with a `directionalarea` emitter"),
     // In the table for the sake of suggestions; `top_level_emitter` deals with them.
     unsupported("area"),
     unsupported("directionalarea"),
 ];
 
-/// Emitters that are a shape's surface.
-const AREA_EMITTERS: &[Plugin<()>] =
-    &[read("area", ()), unsupported("directionalarea"), unsupported("projector")];
+const BAKED: &str = "render it into a latitude-longitude picture and use an `envmap`";
+
+/// Emitters that are a shape's surface; true where they shine along the normal only.
+const AREA_EMITTERS: &[Plugin<bool>] =
+    &[read("area", false), read("directionalarea", true), unsupported("projector")];
 
 impl<'a> Reader<'a> {
     pub fn top_level_emitter(&mut self, index: ObjectIndex) {
@@ -64,7 +67,7 @@ impl<'a> Reader<'a> {
         if let Some(emission) = self.emissions.get(&index) {
             return emission.clone();
         }
-        let emission = self.plugin(AREA_EMITTERS, index, "the shape does not shine").map(|()| {
+        let emission = self.plugin(AREA_EMITTERS, index, "the shape does not shine").map(|collimated| {
             let mut props = self.props(index);
             if props.has("to_world") {
                 props.complain("to_world", "an area emitter takes no `to_world`; place the shape instead");
@@ -76,7 +79,7 @@ impl<'a> Reader<'a> {
             let radiance = self.color_input(&mut props, "radiance", ColorSlot::Emission, 1.0);
             let origin = props.origin();
             self.finish(props);
-            AreaEmission { origin, radiance, scale: 1.0, two_sided: false, collimated: false, power: None }
+            AreaEmission { origin, radiance, scale: 1.0, two_sided: false, collimated, power: None }
         });
         self.emissions.insert(index, emission.clone());
         emission
@@ -186,4 +189,16 @@ pub(super) fn gamma(props: &mut Props<'_>) -> TextureEncoding {
             TextureEncoding::Auto
         }
     }
+}
+
+fn projector<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
+    let irradiance = reader.color_input(props, "irradiance", ColorSlot::Emission, 1.0);
+    let fov = fov(props);
+    Some(EmitterKind::Projector {
+        to_world: props.transform("to_world"),
+        irradiance,
+        scale: props.float("scale", 1.0),
+        fov,
+        fov_axis: props.choice("fov_axis", FovAxis::X, AXES),
+    })
 }

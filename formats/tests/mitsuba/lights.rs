@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use caustica_formats::ir::{EmitterKind, EnvironmentMapping, LightImage, TextureEncoding, Transform};
+use caustica_formats::ir::{
+    ColorInput, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, TextureEncoding, Transform,
+};
 
-use crate::{headlines, v3, v06};
+use crate::{failure, headlines, v3, v06};
 
 fn emitter(scene: caustica_formats::ir::Scene) -> EmitterKind {
     scene.emitters[0].kind.clone()
@@ -30,4 +32,31 @@ fn an_environment_map_is_a_picture_around_the_scene() {
     let two = "<scene version='3.0.0'><emitter type='constant'/><emitter type='envmap'>\
                <string name='filename' value='wood.png'/></emitter></scene>";
     assert_eq!(headlines(two), ["a scene has one environment; this is a second one"]);
+}
+
+#[test]
+fn a_projector_has_the_angles_of_a_camera() {
+    let text = "<emitter type='projector'><float name='fov' value='30'/><string name='fov_axis' value='y'/>
+                <texture name='irradiance' type='bitmap'><string name='filename' value='wood.png'/></texture></emitter>";
+    let EmitterKind::Projector { irradiance, scale, fov, fov_axis, .. } = emitter(v3(text)) else {
+        panic!("no projector");
+    };
+    assert!(matches!(irradiance, ColorInput::Texture(_)));
+    assert_eq!((scale, fov, fov_axis), (1.0, Fov::Degrees(30.0), FovAxis::Y));
+}
+
+#[test]
+fn a_collimated_lamp_is_part_of_a_shape() {
+    let scene = v3(
+        "<shape type='rectangle'><emitter type='directionalarea'><rgb name='radiance' value='3'/></emitter></shape>",
+    );
+    let emission = scene.shapes[0].emission.clone().expect("the shape shines");
+    assert!(emission.collimated && !emission.two_sided);
+}
+
+#[test]
+fn what_is_not_rendered_says_what_to_use() {
+    let text = failure("<scene version='0.6.0'><emitter type='sunsky'/><emitter type='sun'/></scene>");
+    assert!(text.contains("latitude-longitude picture and use an `envmap`"), "{text}");
+    assert!(text.contains("use a `directional` emitter"), "{text}");
 }

@@ -5,6 +5,7 @@ mod analytic;
 mod builtin;
 mod emitters;
 mod integrator;
+mod lamps;
 mod light_image;
 mod materials;
 mod sensor;

@@ -81,10 +81,7 @@ fn projection(b: &mut Builder<'_>, s: &ir::Sensor, aspect: f64) -> Projection {
     }
     let window = s.screen_window.map(Window::from_screen);
     let (fov, axis) = match s.projection {
-        ir::Projection::Perspective { fov: ir::Fov::Degrees(d), axis } => (d, fov_axis(axis)),
-        ir::Projection::Perspective { fov: ir::Fov::FocalLength(mm), .. } => {
-            (2.0 * (FRAME_DIAGONAL * 0.5 / mm).atan().to_degrees(), Axis::Diagonal)
-        }
+        ir::Projection::Perspective { fov, axis } => field_of_view(fov, axis),
         ir::Projection::Orthographic => {
             let plain = Orthographic::new(aspect);
             return Projection::Orthographic(Orthographic { window: window.unwrap_or(plain.window) });
@@ -123,6 +120,14 @@ fn film_size(b: &mut Builder<'_>, f: &ir::Film) -> FilmSize {
         }
     }
     size
+}
+
+/// Angle in degrees, and what it spans: a focal length speaks of the diagonal.
+pub fn field_of_view(fov: ir::Fov, axis: ir::FovAxis) -> (f64, Axis) {
+    match fov {
+        ir::Fov::Degrees(d) => (d, fov_axis(axis)),
+        ir::Fov::FocalLength(mm) => (2.0 * (FRAME_DIAGONAL * 0.5 / mm).atan().to_degrees(), Axis::Diagonal),
+    }
 }
 
 fn fov_axis(axis: ir::FovAxis) -> Axis {

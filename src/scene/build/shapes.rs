@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use caustica_formats::ir::{self, ColorSlot, ShapeKind, Transform};
+use caustica_formats::ir::{self, ShapeKind, Transform};
 use caustica_formats::mesh::{self, Mesh, MeshOptions};
 use rayon::prelude::*;
 
 use super::{Builder, analytic, builtin};
-use crate::emitter::{Area, Emitter, MeshTriangle, SceneSphere, Surface};
+use crate::emitter::{Emitter, MeshTriangle, SceneSphere, Surface};
 use crate::math::{Bounds, Vec2, Vec3};
 use crate::scene::geometry::{Geometry, Instance, Level, MAX_INDEX, Placement, Primitive};
 use crate::scene::{LIFT, ShapeRecord};
@@ -289,7 +289,6 @@ fn add_shape(
         }
     };
     if let (Some(emission), Some(surface), Some(emitters)) = (&shape.emission, surface, emitters) {
-        let radiance = b.param(&emission.radiance, ColorSlot::Emission, emission.origin);
         let extent = match &surface {
             Surface::Mesh { triangles, .. } => triangles
                 .iter()
@@ -298,10 +297,10 @@ fn add_shape(
                 .fold(0.0, f32::max),
             Surface::Analytic(a) => a.bounds().magnitude(),
         };
-        let area = Area::new(surface, radiance, extent * LIFT);
-        if area.area() > 0.0 {
-            record.emitter = Some(emitters.len() as u32);
-            emitters.push(Emitter::Area(area));
+        if surface.area() > 0.0 {
+            let lamp = b.lamp(emission, surface, extent * LIFT);
+            record.emitter = lamp.is_some().then_some(emitters.len() as u32);
+            emitters.extend(lamp);
         } else {
             b.warn("a lamp without area gives no light", shape.origin);
         }

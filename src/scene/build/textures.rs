@@ -20,6 +20,11 @@ impl TextureTable {
         self.textures
     }
 
+    /// Those that were built already.
+    pub fn so_far(&self) -> &Textures {
+        &self.textures
+    }
+
     fn push(&mut self, texture: Texture) -> Param {
         self.textures.0.push(texture);
         Param::Texture(self.textures.0.len() as u32 - 1)
@@ -38,6 +43,15 @@ impl Builder<'_> {
         match input {
             FloatInput::Value(v) => Param::gray(*v as f32),
             FloatInput::Texture(id) => self.texture(*id, ColorSlot::Reflectance),
+        }
+    }
+
+    /// `param` times `factor`.
+    pub(super) fn scaled(&mut self, param: Param, factor: f32) -> Param {
+        match param {
+            Param::Constant(c) => Param::Constant(c * factor),
+            Param::Texture(_) if factor == 1.0 => param,
+            Param::Texture(_) => self.textures.push(Texture::Scaled(param, Rgb::splat(factor))),
         }
     }
 
