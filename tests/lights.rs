@@ -47,11 +47,9 @@ fn irradiance_of_delta_lights_is_exact() {
     let cos = 2.0 / 4.13f64.sqrt();
     check("projector", projector, PI * 0.7 / cos.powi(3) / 4.0, 32);
     // A beam of 0.7 W/m² straight down.
-    let beam = format!(
-        "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='180'/><translate z='11'/></transform>
-         <emitter type='directionalarea'><rgb name='radiance' value='0.7'/></emitter></shape>"
-    );
-    check("directionalarea", &beam, 0.7, 32);
+    let beam = "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='180'/><translate z='11'/></transform>
+         <emitter type='directionalarea'><rgb name='radiance' value='0.7'/></emitter></shape>";
+    check("directionalarea", beam, 0.7, 32);
 }
 
 /// A Lambertian disc lamp of radius a at height h over the patch: E = πL·a²/(a² + h²). The narrow sky
