@@ -20,7 +20,7 @@ const TEXTURES: &[Plugin<ReadTexture>] = &[
     read("scale", scale),
     unsupported("mesh_attribute"),
     unsupported("volume"),
-    unsupported("gridtexture"),
+    read("gridtexture", grid),
     unsupported("vertexcolors"),
     unsupported("wireframe"),
     unsupported("curvature"),
@@ -128,4 +128,13 @@ fn scale<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKi
         return None;
     };
     Some(TextureKind::Scale { value, factor })
+}
+
+fn grid<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKind> {
+    Some(TextureKind::Grid {
+        color0: reader.color_input(props, "color0", ColorSlot::Reflectance, 0.2),
+        color1: reader.color_input(props, "color1", ColorSlot::Reflectance, 0.4),
+        line_width: props.positive("line_width", 0.01),
+        to_uv: to_uv(props, reader.dialect),
+    })
 }

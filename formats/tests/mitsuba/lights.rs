@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use caustica_formats::ir::{
-    ColorInput, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, TextureEncoding, Transform,
+    Color, ColorInput, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, TextureEncoding,
+    TextureKind, Transform,
 };
 
 use crate::{failure, headlines, v3, v06};
@@ -59,4 +60,17 @@ fn what_is_not_rendered_says_what_to_use() {
     let text = failure("<scene version='0.6.0'><emitter type='sunsky'/><emitter type='sun'/></scene>");
     assert!(text.contains("latitude-longitude picture and use an `envmap`"), "{text}");
     assert!(text.contains("use a `directional` emitter"), "{text}");
+}
+
+#[test]
+fn a_grid_has_the_defaults_of_the_manual() {
+    let scene = v06(
+        "<emitter type='constant'/><shape type='cube'><bsdf type='diffuse'><texture type='gridtexture' name='reflectance'>\
+        <float name='uscale' value='4'/></texture></bsdf></shape>",
+    );
+    let (_, texture) = scene.textures.iter().next().expect("a texture");
+    let TextureKind::Grid { color0, color1, line_width, to_uv } = &texture.kind else { panic!("no grid") };
+    let gray = |v| ColorInput::Color(Color::Gray(v));
+    assert_eq!((color0, color1, *line_width), (&gray(0.2), &gray(0.4), 0.01));
+    assert_eq!(*to_uv, Transform::scale([4.0, 1.0, 1.0]));
 }

@@ -4,7 +4,7 @@ use caustica_formats::diagnostic::Diagnostic;
 use caustica_formats::ir;
 
 use super::Builder;
-use crate::film::filter::{Box, Cubic, Gaussian, Lanczos, Shape, Tent};
+use crate::film::filter::{Box, Cubic, Gaussian, Lanczos, Shape, Sinc, Stretched, Tent, Truncated};
 use crate::film::{FilmSize, Filter};
 use crate::math::{Vec2, Vec3};
 use crate::sensor::{Axis, Orthographic, Perspective, Projection, Sensor, ThinLens, Window};
@@ -70,7 +70,7 @@ pub fn build(b: &mut Builder<'_>, s: &ir::Sensor, origin: [f64; 3]) -> (Sensor, 
         principal_point_offset: Vec2::new(ox as f32, oy as f32),
         imaging_ratio: s.film.imaging_ratio as f32,
     };
-    (sensor, film, Filter::new(filter(&s.film.filter)))
+    (sensor, film, filter(&s.film.filter))
 }
 
 fn projection(b: &mut Builder<'_>, s: &ir::Sensor, aspect: f64) -> Projection {
@@ -140,20 +140,27 @@ fn fov_axis(axis: ir::FovAxis) -> Axis {
     }
 }
 
-fn filter(f: &ir::Filter) -> Shape {
-    match *f {
+fn filter(f: &ir::Filter) -> Filter {
+    let wide = |radius: [f64; 2], shape: &dyn Fn(f64) -> Shape| {
+        Filter::separable(shape(radius[0]), shape(radius[1]))
+    };
+    Filter::new(match *f {
         ir::Filter::Box { radius } => Shape::Box(Box { radius }),
         ir::Filter::Tent { radius } => Shape::Tent(Tent { radius }),
         ir::Filter::Gaussian { stddev } => Shape::Gaussian(Gaussian { stddev }),
         ir::Filter::Mitchell { b, c } => Shape::Cubic(Cubic { b, c }),
         ir::Filter::CatmullRom => Shape::Cubic(Cubic { b: 0.0, c: 0.5 }),
         ir::Filter::Lanczos { lobes } => Shape::Lanczos(Lanczos { lobes }),
-        ir::Filter::WideBox { radius } => Shape::Box(Box { radius: radius[0] }),
-        ir::Filter::WideTent { radius } => Shape::Tent(Tent { radius: radius[0] }),
-        ir::Filter::TruncatedGaussian { sigma, .. } => Shape::Gaussian(Gaussian { stddev: sigma }),
-        ir::Filter::ScaledMitchell { b, c, .. } => Shape::Cubic(Cubic { b, c }),
-        ir::Filter::WindowedSinc { tau, .. } => {
-            Shape::Lanczos(Lanczos { lobes: tau.round().max(1.0) as u32 })
+        ir::Filter::WideBox { radius } => return wide(radius, &|radius| Shape::Box(Box { radius })),
+        ir::Filter::WideTent { radius } => return wide(radius, &|radius| Shape::Tent(Tent { radius })),
+        ir::Filter::TruncatedGaussian { sigma, radius } => {
+            return wide(radius, &|radius| Shape::Truncated(Truncated { sigma, radius }));
         }
-    }
+        ir::Filter::ScaledMitchell { b, c, radius } => {
+            return wide(radius, &|radius| Shape::Stretched(Stretched { cubic: Cubic { b, c }, radius }));
+        }
+        ir::Filter::WindowedSinc { tau, radius } => {
+            return wide(radius, &|radius| Shape::Sinc(Sinc { tau, radius }));
+        }
+    })
 }
