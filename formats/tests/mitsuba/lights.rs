@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use caustica_formats::ir::{
-    Color, ColorInput, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, TextureEncoding,
+    Color, ColorInput, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, ShapeKind, TextureEncoding,
     TextureKind, Transform,
 };
 
@@ -73,4 +73,15 @@ fn a_grid_has_the_defaults_of_the_manual() {
     let gray = |v| ColorInput::Color(Color::Gray(v));
     assert_eq!((color0, color1, *line_width), (&gray(0.2), &gray(0.4), 0.01));
     assert_eq!(*to_uv, Transform::scale([4.0, 1.0, 1.0]));
+}
+
+#[test]
+fn a_merge_is_its_parts() {
+    let scene = v3(
+        "<shape type='merge'><shape type='cube'/><shape type='ply'><string name='filename' value='mesh.ply'/></shape></shape>",
+    );
+    assert_eq!(scene.shapes.len(), 2);
+    assert_eq!(scene.shapes[0].kind, ShapeKind::Cube);
+    let wrong = "<scene version='3.0.0'><shape type='merge'><float name='radius' value='1'/></shape></scene>";
+    assert_eq!(headlines(wrong), ["unknown parameter `radius` of merge"]);
 }

@@ -9,6 +9,7 @@ mod integrator;
 mod lamps;
 mod light_image;
 mod materials;
+mod partial;
 mod sensor;
 mod shapes;
 mod textures;
