@@ -30,6 +30,15 @@ impl Frustum {
         4.0 * self.half.x * self.half.y
     }
 
+    /// Solid angle of the part of the picture between two corners.
+    pub fn solid_angle(&self, a: Vec2, b: Vec2) -> f64 {
+        let plane = |uv: Vec2| ((Vec2::ONE - uv * 2.0) * self.half).as_dvec2();
+        let (a, b) = (plane(a), plane(b));
+        // Of the rectangle from the axis to (x, y) at distance 1.
+        let corner = |x: f64, y: f64| (x * y).atan2((1.0 + x * x + y * y).sqrt());
+        (corner(a.x, a.y) - corner(a.x, b.y) - corner(b.x, a.y) + corner(b.x, b.y)).abs()
+    }
+
     /// `None` outside the frustum.
     pub fn toward(&self, p: Vec3) -> Option<Beam> {
         let d = self.position - p;

@@ -145,3 +145,6 @@ impl Emitter {
         !matches!(self, Self::Area(_) | Self::Constant(_) | Self::Environment(_))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -19,15 +19,14 @@ impl Projection {
         let (w, h) = (picture.width, picture.height);
         let size = Vec2::new(w as f32, h as f32);
         let solid = |x: usize, y: usize| {
-            let uv = (Vec2::new(x as f32, y as f32) + 0.5) / size;
-            frustum.through(uv).1.powi(3)
+            let corner = Vec2::new(x as f32, y as f32);
+            frustum.solid_angle(corner / size, (corner + 1.0) / size)
         };
-        let cell = frustum.area() / (w * h) as f32;
         let mut total = [0.0f64; 3];
         for y in 0..h {
             for x in 0..w {
-                let flux = picture.texel(x, y) * (solid(x, y) * cell);
-                (0..3).for_each(|c| total[c] += f64::from(flux[c]));
+                let (texel, solid) = (picture.texel(x, y), solid(x, y));
+                (0..3).for_each(|c| total[c] += f64::from(texel[c]) * solid);
             }
         }
         let mut total = Rgb::from(total.map(|t| t as f32));
@@ -36,7 +35,7 @@ impl Projection {
             picture.scale(factor);
             total *= factor;
         }
-        let table = Table::new(w, h, |x, y| f64::from(picture.luminance(x, y) * solid(x, y)));
+        let table = Table::new(w, h, |x, y| f64::from(picture.luminance(x, y)) * solid(x, y));
         Self { frustum, picture, table, power: total }
     }
 
@@ -54,9 +53,9 @@ impl Projection {
         let (x, y, rest) = self.table.sample(direction);
         let corner = Vec2::new(x as f32, y as f32);
         let (d, cos) = self.frustum.through((corner + rest) / size);
-        // Chosen by the pixel's middle; the weight makes up for the rest of it.
-        let middle = self.frustum.through((corner + 0.5) / size).1;
-        let density = f64::from(p.luminance(x, y) * middle.powi(3)) / self.table.total();
+        // Chosen by the pixel's light, then evenly on the picture.
+        let solid = self.frustum.solid_angle(corner / size, (corner + 1.0) / size);
+        let density = f64::from(p.luminance(x, y)) * solid / self.table.total();
         let cell = self.frustum.area() / (p.width * p.height) as f32;
         let flux = p.texel(x, y) * (cell * cos.powi(3) / density as f32);
         flux.is_finite().then_some(Emission { o: self.frustum.position, d, flux })
