@@ -125,3 +125,20 @@ fn emission_samples_add_up_to_the_power_of_every_lamp() {
         assert!(((got - power) / power).abs().max_element() < bound, "{name}: {got} against {power}");
     }
 }
+
+/// A unit sphere stretched to twice its length: 2π(1 + 2·asin(e)/e) with e = √¾; facets lose 2.7e-4.
+#[test]
+fn a_stretched_sphere_shines_by_its_area() {
+    let stretched = format!(
+        "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform>{}</shape>",
+        area("3")
+    );
+    let scene = scene(&format!("{}{stretched}", camera("0,0,8", "0,0,0", 10.0, 4)));
+    let (e, pi) = (0.75f64.sqrt(), std::f64::consts::PI);
+    let power = 3.0 * pi * 2.0 * pi * (1.0 + 2.0 * e.asin() / e);
+    let ratio = f64::from(scene.power().y) / power;
+    assert!((ratio - 1.0).abs() < 3e-4, "{ratio}");
+    // Seen from outside it is bright.
+    let seen = crate::support::render(&scene, &[("max_depth", "1")], 4);
+    assert_eq!(seen.pixel(5)[0], 3.0);
+}

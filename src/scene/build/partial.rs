@@ -63,6 +63,18 @@ pub fn mesh(q: &PartialQuadric, mirrored: bool) -> Option<Mesh> {
     Some(mesh)
 }
 
+/// A whole sphere with Mitsuba's uv, whose v grows downwards.
+pub fn sphere(center: [f64; 3], radius: f64, mirrored: bool) -> Option<Mesh> {
+    let radius = radius.abs();
+    let whole = PartialQuadric::Sphere { radius, z_min: -radius, z_max: radius, phi_max: 360.0 };
+    let mut mesh = mesh(&whole, mirrored).filter(|_| radius > 0.0)?;
+    for (p, uv) in mesh.positions.iter_mut().zip(&mut mesh.uvs) {
+        *p = std::array::from_fn(|i| (f64::from(p[i]) + center[i]) as f32);
+        uv[1] = 1.0 - uv[1];
+    }
+    Some(mesh)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

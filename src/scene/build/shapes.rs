@@ -72,9 +72,13 @@ pub fn build(b: &mut Builder<'_>) -> Shapes {
         let group = match &shape.kind {
             ShapeKind::Instance { group } => group.index() as u32,
             // A stretched quadric is the plain one seen through an instance.
-            kind if analytic::is_quadric(kind) && !analytic::is_similarity(&shape.to_world) => {
+            // A sphere that shines becomes a mesh instead, because instances cannot.
+            kind if analytic::is_quadric(kind)
+                && !analytic::is_similarity(&shape.to_world)
+                && !(shape.emission.is_some() && matches!(kind, ShapeKind::Sphere { .. })) =>
+            {
                 if let Some(e) = &shape.emission {
-                    b.error("a sphere or cylinder that is not scaled evenly cannot emit light", e.origin);
+                    b.error("a cylinder that is not scaled evenly cannot emit light", e.origin);
                 }
                 let mut g = LevelBuilder::default();
                 add_shape(b, &meshes, shape, &Transform::IDENTITY, &mut g, &mut records, None);
@@ -197,6 +201,14 @@ fn add_shape(
                 uvs: mesh.uvs.clone(),
                 triangles: mesh.triangles.clone(),
             };
+            Some(&built)
+        }
+        ShapeKind::Sphere { center, radius } if !analytic::is_similarity(to_level) => {
+            let Some(mesh) = partial::sphere(*center, *radius, to_level.determinant3() < 0.0) else {
+                b.error("the sphere has no radius", shape.origin);
+                return;
+            };
+            built = mesh;
             Some(&built)
         }
         ShapeKind::Partial(quadric) => {
