@@ -16,6 +16,7 @@ fn tracing(c: &mut Criterion) {
             paths: 100_000,
             owner: Owner::GlobalMap,
             next_event,
+            glossy: 0.2,
             caustic_map: true,
             max_depth: u32::MAX,
         };

@@ -271,6 +271,7 @@ settings! {
     kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "weight of a photon by its distance, global map";
     caustic_kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "the same for the caustic map";
     caustic_map: bool = true, "true or false", "caustic photons in a map of their own";
+    glossy: f32 = 0.2, "a number between 0 and 1", "roughness (α) below which a reflection is followed like a mirror's instead of read from photons";
     boundary: bool = true, "true or false", "correct the density near edges for the missing part of the disc";
     roulette: Roulette = Roulette::Renormalise, "absorb, retry or renormalise", "what camera paths do with absorption at specular and mixed surfaces";
     seed: u64 = 0, "a whole number from 0", "random seed";

@@ -9,7 +9,15 @@ use caustica::scene::Scene;
 use crate::support::{DOWN, area, camera, diffuse, rectangle, scene, sphere};
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
-    TraceJob { key, paths, owner: Owner::GlobalMap, next_event: false, caustic_map: false, max_depth }
+    TraceJob {
+        key,
+        paths,
+        owner: Owner::GlobalMap,
+        next_event: false,
+        caustic_map: false,
+        glossy: 0.2,
+        max_depth,
+    }
 }
 
 /// Mean stored flux of `jobs` independent traces, so that not all photons are in memory together.

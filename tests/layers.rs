@@ -6,7 +6,7 @@ use caustica::photon::trace::{TraceJob, trace};
 use caustica::photon::{LightPath, Owner};
 use caustica::scene::Scene;
 
-use crate::support::{Picture, assert_agree, box_camera, lamp, render, scene, sphere, walls};
+use crate::support::{Picture, UP, assert_agree, box_camera, lamp, rectangle, render, scene, sphere, walls};
 
 fn glass_box() -> Scene {
     let glass =
@@ -56,6 +56,57 @@ fn layers_sum_to_the_beauty_and_agree_between_integrators() {
     }
 }
 
+/// Lobes that are followed, beside lobes of the same surface that hold photons: a polished floor, a ball
+/// of brushed metal and one of frosted glass, under a lamp and a point light that only next event
+/// estimation finds.
+fn glossy_box() -> Scene {
+    let rough = |kind: &str, alpha: f64, rest: &str| {
+        format!(
+            "<bsdf type='{kind}'><string name='distribution' value='ggx'/><float name='alpha' value='{alpha}'/>{rest}</bsdf>"
+        )
+    };
+    let floor = rough("roughplastic", 0.15, "<rgb name='diffuse_reflectance' value='0.5'/>");
+    scene(
+        &[
+            box_camera(16),
+            walls("0.6"),
+            rectangle(1.0, &format!("{UP}<translate y='-0.98'/>"), &floor),
+            lamp(0.6, "3"),
+            "<emitter type='point'><point name='position' x='0.3' y='0.2' z='0.8'/><rgb name='intensity' value='0.3'/></emitter>".to_owned(),
+            sphere("-0.45,-0.5,-0.2", 0.4, &rough("roughconductor", 0.12, "")),
+            sphere("0.45,-0.5,0.2", 0.35, &rough("roughdielectric", 0.15, "<float name='int_ior' value='1.5'/>")),
+        ]
+        .concat(),
+    )
+}
+
+/// The same bounds as above, wider where glossy chains make path tracing noisy.
+#[test]
+fn glossy_lobes_are_followed_without_loss() {
+    let scene = glossy_box();
+    let path = render(&scene, &[("integrator", "path")], 6144);
+    let photons = [("photons", "20000"), ("caustic_photons", "20000")];
+    let mapped = render(&scene, &photons, 128);
+    let off = render(&scene, &[&photons[..], &[("nee", "false")]].concat(), 128);
+    let rough = render(&scene, &[&photons[..], &[("glossy", "0.01")]].concat(), 128);
+    for channel in 0..3 {
+        for (layer, bound) in
+            [(Layer::Emission, 0.03), (Layer::Direct, 0.02), (Layer::Caustic, 0.13), (Layer::Indirect, 0.04)]
+        {
+            let expected = path.estimate(&[layer], channel);
+            let name = |what: &str| format!("{layer:?}, {what}");
+            assert_agree(&name("maps"), mapped.estimate(&[layer], channel), expected, bound);
+            assert_agree(&name("nee off"), off.estimate(&[layer], channel), expected, bound);
+        }
+        for (what, picture) in [("maps", &mapped), ("nee off", &off)] {
+            assert_agree(&format!("sum, {what}"), picture.beauty(channel), path.beauty(channel), 0.02);
+        }
+        // The same light with glossy lobes read from photons: discs of a tenth of the balls' size lose some
+        // over their horizon.
+        assert_agree("sum, photons only", rough.beauty(channel), path.beauty(channel), 0.05);
+    }
+}
+
 fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(LightPath) -> bool) -> (usize, f64) {
     let chosen = photons.iter().filter(|p| wanted(p.path));
     chosen.fold((0, 0.0), |(n, sum), p| (n + 1, sum + f64::from(p.flux.x)))
@@ -71,6 +122,7 @@ fn owners_divide_the_photons_without_loss_or_overlap() {
         owner,
         next_event,
         caustic_map,
+        glossy: 0.2,
         max_depth: u32::MAX,
     };
     let photons =

@@ -1,5 +1,7 @@
 //! The photon map against brute force, and its density estimates against the density.
 
+use std::sync::LazyLock;
+
 use caustica::film::Radiance;
 use caustica::math::{Frame, Rgb, Vec2, Vec3};
 use caustica::photon::kernel::KernelKind;
@@ -141,14 +143,25 @@ fn ties_are_decided_the_same_way_for_every_hint() {
 }
 
 fn surface(p: Vec3) -> Surface {
-    Surface { p, ng: Vec3::Z, frame: Frame::from_normal(Vec3::Z), uv: Vec2::ZERO, lift: 1e-6, shape: 0 }
+    Surface {
+        p,
+        ng: Vec3::Z,
+        frame: Frame::from_normal(Vec3::Z),
+        uv: Vec2::ZERO,
+        tangents: [Vec2::X, Vec2::Y],
+        lift: 1e-6,
+        shape: 0,
+    }
 }
 
 /// A white diffuse closure: radiance = irradiance/π.
-fn white() -> caustica::bsdf::Closure {
-    use caustica::bsdf::{DiffuseModel, Material, Model};
-    let model = Model::Diffuse(DiffuseModel { reflectance: caustica::texture::Param::gray(1.0) });
-    Material::new(model, None, None).closure(&Textures::default(), Vec2::ZERO, Vec3::Z)
+fn white() -> caustica::bsdf::Closure<'static> {
+    use caustica::bsdf::{DiffuseModel, Material, Model, Point};
+    static WHITE: LazyLock<Material> = LazyLock::new(|| {
+        Material::new(Model::Diffuse(DiffuseModel { reflectance: caustica::texture::Param::gray(1.0) }))
+    });
+    let point = Point { textures: &Textures::default(), uv: Vec2::ZERO, tangents: [Vec2::X, Vec2::Y] };
+    WHITE.closure(&point, Vec3::Z)
 }
 
 fn density(map: &PhotonMap, estimator: &Estimator, p: Vec3) -> f64 {

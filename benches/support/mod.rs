@@ -82,6 +82,7 @@ pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
         paths,
         owner: Owner::GlobalMap,
         next_event: true,
+        glossy: 0.2,
         caustic_map: true,
         max_depth: u32::MAX,
     };

@@ -1,35 +1,44 @@
-use super::{DeltaLobe, Deltas, Transport, fresnel};
-use crate::math::{Rgb, Vec2, Vec3};
-use crate::texture::{Param, Textures};
+use super::metal::MetalAt;
+use super::{DeltaLobe, Deltas, Metal, Nature, Parameters, Point, Scatter, Transport};
+use crate::math::{Rgb, Vec3};
+use crate::texture::Param;
 
 /// Smooth metal or perfect mirror, reflecting from the front side.
 #[derive(Clone, Copy, Debug)]
 pub struct ConductorModel {
-    /// Complex index relative to the outside; `None` is a perfect mirror.
-    pub index: Option<(Rgb, Rgb)>,
+    pub metal: Metal,
     pub reflectance: Param,
 }
 
-impl ConductorModel {
-    pub fn lobe(&self, textures: &Textures, uv: Vec2) -> Conductor {
-        Conductor { index: self.index, reflectance: textures.eval(self.reflectance, uv) }
+impl Parameters for ConductorModel {
+    type At = Conductor;
+
+    fn at(&self, point: &Point<'_>) -> Conductor {
+        Conductor { metal: self.metal.at(point), reflectance: point.color(self.reflectance) }
+    }
+
+    fn params(&self) -> Vec<Param> {
+        [self.metal.params(), vec![self.reflectance]].concat()
+    }
+
+    fn nature(&self) -> Nature {
+        Nature { delta: true, ..Nature::default() }
     }
 }
 
 #[derive(Clone, Copy, Debug)]
 pub struct Conductor {
-    pub index: Option<(Rgb, Rgb)>,
-    pub reflectance: Rgb,
+    metal: MetalAt,
+    reflectance: Rgb,
 }
 
-impl Conductor {
-    pub fn deltas(&self, wi: Vec3, _: Transport) -> Deltas {
+impl Scatter for Conductor {
+    fn deltas(&self, wi: Vec3, _: Transport) -> Deltas {
         let mut lobes = Deltas::default();
         if wi.z > 0.0 {
-            let fresnel = self.index.map_or(Rgb::ONE, |(eta, k)| fresnel::conductor(wi.z, eta, k));
             lobes.push(DeltaLobe {
                 wo: Vec3::new(-wi.x, -wi.y, wi.z),
-                weight: self.reflectance * fresnel,
+                weight: self.reflectance * self.metal.fresnel(wi.z),
                 probability: 1.0,
                 eta: 1.0,
             });

@@ -1,6 +1,6 @@
-use super::{DeltaLobe, Deltas, Transport, fresnel};
-use crate::math::{Rgb, Vec2, Vec3};
-use crate::texture::{Param, Textures};
+use super::{DeltaLobe, Deltas, Nature, Parameters, Point, Scatter, Transport, fresnel};
+use crate::math::{Rgb, Vec3};
+use crate::texture::Param;
 
 /// Smooth boundary between two dielectrics; `eta` = index behind the normal over index before it.
 #[derive(Clone, Copy, Debug)]
@@ -10,13 +10,23 @@ pub struct DielectricModel {
     pub transmittance: Param,
 }
 
-impl DielectricModel {
-    pub fn lobe(&self, textures: &Textures, uv: Vec2) -> Dielectric {
+impl Parameters for DielectricModel {
+    type At = Dielectric;
+
+    fn at(&self, point: &Point<'_>) -> Dielectric {
         Dielectric {
             eta: self.eta,
-            reflectance: textures.eval(self.reflectance, uv),
-            transmittance: textures.eval(self.transmittance, uv),
+            reflectance: point.color(self.reflectance),
+            transmittance: point.color(self.transmittance),
         }
+    }
+
+    fn params(&self) -> Vec<Param> {
+        vec![self.reflectance, self.transmittance]
+    }
+
+    fn nature(&self) -> Nature {
+        Nature { delta: true, transmits: true, ..Nature::default() }
     }
 }
 
@@ -27,10 +37,10 @@ pub struct Dielectric {
     pub transmittance: Rgb,
 }
 
-impl Dielectric {
+impl Scatter for Dielectric {
     /// Reflection and refraction. Radiance entering the denser side is compressed into a smaller cone:
     /// its transmitted part carries 1/eta², photons do not (Veach 1997, §5.2).
-    pub fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
+    fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
         let f = fresnel::dielectric(wi.z, self.eta);
         let mut lobes = Deltas::default();
         lobes.push(DeltaLobe {

@@ -1,9 +1,9 @@
 use std::f32::consts::FRAC_1_PI;
 
-use super::{Deltas, SmoothSample, Transport};
+use super::{Nature, Parameters, PartList, Point, Range, Scatter, Transport, one_part};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::sampling::warp;
-use crate::texture::{Param, Textures};
+use crate::texture::Param;
 
 /// Lambertian reflection from the front side.
 #[derive(Clone, Copy, Debug)]
@@ -11,40 +11,52 @@ pub struct DiffuseModel {
     pub reflectance: Param,
 }
 
-impl DiffuseModel {
-    pub fn lobe(&self, textures: &Textures, uv: Vec2) -> Diffuse {
-        Diffuse { reflectance: textures.eval(self.reflectance, uv) }
+impl Parameters for DiffuseModel {
+    type At = Diffuse;
+
+    fn at(&self, point: &Point<'_>) -> Diffuse {
+        Diffuse { reflectance: point.color(self.reflectance) }
+    }
+
+    fn params(&self) -> Vec<Param> {
+        vec![self.reflectance]
+    }
+
+    fn nature(&self) -> Nature {
+        Nature { smooth: Some(Nature::DIFFUSE), ..Nature::default() }
     }
 }
 
+/// A closure that is nothing else than this is handled by [`super::Closure`] itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Diffuse {
     pub reflectance: Rgb,
 }
 
-impl Diffuse {
-    #[inline]
-    pub fn eval(&self, wi: Vec3, wo: Vec3, _: Transport) -> Rgb {
-        if wi.z > 0.0 && wo.z > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
+impl Scatter for Diffuse {
+    fn parts(&self, _: Vec3) -> PartList {
+        one_part(Range::DIFFUSE)
     }
 
-    #[inline]
-    pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        if wi.z > 0.0 && wo.z > 0.0 { wo.z * FRAC_1_PI } else { 0.0 }
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
+        if wi.z > 0.0 && wo.z > 0.0 && range.diffuse() { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
     }
 
-    #[inline]
-    pub fn sample(&self, wi: Vec3, u: Vec2, _: Transport) -> Option<SmoothSample> {
-        let wo = warp::cosine_hemisphere(u);
-        let pdf = wo.z * FRAC_1_PI;
-        (wi.z > 0.0 && pdf > 0.0).then_some(SmoothSample { wo, weight: self.reflectance, pdf })
+    fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+        if wi.z > 0.0 && range.diffuse() { cosine_pdf(wo) } else { 0.0 }
     }
 
-    pub fn albedo(&self, wi: Vec3) -> Rgb {
-        if wi.z > 0.0 { self.reflectance } else { Rgb::ZERO }
+    fn draw(&self, _: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        (wi.z > 0.0).then(|| (warp::cosine_hemisphere(u), 1.0))
     }
 
-    pub fn deltas(&self, _: Vec3, _: Transport) -> Deltas {
-        Deltas::default()
+    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+        if wi.z > 0.0 && range.diffuse() { self.reflectance } else { Rgb::ZERO }
     }
+}
+
+/// Density of the cosine-weighted upper hemisphere.
+#[inline]
+pub(super) fn cosine_pdf(wo: Vec3) -> f32 {
+    if wo.z > 0.0 { wo.z * FRAC_1_PI } else { 0.0 }
 }

@@ -5,365 +5,232 @@
 //! estimate must not divide by one). `sample` returns weight = f·|cosθo|/pdf. Densities are per solid
 //! angle. Perfectly specular directions are never part of `eval` or `pdf`: they are listed by `deltas`.
 //!
-//! A model has two faces: `XModel` holds parameters that may be textured, `X` the numbers at one point.
-//! Adding one is one new file and one row in each of the two tables below.
+//! A model has two faces: `XModel` holds parameters that may be textured ([`Parameters`]), `X` the
+//! numbers at one point ([`Scatter`]). Adding one is one new file and one row in the table below.
+//! [`Material`] nests models (masks, blends, two sides, bumps); [`Closure`] is a material at a point.
 
+mod closure;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod event;
 pub mod fresnel;
+mod layers;
+mod material;
+mod metal;
+pub mod microfacet;
 mod plastic;
+mod roughconductor;
+mod roughdielectric;
+mod roughness;
+mod roughplastic;
+mod special;
 mod thindielectric;
+mod tilt;
+mod transmittance;
 
+pub use closure::Closure;
 pub use conductor::ConductorModel;
 pub use dielectric::DielectricModel;
 pub use diffuse::DiffuseModel;
+pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
+pub use material::{Material, Node};
+pub use metal::Metal;
 pub use plastic::PlasticModel;
+pub use roughconductor::RoughConductorModel;
+pub use roughdielectric::RoughDielectricModel;
+pub use roughness::Roughness;
+pub use roughplastic::RoughPlasticModel;
 pub use thindielectric::ThinDielectricModel;
+pub use tilt::{Perturbation, Relief};
+pub use transmittance::Transmittance;
 
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Rgb, Vec2, Vec3, luminance};
 use crate::texture::{Param, Textures};
 
-/// What a path carries. Refraction scales radiance by 1/eta², importance (photons) not at all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Transport {
-    Radiance,
-    Importance,
-}
-
-/// A direction drawn from the smooth part of a BSDF.
+/// Where parameters are looked up.
 #[derive(Clone, Copy, Debug)]
-pub struct SmoothSample {
-    pub wo: Vec3,
-    /// f·|cosθo|/pdf.
-    pub weight: Rgb,
-    pub pdf: f32,
+pub struct Point<'a> {
+    pub textures: &'a Textures,
+    pub uv: Vec2,
+    /// ∂p/∂u and ∂p/∂v along the shading frame's s and t.
+    pub tangents: [Vec2; 2],
 }
 
-/// One perfectly specular direction.
-#[derive(Clone, Copy, Debug)]
-pub struct DeltaLobe {
-    pub wo: Vec3,
-    /// Share of the incident quantity that goes this way.
-    pub weight: Rgb,
-    /// Probability with which a path should choose it among all lobes of the BSDF.
-    pub probability: f32,
-    /// Index of refraction behind over before the event; 1 for reflection.
-    pub eta: f32,
-}
+impl Point<'_> {
+    #[inline]
+    pub fn color(&self, param: Param) -> Rgb {
+        self.textures.eval(param, self.uv)
+    }
 
-/// At most two specular directions.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Deltas {
-    lobes: [Option<DeltaLobe>; 2],
-}
-
-impl Deltas {
-    fn push(&mut self, lobe: DeltaLobe) {
-        if let Some(free) = self.lobes.iter_mut().find(|l| l.is_none()) {
-            *free = Some(lobe);
+    /// Scalars are the luminance of the linear colour.
+    #[inline]
+    pub fn scalar(&self, param: Param) -> f32 {
+        match param {
+            // The weights of the luminance do not quite sum to 1.
+            Param::Constant(c) if c.x == c.y && c.y == c.z => c.x,
+            _ => {
+                let c = self.color(param);
+                if c.x == c.y && c.y == c.z { c.x } else { luminance(c) }
+            }
         }
     }
+}
 
-    pub fn iter(&self) -> impl Iterator<Item = &DeltaLobe> {
-        self.lobes.iter().flatten()
+/// What a model is like anywhere on the surface: for the plan, which looks at no points.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Nature {
+    /// Perfectly specular directions exist: such a surface can throw caustics.
+    pub delta: bool,
+    /// Bounds of the roughness of its smooth lobes.
+    pub smooth: Option<[f32; 2]>,
+    /// Light reaches the other side.
+    pub transmits: bool,
+    /// Turning the shading frame about the normal makes a difference.
+    pub oriented: bool,
+}
+
+impl Nature {
+    const DIFFUSE: [f32; 2] = [Range::DIFFUSE; 2];
+
+    #[must_use]
+    fn with(mut self, other: Self) -> Self {
+        self.delta |= other.delta;
+        self.transmits |= other.transmits;
+        self.oriented |= other.oriented;
+        self.smooth = match (self.smooth, other.smooth) {
+            (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+            (a, b) => a.or(b),
+        };
+        self
     }
 }
 
-/// Where a sampled direction came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
-    Smooth,
-    Delta,
-    /// Straight through an opening of a mask or an index-matched boundary.
-    Null,
+/// A model with parameters.
+trait Parameters {
+    type At: Scatter;
+
+    fn at(&self, point: &Point<'_>) -> Self::At;
+    fn params(&self) -> Vec<Param>;
+    fn nature(&self) -> Nature;
 }
 
-/// A sampled continuation.
-#[derive(Clone, Copy, Debug)]
-pub struct Sample {
-    pub wo: Vec3,
-    pub weight: Rgb,
-    /// Density of `wo` among smooth directions, including the probability of choosing them; 0 for
-    /// specular and null events.
-    pub pdf: f32,
-    pub eta: f32,
-    pub event: Event,
+/// A lobe of a model that can be chosen when sampling.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
+    /// Among the smooth lobes.
+    probability: f32,
+    roughness: f32,
 }
 
-/// Models with parameters.
-#[derive(Clone, Copy, Debug)]
-pub enum Model {
+/// The smooth lobes of a model; unused ones have probability 0.
+type PartList = [Part; 4];
+
+fn one_part(roughness: f32) -> PartList {
+    let mut parts = PartList::default();
+    parts[0] = Part { probability: 1.0, roughness };
+    parts
+}
+
+/// A model at a point. What takes a [`Range`] answers for the lobes in it.
+trait Scatter {
+    /// How sampling chooses among the smooth lobes, for light handled along `wi`.
+    fn parts(&self, _wi: Vec3) -> PartList {
+        PartList::default()
+    }
+
+    fn eval(&self, _wi: Vec3, _wo: Vec3, _mode: Transport, _range: Range) -> Rgb {
+        Rgb::ZERO
+    }
+
+    /// Density with which `draw` gives `wo`, times the probabilities of `parts`.
+    fn pdf(&self, _wi: Vec3, _wo: Vec3, _range: Range) -> f32 {
+        0.0
+    }
+
+    /// A direction from the lobe numbered `part`, and the relative index it crossed (1 for reflection).
+    fn draw(&self, _part: usize, _wi: Vec3, _u_lobe: f32, _u: Vec2) -> Option<(Vec3, f32)> {
+        None
+    }
+
+    /// Share of what arrives along `wi` that is scattered by smooth lobes; where no closed form is
+    /// known it is an estimate, good enough for choosing among lobes.
+    fn albedo(&self, _wi: Vec3, _range: Range) -> Rgb {
+        Rgb::ZERO
+    }
+
+    fn deltas(&self, _wi: Vec3, _mode: Transport) -> Deltas {
+        Deltas::default()
+    }
+}
+
+macro_rules! models {
+    ($($name:ident($model:ty)),+ $(,)?) => {
+        /// Models with parameters.
+        #[derive(Clone, Debug)]
+        pub enum Model { $($name($model)),+ }
+
+        /// Models at a point.
+        #[derive(Clone, Debug)]
+        enum Lobe { $($name(<$model as Parameters>::At)),+ }
+
+        $(impl From<$model> for Model {
+            fn from(model: $model) -> Self {
+                Self::$name(model)
+            }
+        })+
+
+        impl Model {
+            fn at(&self, point: &Point<'_>) -> Lobe {
+                match self { $(Self::$name(m) => Lobe::$name(m.at(point))),+ }
+            }
+
+            /// Whether any parameter is a texture.
+            fn is_textured(&self) -> bool {
+                let params = match self { $(Self::$name(m) => m.params()),+ };
+                params.iter().any(|p| p.constant().is_none())
+            }
+
+            pub fn nature(&self) -> Nature {
+                match self { $(Self::$name(m) => m.nature()),+ }
+            }
+        }
+
+        impl Scatter for Lobe {
+            fn parts(&self, wi: Vec3) -> PartList {
+                match self { $(Self::$name(l) => l.parts(wi)),+ }
+            }
+
+            fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+                match self { $(Self::$name(l) => l.eval(wi, wo, mode, range)),+ }
+            }
+
+            fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+                match self { $(Self::$name(l) => l.pdf(wi, wo, range)),+ }
+            }
+
+            fn draw(&self, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+                match self { $(Self::$name(l) => l.draw(part, wi, u_lobe, u)),+ }
+            }
+
+            fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+                match self { $(Self::$name(l) => l.albedo(wi, range)),+ }
+            }
+
+            fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
+                match self { $(Self::$name(l) => l.deltas(wi, mode)),+ }
+            }
+        }
+    };
+}
+
+models! {
     Diffuse(DiffuseModel),
     Dielectric(DielectricModel),
     ThinDielectric(ThinDielectricModel),
+    RoughDielectric(RoughDielectricModel),
     Conductor(ConductorModel),
+    RoughConductor(RoughConductorModel),
     Plastic(PlasticModel),
-    Null,
-}
-
-/// Models at a point.
-#[derive(Clone, Copy, Debug)]
-enum Lobe {
-    Diffuse(diffuse::Diffuse),
-    Dielectric(dielectric::Dielectric),
-    ThinDielectric(thindielectric::ThinDielectric),
-    Conductor(conductor::Conductor),
-    Plastic(plastic::Plastic),
-    Null,
-}
-
-impl Model {
-    fn lobe(&self, textures: &Textures, uv: Vec2) -> Lobe {
-        match self {
-            Self::Diffuse(m) => Lobe::Diffuse(m.lobe(textures, uv)),
-            Self::Dielectric(m) => Lobe::Dielectric(m.lobe(textures, uv)),
-            Self::ThinDielectric(m) => Lobe::ThinDielectric(m.lobe(textures, uv)),
-            Self::Conductor(m) => Lobe::Conductor(m.lobe(textures, uv)),
-            Self::Plastic(m) => Lobe::Plastic(m.lobe(textures, uv)),
-            Self::Null => Lobe::Null,
-        }
-    }
-
-    fn params(&self) -> [Option<Param>; 2] {
-        match self {
-            Self::Diffuse(m) => [Some(m.reflectance), None],
-            Self::Dielectric(m) | Self::ThinDielectric(ThinDielectricModel(m)) => {
-                [Some(m.reflectance), Some(m.transmittance)]
-            }
-            Self::Conductor(m) => [Some(m.reflectance), None],
-            Self::Plastic(m) => [Some(m.diffuse), Some(m.specular)],
-            Self::Null => [None, None],
-        }
-    }
-
-    /// Whether any parameter is a texture.
-    pub fn is_textured(&self) -> bool {
-        self.params().iter().flatten().any(|p| p.constant().is_none())
-    }
-
-    /// Whether perfectly specular directions exist: such a surface can throw caustics.
-    pub fn has_delta(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Conductor(_) | Self::Plastic(_))
-    }
-
-    /// Whether light scatters into a continuum of directions: photons are stored on such surfaces.
-    pub fn has_smooth(&self) -> bool {
-        matches!(self, Self::Diffuse(_) | Self::Plastic(_))
-    }
-
-    /// Whether light reaches the other side.
-    pub fn transmits(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Null)
-    }
-}
-
-/// What a surface is made of, on both sides.
-#[derive(Clone, Copy, Debug)]
-pub struct Material {
-    pub front: Model,
-    /// Serves directions below the surface, mirrored; `None` lets `front` decide (most are black there).
-    pub back: Option<Model>,
-    /// The rest goes straight through; `None` is opaque.
-    pub opacity: Option<Param>,
-    /// The closures of an untextured material, evaluated once.
-    fixed: Option<[Closure; 2]>,
-}
-
-impl Material {
-    pub fn new(front: Model, back: Option<Model>, opacity: Option<Param>) -> Self {
-        let mut material = Self { front, back, opacity, fixed: None };
-        let textured = front.is_textured()
-            || back.is_some_and(|b| b.is_textured())
-            || opacity.is_some_and(|o| o.constant().is_none());
-        if !textured {
-            let at = |side| material.evaluate(&Textures::default(), Vec2::ZERO, side);
-            material.fixed = Some([at(false), at(true)]);
-        }
-        material
-    }
-
-    /// The scattering at a point, for light handled on the side of `wi` (local).
-    #[inline(always)]
-    pub fn closure(&self, textures: &Textures, uv: Vec2, wi: Vec3) -> Closure {
-        let below = wi.z < 0.0;
-        match &self.fixed {
-            Some(closures) => closures[usize::from(below)],
-            None => self.evaluate(textures, uv, below),
-        }
-    }
-
-    fn evaluate(&self, textures: &Textures, uv: Vec2, below: bool) -> Closure {
-        let (model, mirrored) = match self.back {
-            Some(back) if below => (back, true),
-            _ => (self.front, false),
-        };
-        let opacity =
-            self.opacity.map_or(1.0, |o| crate::math::luminance(textures.eval(o, uv)).clamp(0.0, 1.0));
-        Closure { lobe: model.lobe(textures, uv), opacity, mirrored }
-    }
-
-    pub fn models(&self) -> impl Iterator<Item = &Model> {
-        std::iter::once(&self.front).chain(self.back.iter())
-    }
-
-    /// Whether a shadow ray may pass (in part) straight through.
-    pub fn passes_shadow_rays(&self) -> bool {
-        self.opacity.is_some() || matches!(self.front, Model::Null)
-    }
-}
-
-/// A BSDF at a point: numbers only.
-#[derive(Clone, Copy, Debug)]
-pub struct Closure {
-    lobe: Lobe,
-    opacity: f32,
-    /// Seen from below through a two-sided wrapper: z is negated on the way in and out.
-    mirrored: bool,
-}
-
-impl Closure {
-    #[inline]
-    fn side(&self, w: Vec3) -> Vec3 {
-        if self.mirrored { Vec3::new(w.x, w.y, -w.z) } else { w }
-    }
-
-    /// The reflectance when the surface is Lambertian as seen from `wi`: such a surface needs no
-    /// directions in a density estimate.
-    #[inline]
-    pub fn lambertian(&self, wi: Vec3) -> Option<Rgb> {
-        match &self.lobe {
-            Lobe::Diffuse(d) if self.side(wi).z > 0.0 => Some(d.reflectance * self.opacity),
-            _ => None,
-        }
-    }
-
-    /// f of the smooth part, in 1/sr, without cosine.
-    #[inline(always)]
-    pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport) -> Rgb {
-        let (wi, wo) = (self.side(wi), self.side(wo));
-        let f = match &self.lobe {
-            Lobe::Diffuse(l) => l.eval(wi, wo, mode),
-            Lobe::Plastic(l) => l.eval(wi, wo, mode),
-            Lobe::Dielectric(_) | Lobe::ThinDielectric(_) | Lobe::Conductor(_) | Lobe::Null => {
-                return Rgb::ZERO;
-            }
-        };
-        f * self.opacity
-    }
-
-    /// Density of `wo` under [`Closure::sample`].
-    #[inline(always)]
-    pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let (l_wi, l_wo) = (self.side(wi), self.side(wo));
-        let pdf = match &self.lobe {
-            Lobe::Diffuse(l) => return l.pdf(l_wi, l_wo) * self.opacity,
-            Lobe::Plastic(l) => l.pdf(l_wi, l_wo),
-            Lobe::Dielectric(_) | Lobe::ThinDielectric(_) | Lobe::Conductor(_) | Lobe::Null => return 0.0,
-        };
-        pdf * self.smooth_probability(wi) * self.opacity
-    }
-
-    /// Share of what arrives along `wi` that is scattered smoothly (directional albedo; exact for
-    /// diffuse and plastic).
-    pub fn smooth_albedo(&self, wi: Vec3) -> Rgb {
-        let wi = self.side(wi);
-        match &self.lobe {
-            Lobe::Diffuse(l) => l.albedo(wi) * self.opacity,
-            Lobe::Plastic(l) => l.albedo(wi) * self.opacity,
-            Lobe::Dielectric(_) | Lobe::ThinDielectric(_) | Lobe::Conductor(_) | Lobe::Null => Rgb::ZERO,
-        }
-    }
-
-    #[inline]
-    pub fn has_smooth(&self) -> bool {
-        matches!(self.lobe, Lobe::Diffuse(_) | Lobe::Plastic(_))
-    }
-
-    /// Probability that light goes straight through.
-    #[inline]
-    pub fn transparency(&self) -> f32 {
-        if matches!(self.lobe, Lobe::Null) { 1.0 } else { 1.0 - self.opacity }
-    }
-
-    /// Specular directions; weights and probabilities are those of an opaque surface.
-    pub fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
-        let local = self.side(wi);
-        let mut deltas = match &self.lobe {
-            Lobe::Diffuse(_) | Lobe::Null => Deltas::default(),
-            Lobe::Dielectric(l) => l.deltas(local, mode),
-            Lobe::ThinDielectric(l) => l.deltas(local, mode),
-            Lobe::Conductor(l) => l.deltas(local, mode),
-            Lobe::Plastic(l) => l.deltas(local, mode),
-        };
-        for lobe in deltas.lobes.iter_mut().flatten() {
-            lobe.wo = self.side(lobe.wo);
-        }
-        deltas
-    }
-
-    fn smooth_probability(&self, wi: Vec3) -> f32 {
-        1.0 - self.deltas(wi, Transport::Importance).iter().map(|l| l.probability).sum::<f32>()
-    }
-
-    /// Draws a direction from the smooth part alone; the weight is that of the smooth part.
-    #[inline(always)]
-    pub fn sample_smooth(&self, wi: Vec3, u: Vec2, mode: Transport) -> Option<SmoothSample> {
-        let local = self.side(wi);
-        let mut sample = match &self.lobe {
-            Lobe::Diffuse(l) => l.sample(local, u, mode),
-            Lobe::Plastic(l) => l.sample(local, u, mode),
-            Lobe::Dielectric(_) | Lobe::ThinDielectric(_) | Lobe::Conductor(_) | Lobe::Null => None,
-        }?;
-        sample.wo = self.side(sample.wo);
-        Some(sample)
-    }
-
-    /// Draws one continuation among all lobes; `None` when the path is absorbed.
-    #[inline(always)]
-    pub fn sample(&self, wi: Vec3, u_lobe: f32, u: Vec2, mode: Transport) -> Option<Sample> {
-        let through = self.transparency();
-        if u_lobe < through {
-            return Some(Sample { wo: -wi, weight: Rgb::ONE, pdf: 0.0, eta: 1.0, event: Event::Null });
-        }
-        let solid = 1.0 - through;
-        if let Lobe::Diffuse(_) = self.lobe {
-            let s = self.sample_smooth(wi, u, mode)?;
-            let pdf = s.pdf * solid;
-            return Some(Sample { wo: s.wo, weight: s.weight, pdf, eta: 1.0, event: Event::Smooth });
-        }
-        self.sample_mixed(wi, (u_lobe - through) / solid, solid, u, mode)
-    }
-
-    /// [`Closure::sample`] of a surface with specular directions; `u_lobe` chooses among them.
-    #[inline(never)]
-    fn sample_mixed(&self, wi: Vec3, u_lobe: f32, solid: f32, u: Vec2, mode: Transport) -> Option<Sample> {
-        let smooth = |probability: f32| {
-            let s = self.sample_smooth(wi, u, mode)?;
-            Some(Sample {
-                wo: s.wo,
-                weight: s.weight / probability,
-                pdf: s.pdf * probability * solid,
-                eta: 1.0,
-                event: Event::Smooth,
-            })
-        };
-        let mut rest = u_lobe;
-        let deltas = self.deltas(wi, mode);
-        let mut left = 1.0;
-        for lobe in deltas.iter() {
-            if rest < lobe.probability {
-                return Some(Sample {
-                    wo: lobe.wo,
-                    weight: lobe.weight / lobe.probability,
-                    pdf: 0.0,
-                    eta: lobe.eta,
-                    event: Event::Delta,
-                });
-            }
-            rest -= lobe.probability;
-            left -= lobe.probability;
-        }
-        if left > 0.0 { smooth(left) } else { None }
-    }
+    RoughPlastic(RoughPlasticModel),
 }

@@ -1,9 +1,12 @@
 use std::f32::consts::FRAC_1_PI;
 
-use super::{DeltaLobe, Deltas, SmoothSample, Transport, fresnel};
+use super::diffuse::cosine_pdf;
+use super::{
+    DeltaLobe, Deltas, Nature, Parameters, PartList, Point, Range, Scatter, Transport, fresnel, one_part,
+};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::sampling::warp;
-use crate::texture::{Param, Textures};
+use crate::texture::Param;
 
 /// Diffuse base under a smooth dielectric coat, with interreflection between them
 /// (Mitsuba's `plastic`; front side only).
@@ -17,26 +20,45 @@ pub struct PlasticModel {
     pub nonlinear: bool,
 }
 
-impl PlasticModel {
-    pub fn lobe(&self, textures: &Textures, uv: Vec2) -> Plastic {
-        let diffuse = textures.eval(self.diffuse, uv);
-        let specular = textures.eval(self.specular, uv);
+impl Parameters for PlasticModel {
+    type At = Plastic;
+
+    fn at(&self, point: &Point<'_>) -> Plastic {
+        let (diffuse, specular) = (point.color(self.diffuse), point.color(self.specular));
         let internal = fresnel::diffuse_reflectance(1.0 / self.eta);
-        let shift = if self.nonlinear { diffuse } else { Rgb::ONE };
-        let (d, s) = (diffuse.element_sum(), specular.element_sum());
         Plastic {
             eta: self.eta,
-            base: diffuse / (Rgb::ONE - shift * internal) / (self.eta * self.eta),
+            base: base(diffuse, internal, self.nonlinear) / (self.eta * self.eta),
             internal,
             specular,
-            specular_weight: if d + s > 0.0 { s / (d + s) } else { 0.0 },
+            specular_weight: specular_weight(diffuse, specular),
         }
     }
+
+    fn params(&self) -> Vec<Param> {
+        vec![self.diffuse, self.specular]
+    }
+
+    fn nature(&self) -> Nature {
+        Nature { delta: true, smooth: Some(Nature::DIFFUSE), ..Nature::default() }
+    }
+}
+
+/// Reflectance of the base with all bounces between it and the coat.
+pub(super) fn base(diffuse: Rgb, internal: f32, nonlinear: bool) -> Rgb {
+    let shift = if nonlinear { diffuse } else { Rgb::ONE };
+    diffuse / (Rgb::ONE - shift * internal)
+}
+
+/// How much of sampling the coat should get, before Fresnel.
+pub(super) fn specular_weight(diffuse: Rgb, specular: Rgb) -> f32 {
+    let (d, s) = (diffuse.element_sum(), specular.element_sum());
+    if d + s > 0.0 { s / (d + s) } else { 0.0 }
 }
 
 #[derive(Clone, Copy, Debug)]
 pub struct Plastic {
-    pub eta: f32,
+    eta: f32,
     /// ρ / (1 − ρₓ·F̄) / η².
     base: Rgb,
     internal: f32,
@@ -48,38 +70,39 @@ impl Plastic {
     fn transmitted(&self, cos: f32) -> f32 {
         1.0 - fresnel::dielectric(cos, self.eta).reflectance
     }
+}
 
-    pub fn eval(&self, wi: Vec3, wo: Vec3, _: Transport) -> Rgb {
-        if wi.z > 0.0 && wo.z > 0.0 {
+impl Scatter for Plastic {
+    fn parts(&self, _: Vec3) -> PartList {
+        one_part(Range::DIFFUSE)
+    }
+
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
+        if wi.z > 0.0 && wo.z > 0.0 && range.diffuse() {
             self.base * (FRAC_1_PI * self.transmitted(wi.z) * self.transmitted(wo.z))
         } else {
             Rgb::ZERO
         }
     }
 
-    pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        if wi.z > 0.0 && wo.z > 0.0 { wo.z * FRAC_1_PI } else { 0.0 }
+    fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+        if wi.z > 0.0 && range.diffuse() { cosine_pdf(wo) } else { 0.0 }
     }
 
-    pub fn sample(&self, wi: Vec3, u: Vec2, _: Transport) -> Option<SmoothSample> {
-        let wo = warp::cosine_hemisphere(u);
-        (wi.z > 0.0 && wo.z > 0.0).then(|| SmoothSample {
-            wo,
-            weight: self.base * (self.transmitted(wi.z) * self.transmitted(wo.z)),
-            pdf: wo.z * FRAC_1_PI,
-        })
+    fn draw(&self, _: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        (wi.z > 0.0).then(|| (warp::cosine_hemisphere(u), 1.0))
     }
 
     /// ∫(1 − F)cosθ/π over the outside, divided by η², equals 1 − F̄ inside.
-    pub fn albedo(&self, wi: Vec3) -> Rgb {
-        if wi.z > 0.0 {
+    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+        if wi.z > 0.0 && range.diffuse() {
             self.base * (self.transmitted(wi.z) * (1.0 - self.internal) * self.eta * self.eta)
         } else {
             Rgb::ZERO
         }
     }
 
-    pub fn deltas(&self, wi: Vec3, _: Transport) -> Deltas {
+    fn deltas(&self, wi: Vec3, _: Transport) -> Deltas {
         let mut lobes = Deltas::default();
         if wi.z > 0.0 {
             let f = fresnel::dielectric(wi.z, self.eta).reflectance;

@@ -1,7 +1,7 @@
 //! Direct light at a surface point: next event estimation, and lamps met by scattered rays, weighed by
 //! the power heuristic (Veach 1997, §9.2).
 
-use crate::bsdf::{Closure, Event, Transport};
+use crate::bsdf::{Closure, Event, Range, Transport};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Plan, Scene, Surface};
@@ -19,14 +19,15 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
     }
 }
 
-/// Light from one sampled emitter point, scattered towards `wi` (local). With `mis` the sample shares
-/// its weight with scattered rays. `segments` is how many path segments may follow.
+/// Light from one sampled emitter point, scattered by `lobes` towards `wi` (local). With `mis` the sample
+/// shares its weight with scattered rays. `segments` is how many path segments may follow.
 #[inline(always)]
 pub fn next_event(
     scene: &Scene,
     plan: &Plan,
     s: &Surface,
-    closure: &Closure,
+    closure: &Closure<'_>,
+    lobes: Range,
     wi: Vec3,
     mis: bool,
     segments: u32,
@@ -34,12 +35,12 @@ pub fn next_event(
     rays: &mut u64,
 ) -> Rgb {
     let (pick, u) = (sampler.next_1d(), sampler.next_2d());
-    if segments == 0 || !closure.has_smooth() {
+    if segments == 0 || !closure.has_smooth(wi, lobes) {
         return Rgb::ZERO;
     }
     let Some(light) = scene.sample_direct(s.p, pick, u) else { return Rgb::ZERO };
     let wo = s.frame.to_local(light.dir);
-    let f = closure.eval(wi, wo, Transport::Radiance) * wo.z.abs();
+    let f = closure.eval(wi, wo, Transport::Radiance, lobes) * wo.z.abs();
     if f.max_element() <= 0.0 {
         return Rgb::ZERO;
     }
@@ -48,28 +49,31 @@ pub fn next_event(
     if visible == 0.0 {
         return Rgb::ZERO;
     }
-    let weight = if mis && light.pdf > 0.0 { power_heuristic(light.pdf, closure.pdf(wi, wo)) } else { 1.0 };
+    let weight =
+        if mis && light.pdf > 0.0 { power_heuristic(light.pdf, closure.pdf(wi, wo, lobes)) } else { 1.0 };
     f * light.value * (weight * visible)
 }
 
-/// The other half of multiple importance sampling: a direction from the smooth part of the BSDF, and
-/// the lamp it meets.
+/// The other half of multiple importance sampling: a direction from `lobes` of the BSDF, and the lamp it
+/// meets.
 pub fn scattered_lamp(
     scene: &Scene,
     s: &Surface,
-    closure: &Closure,
+    closure: &Closure<'_>,
+    lobes: Range,
     wi: Vec3,
     segments: u32,
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Rgb {
-    let u = sampler.next_2d();
+    let (u, u_lobe) = (sampler.next_2d(), sampler.next_1d());
     if segments == 0 {
         return Rgb::ZERO;
     }
-    let Some(sample) = closure.sample_smooth(wi, u, Transport::Radiance) else { return Rgb::ZERO };
-    // The density that next_event compares with includes the choice of the smooth lobe.
-    let pdf = closure.pdf(wi, sample.wo);
+    let sample = closure.sample_smooth(wi, u_lobe, u, Transport::Radiance, lobes);
+    let Some(sample) = sample else { return Rgb::ZERO };
+    // The density that next_event compares with includes the choice of the lobes.
+    let pdf = closure.pdf(wi, sample.wo, lobes);
     let d = s.frame.to_world(sample.wo);
     let mut ray = s.leave(d);
     let mut through = 1.0;

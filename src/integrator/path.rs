@@ -2,7 +2,7 @@
 
 use super::direct::{keeps_density, next_event, power_heuristic};
 use super::{Integrator, PassStats, Scratch};
-use crate::bsdf::{Event, Transport};
+use crate::bsdf::{Event, Range, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::simd::widest;
 use crate::math::{Ray, Rgb, Vec3};
@@ -15,13 +15,15 @@ pub struct PathTracer<'a> {
     plan: &'a Plan,
     max_depth: u32,
     rr_depth: u32,
+    /// Glossy surfaces count as specular ones: it decides the layer, never the sum.
+    glossy: f32,
     hide_emitters: bool,
 }
 
 /// Which layer light met from here on belongs to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stage {
-    /// Specular surfaces only since the camera.
+    /// Specular and glossy surfaces only since the camera.
     Camera,
     /// The last rough surface was the first one, and nothing specular came since.
     First,
@@ -43,9 +45,9 @@ impl Stage {
     fn after(self, event: Event) -> Self {
         match (self, event) {
             (stage, Event::Null) => stage,
-            (Self::Camera, Event::Delta) => Self::Camera,
+            (Self::Camera, Event::Delta | Event::Glossy) => Self::Camera,
             (Self::Camera, Event::Smooth) => Self::First,
-            (Self::First | Self::FirstThenSpecular, Event::Delta) => Self::FirstThenSpecular,
+            (Self::First | Self::FirstThenSpecular, Event::Delta | Event::Glossy) => Self::FirstThenSpecular,
             _ => Self::Beyond,
         }
     }
@@ -63,6 +65,7 @@ impl<'a> PathTracer<'a> {
             plan,
             max_depth: settings.max_depth.0,
             rr_depth: settings.rr_depth,
+            glossy: settings.glossy,
             hide_emitters: settings.hide_emitters,
         }
     }
@@ -132,21 +135,19 @@ impl PathTracer<'_> {
             }
             let wi = s.frame.to_local(back);
             let closure = scene.closure(&s, wi);
-            let direct = next_event(
-                scene,
-                self.plan,
-                &s,
-                &closure,
-                wi,
-                true,
-                self.max_depth - depth,
-                sampler,
-                &mut scratch.rays,
-            );
-            out.add(stage.direct_layer(), throughput * direct);
+            let left = self.max_depth - depth;
+            let direct = |lobes, sampler: &mut Sampler, rays: &mut u64| {
+                next_event(scene, self.plan, &s, &closure, lobes, wi, true, left, sampler, rays)
+            };
+            let light = direct(Range::rough(self.glossy), sampler, &mut scratch.rays);
+            out.add(stage.direct_layer(), throughput * light);
+            if closure.has_smooth(wi, Range::glossy(self.glossy)) {
+                let light = direct(Range::glossy(self.glossy), sampler, &mut scratch.rays);
+                out.add(stage.after(Event::Glossy).layer(), throughput * light);
+            }
 
             let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-            let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Radiance) else { break };
+            let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Radiance, self.glossy) else { break };
             throughput *= sample.weight;
             eta *= sample.eta;
             if !keeps_density(sample.event) {

@@ -4,9 +4,9 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use super::direct::{next_event, scattered_lamp};
+use super::direct::{next_event, power_heuristic, scattered_lamp};
 use super::{Integrator, PassStats, Scratch};
-use crate::bsdf::{Closure, Transport};
+use crate::bsdf::{Closure, Range, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::{Ray, Rgb, Vec2, Vec3};
 use crate::photon::trace::{TraceJob, trace};
@@ -46,8 +46,19 @@ enum Which {
 /// What a camera path does at a surface.
 enum Step {
     Gather(Rgb),
-    Follow { wo: Vec3, weight: Rgb, eta: f32 },
+    Follow { wo: Vec3, weight: Rgb, eta: f32, density: Density },
     End,
+}
+
+/// How a lamp that a continued camera path meets shares its light with next event estimation.
+#[derive(Clone, Copy, PartialEq)]
+enum Density {
+    /// As after the surface before: straight passages change nothing.
+    Kept,
+    /// Nothing else finds this light.
+    Specular,
+    /// With which a glossy surface scatters there.
+    Glossy(f32),
 }
 
 impl<'a> PhotonMapper<'a> {
@@ -64,6 +75,16 @@ impl<'a> PhotonMapper<'a> {
         mapper
     }
 
+    /// The lobes that photons are for.
+    fn rough(&self) -> Range {
+        Range::rough(self.settings.glossy)
+    }
+
+    /// The lobes that camera paths follow.
+    fn glossy(&self) -> Range {
+        Range::glossy(self.settings.glossy)
+    }
+
     fn wanted(&self, which: Which) -> bool {
         match which {
             Which::Global => self.plan.global_paths != Count::Paths(0),
@@ -78,6 +99,7 @@ impl<'a> PhotonMapper<'a> {
             owner: if which == Which::Global { Owner::GlobalMap } else { Owner::CausticMap },
             next_event: self.settings.nee,
             caustic_map: self.plan.caustic_map,
+            glossy: self.settings.glossy,
             max_depth: self.settings.max_depth.0,
         }
     }
@@ -195,6 +217,7 @@ impl<'a> PhotonMapper<'a> {
                 Estimator::new(s.caustic_kernel, radius, s.lookup, s.caustic_neighbours, s.caustic_cap.0)
             }
         };
+        let estimator = Estimator { lobes: self.rough(), ..estimator };
         let map = if s.lookup == Lookup::Nearest {
             PhotonMap::build_for_nearest(&traced.photons, estimator.cap, radius)
         } else {
@@ -218,7 +241,7 @@ impl<'a> PhotonMapper<'a> {
         &self,
         maps: &Maps,
         s: &Surface,
-        closure: &Closure,
+        closure: &Closure<'_>,
         back: Vec3,
         throughput: Rgb,
         depth: u32,
@@ -230,10 +253,11 @@ impl<'a> PhotonMapper<'a> {
         let left = self.settings.max_depth.0 - depth;
         if self.settings.nee {
             let mis = self.plan.direct_mis;
+            let (lobes, rays) = (self.rough(), &mut scratch.rays);
             let mut direct =
-                next_event(self.scene, self.plan, s, closure, wi, mis, left, sampler, &mut scratch.rays);
+                next_event(self.scene, self.plan, s, closure, lobes, wi, mis, left, sampler, rays);
             if mis {
-                direct += scattered_lamp(self.scene, s, closure, wi, left, sampler, &mut scratch.rays);
+                direct += scattered_lamp(self.scene, s, closure, lobes, wi, left, sampler, rays);
             }
             out.add(Layer::Direct, throughput * direct);
         }
@@ -248,20 +272,21 @@ impl<'a> PhotonMapper<'a> {
         }
     }
 
-    /// Chooses among gathering and the specular directions, by the roulette policy.
-    fn step(&self, closure: &Closure, wi: Vec3, sampler: &mut Sampler) -> Step {
+    /// Chooses among gathering, glossy lobes and the specular directions, by the roulette policy.
+    fn step(&self, closure: &Closure<'_>, wi: Vec3, sampler: &mut Sampler) -> Step {
         let u = sampler.next_1d();
         let through = closure.transparency();
         if u < through {
-            return Step::Follow { wo: -wi, weight: Rgb::ONE, eta: 1.0 };
+            return Step::Follow { wo: -wi, weight: Rgb::ONE, eta: 1.0, density: Density::Kept };
         }
         let solid = 1.0 - through;
         let deltas = closure.deltas(wi, Transport::Radiance);
         // `smooth_albedo` of a masked surface is that of the whole; events here are those of its solid part.
-        let smooth = closure.smooth_albedo(wi).max_element() / solid;
+        let smooth = closure.smooth_albedo(wi, self.rough()).max_element() / solid;
+        let glossy = closure.smooth_albedo(wi, self.glossy()).max_element() / solid;
         // A refracted share counts by the power it carries, without the 1/eta² of radiance.
         let share = |l: &crate::bsdf::DeltaLobe| (l.weight * (l.eta * l.eta)).max_element();
-        let total = smooth + deltas.iter().map(share).sum::<f32>();
+        let total = smooth + glossy + deltas.iter().map(share).sum::<f32>();
         if total <= 0.0 {
             return Step::End;
         }
@@ -289,11 +314,21 @@ impl<'a> PhotonMapper<'a> {
         for lobe in deltas.iter() {
             let p = share(lobe) * scale;
             if rest < p {
-                return Step::Follow { wo: lobe.wo, weight: lobe.weight / p, eta: lobe.eta };
+                let (wo, weight, eta) = (lobe.wo, lobe.weight / p, lobe.eta);
+                return Step::Follow { wo, weight, eta, density: Density::Specular };
             }
             rest -= p;
         }
-        Step::End
+        let p = glossy * scale;
+        if rest >= p {
+            return Step::End;
+        }
+        let u = sampler.next_2d();
+        let Some(s) = closure.sample_smooth(wi, rest / p, u, Transport::Radiance, self.glossy()) else {
+            return Step::End;
+        };
+        let density = Density::Glossy(closure.pdf(wi, s.wo, self.glossy()));
+        Step::Follow { wo: s.wo, weight: s.weight / (p * solid), eta: s.eta, density }
     }
 }
 
@@ -329,13 +364,20 @@ impl Integrator for PhotonMapper<'_> {
         let mut eta = 1.0f32;
         let mut depth = 0u32;
         let mut seen = false;
+        // Density and place of the last glossy scattering; 0 where lamps count in full.
+        let (mut pdf, mut from) = (0.0f32, Vec3::ZERO);
         while depth < max_depth {
             depth += 1;
             scratch.rays += 1;
             let visible_lamps = seen || !self.settings.hide_emitters;
             let Some(hit) = scene.geometry.closest(&ray) else {
                 if visible_lamps {
-                    out.add(Layer::Emission, throughput * scene.background(ray.d));
+                    let weight = if pdf > 0.0 {
+                        power_heuristic(pdf, scene.pdf_direct_background(ray.d))
+                    } else {
+                        1.0
+                    };
+                    out.add(Layer::Emission, throughput * scene.background(ray.d) * weight);
                 }
                 break;
             };
@@ -347,8 +389,14 @@ impl Integrator for PhotonMapper<'_> {
                 continue;
             }
             out.alpha = 1.0;
-            if visible_lamps {
-                out.add(Layer::Emission, throughput * scene.emitted(&s, back));
+            let emitted = scene.emitted(&s, back);
+            if visible_lamps && emitted.max_element() > 0.0 {
+                let weight = if pdf > 0.0 {
+                    power_heuristic(pdf, scene.pdf_direct_surface(from, ray.d, &s))
+                } else {
+                    1.0
+                };
+                out.add(Layer::Emission, throughput * emitted * weight);
             }
             seen = true;
             if depth >= max_depth {
@@ -356,6 +404,13 @@ impl Integrator for PhotonMapper<'_> {
             }
             let wi = s.frame.to_local(back);
             let closure = scene.closure(&s, wi);
+            if closure.has_smooth(wi, self.glossy()) {
+                // Photons tell nothing about such lobes, so a lamp is looked for with `nee` or without.
+                let (left, rays) = (max_depth - depth, &mut scratch.rays);
+                let lobes = self.glossy();
+                let light = next_event(scene, self.plan, &s, &closure, lobes, wi, true, left, sampler, rays);
+                out.add(Layer::Emission, throughput * light);
+            }
             match self.step(&closure, wi, sampler) {
                 Step::Gather(weight) => {
                     self.gather(
@@ -371,9 +426,14 @@ impl Integrator for PhotonMapper<'_> {
                     );
                     break;
                 }
-                Step::Follow { wo, weight, eta: ratio } => {
+                Step::Follow { wo, weight, eta: ratio, density } => {
                     throughput *= weight;
                     eta *= ratio;
+                    match density {
+                        Density::Kept => {}
+                        Density::Specular => pdf = 0.0,
+                        Density::Glossy(density) => (pdf, from) = (density, s.p),
+                    }
                     ray = s.leave(s.frame.to_world(wo));
                 }
                 Step::End => break,

@@ -7,7 +7,7 @@ use super::boundary::Boundary;
 use super::kernel::{Kernel, KernelKind, with_kernel};
 use super::store::{PhotonMap, Query};
 use super::{LightPath, scan};
-use crate::bsdf::{Closure, Transport};
+use crate::bsdf::{Closure, Range, Transport};
 use crate::film::Radiance;
 use crate::math::{Rgb, Vec3, decode_direction};
 use crate::scene::Surface;
@@ -20,12 +20,15 @@ pub struct Estimator {
     pub radius: f32,
     /// Most photons of one estimate: beyond it the nearest count, in their own smaller disc.
     pub cap: usize,
+    /// The lobes that photons are for.
+    pub lobes: Range,
 }
 
 impl Estimator {
     pub fn new(kernel: KernelKind, radius: f32, lookup: Lookup, neighbours: u32, cap: u32) -> Self {
         let nearest = if lookup == Lookup::Nearest { neighbours as usize } else { usize::MAX };
-        Self { kernel, radius, cap: nearest.min(if cap == u32::MAX { usize::MAX } else { cap as usize }) }
+        let cap = nearest.min(if cap == u32::MAX { usize::MAX } else { cap as usize });
+        Self { kernel, radius, cap, lobes: Range::ALL }
     }
 }
 
@@ -95,7 +98,7 @@ impl Gather {
                     Some(albedo) => albedo * FRAC_1_PI,
                     None => {
                         let wo = s.frame.to_local(decode_direction(map.direction[i]));
-                        closure.eval(local, wo, Transport::Radiance)
+                        closure.eval(local, wo, Transport::Radiance, estimator.lobes)
                     }
                 };
                 let flux = Rgb::new(map.flux[0][i], map.flux[1][i], map.flux[2][i]);

@@ -9,7 +9,7 @@ use crate::film::Layer;
 pub enum LightPath {
     /// Nothing (but straight passages).
     Direct = 0,
-    /// Specular surfaces only.
+    /// Specular and glossy surfaces only.
     Specular = 1,
     /// At least one rough surface.
     Scattered = 2,
@@ -29,8 +29,8 @@ impl LightPath {
     pub fn after(self, event: Event) -> Self {
         match (self, event) {
             (path, Event::Null) => path,
-            (_, Event::Smooth) | (Self::Scattered, Event::Delta) => Self::Scattered,
-            (Self::Direct | Self::Specular, Event::Delta) => Self::Specular,
+            (_, Event::Smooth) | (Self::Scattered, Event::Delta | Event::Glossy) => Self::Scattered,
+            (Self::Direct | Self::Specular, Event::Delta | Event::Glossy) => Self::Specular,
         }
     }
 
@@ -73,8 +73,10 @@ mod tests {
             assert_eq!(path.after(Event::Smooth), LightPath::Scattered);
             assert_eq!(LightPath::from_tag(path as u8), path);
         }
-        assert_eq!(LightPath::Direct.after(Event::Delta), LightPath::Specular);
-        assert_eq!(LightPath::Scattered.after(Event::Delta), LightPath::Scattered);
+        for event in [Event::Delta, Event::Glossy] {
+            assert_eq!(LightPath::Direct.after(event), LightPath::Specular);
+            assert_eq!(LightPath::Scattered.after(event), LightPath::Scattered);
+        }
         assert_eq!(LightPath::Direct.owner(true, true), Owner::NextEvent);
         assert_eq!(LightPath::Direct.owner(false, true), Owner::GlobalMap);
         assert_eq!(LightPath::Specular.owner(true, true), Owner::CausticMap);

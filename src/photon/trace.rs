@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{LightPath, Owner, Photon};
-use crate::bsdf::{Event, Transport};
+use crate::bsdf::{Event, Range, Transport};
 use crate::math::Rgb;
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Scene, Surface};
@@ -19,6 +19,8 @@ pub struct TraceJob {
     pub owner: Owner,
     pub next_event: bool,
     pub caustic_map: bool,
+    /// Roughness below which lobes hold no photons.
+    pub glossy: f32,
     /// Path segments from camera to lamp, at most.
     pub max_depth: u32,
 }
@@ -80,7 +82,8 @@ fn trace_path(scene: &Scene, job: &TraceJob, index: u64, out: &mut Traced) {
         let to_lamp = -ray.d;
         let wi = surface.frame.to_local(to_lamp);
         let closure = scene.closure(&surface, wi);
-        if closure.has_smooth() && path.owner(job.next_event, job.caustic_map) == job.owner {
+        let owned = path.owner(job.next_event, job.caustic_map) == job.owner;
+        if owned && closure.has_smooth(wi, Range::rough(job.glossy)) {
             store(&surface, to_lamp, wi.z, flux, path, depth, out);
         }
         // A photon at the next surface needs two more segments: there, and from there to the camera.
@@ -88,7 +91,7 @@ fn trace_path(scene: &Scene, job: &TraceJob, index: u64, out: &mut Traced) {
             return;
         }
         let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-        let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Importance) else { return };
+        let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Importance, job.glossy) else { return };
         if sample.event == Event::Smooth && job.owner == Owner::CausticMap {
             return;
         }
@@ -129,7 +132,7 @@ fn adjoint(
         return None;
     }
     match event {
-        Event::Smooth => Some(((wi_ns * wo_ng) / (wi_ng * wo_ns)).abs().min(MAX_CORRECTION)),
+        Event::Smooth | Event::Glossy => Some(((wi_ns * wo_ng) / (wi_ng * wo_ns)).abs().min(MAX_CORRECTION)),
         Event::Delta | Event::Null => Some(1.0),
     }
 }

@@ -8,7 +8,7 @@ pub use crate::settings::Settings;
 pub use geometry::{Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
 pub use plan::Plan;
 
-use crate::bsdf::{Closure, Material};
+use crate::bsdf::{Closure, Material, Point};
 use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere, Sides};
 use crate::film::{FilmSize, Filter};
 use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
@@ -40,6 +40,8 @@ pub struct Surface {
     /// Shading frame.
     pub frame: Frame,
     pub uv: Vec2,
+    /// ∂p/∂u and ∂p/∂v along `frame.s` and `frame.t`, for shapes whose material asks for them.
+    pub tangents: [Vec2; 2],
     /// How far a ray must start from the surface for rounding not to find it again.
     pub lift: f32,
     pub shape: u32,
@@ -126,6 +128,7 @@ impl Scene {
                     ng: n,
                     frame: Frame::from_normal(n),
                     uv: l.uv,
+                    tangents: NO_TANGENTS,
                     lift: extent * LIFT,
                     shape: index,
                 }
@@ -145,9 +148,10 @@ impl Scene {
 
     /// Scattering at a surface point for light handled on the side of the local direction `wi`.
     #[inline(always)]
-    pub fn closure(&self, s: &Surface, wi: Vec3) -> Closure {
+    pub fn closure(&self, s: &Surface, wi: Vec3) -> Closure<'_> {
         let material = self.shapes[s.shape as usize].material;
-        self.materials[material as usize].closure(&self.textures, s.uv, wi)
+        let point = Point { textures: &self.textures, uv: s.uv, tangents: s.tangents };
+        self.materials[material as usize].closure(&point, wi)
     }
 
     /// Radiance leaving the surface towards `w` (world) by its own emission.
@@ -295,8 +299,19 @@ fn triangle_surface(v: &[Vec3; 3], shape: &ShapeRecord, index: u32, triangle: us
         }
     }
     let extent = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
-    Surface { p: mix(v0, v1, v2), ng, frame: Frame::from_normal(ns), uv, lift: extent * LIFT, shape: index }
+    Surface {
+        p: mix(v0, v1, v2),
+        ng,
+        frame: Frame::from_normal(ns),
+        uv,
+        tangents: NO_TANGENTS,
+        lift: extent * LIFT,
+        shape: index,
+    }
 }
+
+/// Of a surface where nobody asks.
+const NO_TANGENTS: [Vec2; 2] = [Vec2::X, Vec2::Y];
 
 /// Weights for choosing an emitter.
 pub(crate) fn emitter_distributions(

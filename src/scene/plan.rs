@@ -3,7 +3,6 @@
 use std::fmt;
 
 use super::Scene;
-use crate::bsdf::Model;
 use crate::emitter::Emitter;
 use crate::settings::{Count, IntegratorKind, Settings};
 
@@ -33,13 +32,15 @@ pub struct Plan {
 impl Plan {
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
         let mut notes = Vec::new();
-        let models = || scene.materials.iter().flat_map(|m| m.models());
+        let natures = || scene.materials.iter().map(|m| m.nature());
         let lit = !scene.emitters.is_empty();
         if !lit {
             notes.push("no emitter: the picture is black".to_owned());
         }
-        let specular = models().any(Model::has_delta);
-        let rough = models().any(Model::has_smooth);
+        // Glossy lobes are followed like mirrors, and throw caustics as they do.
+        let glossy = |[min, _]: [f32; 2]| min < settings.glossy;
+        let specular = natures().any(|n| n.delta || n.smooth.is_some_and(glossy));
+        let rough = natures().any(|n| n.smooth.is_some_and(|[_, max]| max >= settings.glossy));
         let photons = settings.integrator == IntegratorKind::PhotonMap;
         // Segments a path needs at least: lamp–rough–camera is 2, each further surface adds one.
         let deepest = settings.max_depth.0;

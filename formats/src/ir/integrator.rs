@@ -56,6 +56,7 @@ pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
     ("caustic_radius", ScalarType::Float),
     ("alpha", ScalarType::Float),
     ("caustic_alpha", ScalarType::Float),
+    ("glossy", ScalarType::Float),
     ("boundary", ScalarType::Boolean),
     ("max_depth", ScalarType::Integer),
     ("rr_depth", ScalarType::Integer),

@@ -1,17 +1,23 @@
 //! BSDFs of the IR → materials.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use caustica_formats::ir::{self, BsdfKind, ColorSlot, ConductorMaterial, Ior};
 use caustica_formats::spectrum;
 
 use super::Builder;
 use super::textures::DEFAULT_REFLECTANCE;
+use crate::bsdf::microfacet::{Kind, Shadowing};
 use crate::bsdf::{
-    ConductorModel, DielectricModel, DiffuseModel, Material, Model, PlasticModel, ThinDielectricModel,
+    ConductorModel, DielectricModel, DiffuseModel, Material, Metal, Node, PlasticModel, RoughConductorModel,
+    RoughDielectricModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance,
 };
 use crate::math::Rgb;
 use crate::texture::Param;
+
+/// α below which pbrt-v4 drops the microfacets.
+const PBRT_SMOOTH: f32 = 1e-3;
 
 #[derive(Default)]
 pub struct MaterialTable {
@@ -19,6 +25,8 @@ pub struct MaterialTable {
     known: HashMap<usize, u32>,
     default: Option<u32>,
     black: Option<u32>,
+    /// By distribution, bits of α (none: any α) and of the relative index.
+    transmittances: HashMap<(Kind, Option<u32>, u32), Arc<Transmittance>>,
 }
 
 impl MaterialTable {
@@ -32,22 +40,8 @@ impl MaterialTable {
     }
 }
 
-/// A material before it is frozen.
-#[derive(Clone, Copy)]
-struct Parts {
-    front: Model,
-    back: Option<Model>,
-    opacity: Option<Param>,
-}
-
-impl From<Model> for Parts {
-    fn from(front: Model) -> Self {
-        Self { front, back: None, opacity: None }
-    }
-}
-
-fn diffuse(reflectance: Param) -> Model {
-    Model::Diffuse(DiffuseModel { reflectance })
+fn diffuse(reflectance: Param) -> Node {
+    DiffuseModel { reflectance }.into()
 }
 
 impl Builder<'_> {
@@ -64,81 +58,134 @@ impl Builder<'_> {
             }
             let index = self.materials.materials.len() as u32;
             *slot = Some(index);
-            self.materials.materials.push(Material::new(diffuse(Param::Constant(color)), None, None));
+            self.materials.materials.push(Material::new(diffuse(Param::Constant(color))));
             return index;
         };
         if let Some(index) = self.materials.known.get(&id.index()) {
             return *index;
         }
-        let parts = self.parts(id);
-        let index = self.materials.push(Material::new(parts.front, parts.back, parts.opacity));
+        let node = self.node(id);
+        if node.tilts_twice() {
+            let origin = self.ir.bsdfs[id].origin;
+            self.error("a bump or normal map inside another one cannot be rendered", origin);
+        }
+        let index = self.materials.push(Material::new(node));
         self.materials.known.insert(id.index(), index);
         index
     }
 
-    fn parts(&mut self, id: ir::Id<ir::Bsdf>) -> Parts {
+    fn node(&mut self, id: ir::Id<ir::Bsdf>) -> Node {
         let bsdf = &self.ir.bsdfs[id];
         let origin = bsdf.origin;
         match &bsdf.kind {
             BsdfKind::Diffuse { reflectance } => {
-                diffuse(self.param(reflectance, ColorSlot::Reflectance, origin)).into()
+                diffuse(self.param(reflectance, ColorSlot::Reflectance, origin))
             }
-            BsdfKind::Dielectric(d) => Model::Dielectric(self.dielectric(d, origin)).into(),
-            BsdfKind::ThinDielectric(d) => {
-                Model::ThinDielectric(ThinDielectricModel(self.dielectric(d, origin))).into()
-            }
-            BsdfKind::RoughDielectric { interface, .. } => {
-                self.unsupported("bsdf `roughdielectric`", "a smooth `dielectric`", origin);
-                Model::Dielectric(self.dielectric(interface, origin)).into()
-            }
-            BsdfKind::Conductor(c) => Model::Conductor(self.conductor(c, origin)).into(),
-            BsdfKind::RoughConductor { conductor, .. } => {
-                self.unsupported("bsdf `roughconductor`", "a smooth `conductor`", origin);
-                Model::Conductor(self.conductor(conductor, origin)).into()
-            }
-            BsdfKind::Plastic(p) => Model::Plastic(self.plastic(p, origin)).into(),
-            BsdfKind::RoughPlastic { plastic, .. } => {
-                self.unsupported("bsdf `roughplastic`", "a smooth `plastic`", origin);
-                Model::Plastic(self.plastic(plastic, origin)).into()
-            }
-            BsdfKind::TwoSided { front, back } => self.two_sided(*front, *back, origin),
-            BsdfKind::Mask { opacity, nested } => {
-                let mut parts = self.parts(*nested);
-                let opacity = self.scalar_param(opacity);
-                parts.opacity = match (parts.opacity, opacity) {
-                    (None, o) => Some(o),
-                    (Some(Param::Constant(a)), Param::Constant(b)) => Some(Param::Constant(a * b)),
-                    _ => {
-                        self.error("a textured mask inside another mask cannot be rendered", origin);
-                        None
+            BsdfKind::Dielectric(d) => self.dielectric(d, origin).into(),
+            BsdfKind::ThinDielectric(d) => ThinDielectricModel(self.dielectric(d, origin)).into(),
+            BsdfKind::RoughDielectric { interface, microfacet } => {
+                let smooth = self.dielectric(interface, origin);
+                match self.roughness(microfacet) {
+                    // Without a step of the index no facet bends or reflects anything.
+                    Some(roughness) if smooth.eta != 1.0 => {
+                        let DielectricModel { eta, reflectance, transmittance } = smooth;
+                        RoughDielectricModel { eta, reflectance, transmittance, roughness }.into()
                     }
-                };
-                // A mask of constant opacity 1 is no mask: the plan need not look through it.
-                if parts.opacity == Some(Param::Constant(Rgb::ONE)) {
-                    parts.opacity = None;
+                    _ => smooth.into(),
                 }
-                parts
             }
-            BsdfKind::Null => Model::Null.into(),
+            BsdfKind::Conductor(c) => self.conductor(c, origin).into(),
+            BsdfKind::RoughConductor { conductor, microfacet } => {
+                let smooth = self.conductor(conductor, origin);
+                match self.roughness(microfacet) {
+                    Some(roughness) => {
+                        let ConductorModel { metal, reflectance } = smooth;
+                        RoughConductorModel { metal, reflectance, roughness }.into()
+                    }
+                    None => smooth.into(),
+                }
+            }
+            BsdfKind::Plastic(p) => self.plastic(p, origin).into(),
+            BsdfKind::RoughPlastic { plastic, microfacet } => {
+                let smooth = self.plastic(plastic, origin);
+                match self.roughness(microfacet) {
+                    Some(roughness) => self.rough_plastic(smooth, roughness).into(),
+                    None => smooth.into(),
+                }
+            }
+            BsdfKind::TwoSided { front, back } => {
+                let f = self.node(*front);
+                let b = back.map_or_else(|| f.clone(), |b| self.node(b));
+                if f.nature().transmits || b.nature().transmits {
+                    self.error("only materials that let no light through can be made two-sided", origin);
+                }
+                Node::TwoSided(Box::new([f, b]))
+            }
+            BsdfKind::Mask { opacity, nested } => {
+                let nested = self.node(*nested);
+                match self.scalar_param(opacity) {
+                    // No mask: the plan need not look through it.
+                    Param::Constant(o) if o == Rgb::ONE => nested,
+                    opacity => Node::Mask(opacity, Box::new(nested)),
+                }
+            }
+            BsdfKind::Null => Node::Null,
+            BsdfKind::Blend { weight, first, second } => {
+                let weight = self.scalar_param(weight);
+                Node::Blend(weight, Box::new([self.node(*first), self.node(*second)]))
+            }
+            BsdfKind::Mixture { parts } => {
+                let sum = parts.iter().map(|(w, _)| *w).sum::<f64>().max(1.0);
+                Node::Mixture(parts.iter().map(|(w, id)| ((w / sum) as f32, self.node(*id))).collect())
+            }
             _ => {
                 self.unsupported("this bsdf", "diffuse gray 0.5", origin);
-                diffuse(Param::Constant(DEFAULT_REFLECTANCE)).into()
+                diffuse(Param::Constant(DEFAULT_REFLECTANCE))
             }
         }
     }
 
-    fn two_sided(
-        &mut self,
-        front: ir::Id<ir::Bsdf>,
-        back: Option<ir::Id<ir::Bsdf>>,
-        origin: ir::Origin,
-    ) -> Parts {
-        let f = self.parts(front);
-        let b = back.map_or(f, |b| self.parts(b));
-        if f.front.transmits() || b.front.transmits() {
-            self.error("only materials that let no light through can be made two-sided", origin);
-        }
-        Parts { front: f.front, back: Some(b.front), opacity: f.opacity }
+    /// `None` is a surface so smooth that pbrt treats it as perfectly specular. Mitsuba never does.
+    fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
+        let roughness = Roughness {
+            kind: match m.distribution {
+                ir::MicrofacetDistribution::Beckmann => Kind::Beckmann,
+                ir::MicrofacetDistribution::Ggx => Kind::Ggx,
+                ir::MicrofacetDistribution::Phong => Kind::Phong,
+            },
+            shadowing: match m.shadowing {
+                ir::Shadowing::Separable => Shadowing::Separable,
+                ir::Shadowing::HeightCorrelated => Shadowing::HeightCorrelated,
+            },
+            u: self.scalar_param(&m.alpha_u),
+            v: self.scalar_param(&m.alpha_v),
+            root: m.remap == ir::RoughnessRemap::Sqrt,
+        };
+        let smooth = roughness.shadowing == Shadowing::HeightCorrelated
+            && roughness.constant().is_some_and(|[u, v]| u.max(v) < PBRT_SMOOTH);
+        (!smooth).then_some(roughness)
+    }
+
+    fn rough_plastic(&mut self, smooth: PlasticModel, roughness: Roughness) -> RoughPlasticModel {
+        let PlasticModel { eta, diffuse, specular, nonlinear } = smooth;
+        let transmittance = self.transmittance(&roughness, eta);
+        RoughPlasticModel { eta, diffuse, specular, nonlinear, roughness, transmittance }
+    }
+
+    fn transmittance(&mut self, roughness: &Roughness, eta: f32) -> Arc<Transmittance> {
+        let alpha = roughness.constant().map(|[u, v]| (u * v).max(0.0).sqrt());
+        let kind = roughness.kind;
+        let table = self
+            .materials
+            .transmittances
+            .entry((kind, alpha.map(f32::to_bits), eta.to_bits()))
+            .or_insert_with(|| {
+                Arc::new(match alpha {
+                    Some(alpha) => Transmittance::new(kind, alpha, eta),
+                    None => Transmittance::all(kind, eta),
+                })
+            });
+        table.clone()
     }
 
     fn ior(&mut self, ior: &Ior, origin: ir::Origin) -> f32 {
@@ -169,37 +216,29 @@ impl Builder<'_> {
     fn conductor(&mut self, c: &ir::Conductor, origin: ir::Origin) -> ConductorModel {
         let reflectance = self.param(&c.specular_reflectance, ColorSlot::Reflectance, origin);
         let outside = |b: &mut Self, ext: &Option<Ior>| ext.as_ref().map_or(1.0, |e| b.ior(e, origin));
-        let index = match &c.material {
-            ConductorMaterial::Mirror => None,
+        let metal = match &c.material {
+            ConductorMaterial::Mirror => Metal::Mirror,
             ConductorMaterial::Named { name, ext_eta } => {
-                let ext = outside(self, ext_eta);
-                let rgb = |c: [f64; 3]| Rgb::new(c[0] as f32, c[1] as f32, c[2] as f32) / ext;
+                let outside = outside(self, ext_eta);
+                let rgb = |c: [f64; 3]| Param::Constant(Rgb::new(c[0] as f32, c[1] as f32, c[2] as f32));
                 match spectrum::conductor(name) {
-                    Some(metal) => Some((rgb(metal.eta), rgb(metal.k))),
+                    Some(metal) => Metal::Index { eta: rgb(metal.eta), k: rgb(metal.k), outside },
                     None => {
                         self.error(format!("no metal is known by the name `{name}`"), origin);
-                        None
+                        Metal::Mirror
                     }
                 }
             }
-            ConductorMaterial::EtaK { eta, k, ext_eta } => {
-                let ext = outside(self, ext_eta);
-                let constant = |b: &mut Self, input| match b.param(input, ColorSlot::Unbounded, origin) {
-                    Param::Constant(c) => c,
-                    Param::Texture(_) => {
-                        b.unsupported("a textured index of refraction", "1", origin);
-                        Rgb::ONE
-                    }
-                };
-                let (eta, k) = (constant(self, eta), constant(self, k));
-                Some((eta / ext, k / ext))
-            }
-            ConductorMaterial::Reflectance(_) => {
-                self.unsupported("a conductor given by its reflectance", "a perfect mirror", origin);
-                None
+            ConductorMaterial::EtaK { eta, k, ext_eta } => Metal::Index {
+                eta: self.param(eta, ColorSlot::Unbounded, origin),
+                k: self.param(k, ColorSlot::Unbounded, origin),
+                outside: outside(self, ext_eta),
+            },
+            ConductorMaterial::Reflectance(r) => {
+                Metal::Reflectance(self.param(r, ColorSlot::Reflectance, origin))
             }
         };
-        ConductorModel { index, reflectance }
+        ConductorModel { metal, reflectance }
     }
 
     fn plastic(&mut self, p: &ir::Plastic, origin: ir::Origin) -> PlasticModel {

@@ -1,0 +1,156 @@
+use std::f32::consts::FRAC_1_PI;
+
+use super::event::{Deltas, Event, Range, Sample, SmoothSample, Transport};
+use super::layers::Layers;
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::sampling::warp;
+
+/// A BSDF at a point: numbers only. Small: one diffuse lobe is held by value, anything else behind a
+/// pointer.
+#[derive(Clone, Debug)]
+pub struct Closure<'a>(pub(super) Content<'a>);
+
+#[derive(Clone, Debug)]
+pub(super) enum Content<'a> {
+    Diffuse(Lambertian),
+    Fixed(&'a Layers),
+    Here(Box<Layers>),
+}
+
+/// One diffuse lobe.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lambertian {
+    pub reflectance: Rgb,
+    pub opacity: f32,
+    /// Which side reflects: 1 the front, −1 the back.
+    pub side: f32,
+}
+
+impl Lambertian {
+    #[inline(always)]
+    fn lit(&self, wi: Vec3, wo: Vec3) -> bool {
+        wi.z * self.side > 0.0 && wo.z * self.side > 0.0
+    }
+}
+
+impl Closure<'_> {
+    #[inline(always)]
+    fn content(&self) -> Result<&Lambertian, &Layers> {
+        match &self.0 {
+            Content::Diffuse(d) => Ok(d),
+            Content::Fixed(layers) => Err(layers),
+            Content::Here(layers) => Err(layers),
+        }
+    }
+
+    /// The reflectance when the surface is Lambertian as seen from `wi`: such a surface needs no
+    /// directions in a density estimate.
+    #[inline]
+    pub fn lambertian(&self, wi: Vec3) -> Option<Rgb> {
+        match self.content() {
+            Ok(d) if wi.z * d.side > 0.0 => Some(d.reflectance * d.opacity),
+            _ => None,
+        }
+    }
+
+    /// f of the smooth lobes in `range`, in 1/sr, without cosine.
+    #[inline(always)]
+    pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+        match self.content() {
+            Ok(d) if range.diffuse() && d.lit(wi, wo) => d.reflectance * (FRAC_1_PI * d.opacity),
+            Ok(_) => Rgb::ZERO,
+            Err(layers) => layers.eval(wi, wo, mode, range),
+        }
+    }
+
+    /// Density of `wo` under [`Closure::sample`], for events from lobes in `range`.
+    #[inline(always)]
+    pub fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+        match self.content() {
+            Ok(d) if range.diffuse() && d.lit(wi, wo) => wo.z.abs() * FRAC_1_PI * d.opacity,
+            Ok(_) => 0.0,
+            Err(layers) => layers.pdf(wi, wo, range),
+        }
+    }
+
+    /// Share of what arrives along `wi` that is scattered by the smooth lobes in `range` (directional
+    /// albedo; exact for diffuse and plastic, an estimate for others).
+    pub fn smooth_albedo(&self, wi: Vec3, range: Range) -> Rgb {
+        match self.content() {
+            Ok(d) if range.diffuse() && wi.z * d.side > 0.0 => d.reflectance * d.opacity,
+            Ok(_) => Rgb::ZERO,
+            Err(layers) => layers.albedo(wi, range),
+        }
+    }
+
+    /// Whether smooth lobes in `range` can be chosen by light along `wi`.
+    #[inline(always)]
+    pub fn has_smooth(&self, wi: Vec3, range: Range) -> bool {
+        match self.content() {
+            Ok(_) => range.diffuse(),
+            Err(layers) => layers.has_smooth(wi, range),
+        }
+    }
+
+    /// Probability that light goes straight through.
+    #[inline]
+    pub fn transparency(&self) -> f32 {
+        match self.content() {
+            Ok(d) => 1.0 - d.opacity,
+            Err(layers) => layers.through,
+        }
+    }
+
+    /// Specular directions; weights and probabilities are those of an opaque surface.
+    #[inline]
+    pub fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
+        match self.content() {
+            Ok(_) => Deltas::default(),
+            Err(layers) => layers.deltas(wi, mode),
+        }
+    }
+
+    /// Draws a direction from the smooth lobes of `range` alone; the weight is theirs.
+    pub fn sample_smooth(
+        &self,
+        wi: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+        mode: Transport,
+        range: Range,
+    ) -> Option<SmoothSample> {
+        match self.content() {
+            Ok(d) if range.diffuse() => {
+                let wo = warp::cosine_hemisphere(u);
+                let pdf = wo.z * FRAC_1_PI;
+                let wo = Vec3::new(wo.x, wo.y, wo.z * d.side);
+                let weight = d.reflectance * d.opacity;
+                d.lit(wi, wo).then_some(SmoothSample { wo, weight, pdf, eta: 1.0 })
+            }
+            Ok(_) => None,
+            Err(layers) => layers.sample_smooth(wi, u_lobe, u, mode, range),
+        }
+    }
+
+    /// Draws one continuation among all lobes; `None` when the path is absorbed. Lobes of roughness
+    /// below `glossy` give [`Event::Glossy`], and the weight is that of the lobes on its side of the
+    /// threshold: so light that took one way is told from light that took the other.
+    #[inline(always)]
+    pub fn sample(&self, wi: Vec3, u_lobe: f32, u: Vec2, mode: Transport, glossy: f32) -> Option<Sample> {
+        match self.content() {
+            Ok(d) => {
+                let through = 1.0 - d.opacity;
+                if u_lobe < through {
+                    let weight = Rgb::ONE;
+                    return Some(Sample { wo: -wi, weight, pdf: 0.0, eta: 1.0, event: Event::Null });
+                }
+                let wo = warp::cosine_hemisphere(u);
+                let pdf = wo.z * FRAC_1_PI * d.opacity;
+                let wo = Vec3::new(wo.x, wo.y, wo.z * d.side);
+                let event = Event::Smooth;
+                d.lit(wi, wo).then_some(Sample { wo, weight: d.reflectance, pdf, eta: 1.0, event })
+            }
+            Err(layers) => layers.sample(wi, u_lobe, u, mode, glossy),
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! What sampling a BSDF gives.
+
+use crate::math::{Rgb, Vec3};
+
+/// What a path carries. Refraction scales radiance by 1/eta², importance (photons) not at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transport {
+    Radiance,
+    Importance,
+}
+
+/// Which smooth lobes are meant, by their roughness (α of a microfacet lobe; diffuse is endless).
+/// Lobes below the setting `glossy` are followed like mirrors; the others hold photons.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    min: f32,
+    max: f32,
+}
+
+impl Range {
+    pub const ALL: Self = Self { min: 0.0, max: f32::INFINITY };
+    /// Roughness of Lambertian lobes.
+    pub const DIFFUSE: f32 = f32::MAX;
+
+    /// Lobes of roughness `threshold` and above.
+    pub fn rough(threshold: f32) -> Self {
+        Self { min: threshold, ..Self::ALL }
+    }
+
+    /// Lobes below `threshold`.
+    pub fn glossy(threshold: f32) -> Self {
+        Self { max: threshold, ..Self::ALL }
+    }
+
+    #[inline(always)]
+    pub fn contains(self, roughness: f32) -> bool {
+        self.min <= roughness && roughness < self.max
+    }
+
+    /// Whether Lambertian lobes are meant.
+    #[inline(always)]
+    pub fn diffuse(self) -> bool {
+        self.max > Self::DIFFUSE
+    }
+}
+
+/// A direction drawn from the smooth part of a BSDF.
+#[derive(Clone, Copy, Debug)]
+pub struct SmoothSample {
+    pub wo: Vec3,
+    /// f·|cosθo|/pdf.
+    pub weight: Rgb,
+    pub pdf: f32,
+    /// As in [`DeltaLobe`].
+    pub eta: f32,
+}
+
+/// One perfectly specular direction.
+#[derive(Clone, Copy, Debug)]
+pub struct DeltaLobe {
+    pub wo: Vec3,
+    /// Share of the incident quantity that goes this way.
+    pub weight: Rgb,
+    /// Probability with which a path should choose it among all lobes of the BSDF.
+    pub probability: f32,
+    /// Index of refraction behind over before the event; 1 for reflection.
+    pub eta: f32,
+}
+
+/// Specular directions: rarely more than two.
+#[derive(Clone, Debug, Default)]
+pub struct Deltas {
+    first: [Option<DeltaLobe>; 2],
+    more: Vec<DeltaLobe>,
+}
+
+impl Deltas {
+    pub(super) fn push(&mut self, lobe: DeltaLobe) {
+        match self.first.iter_mut().find(|l| l.is_none()) {
+            Some(free) => *free = Some(lobe),
+            None => self.more.push(lobe),
+        }
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &DeltaLobe> {
+        self.first.iter().flatten().chain(&self.more)
+    }
+
+    pub(super) fn probability(&self) -> f32 {
+        self.iter().map(|l| l.probability).sum()
+    }
+}
+
+/// Where a sampled direction came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A lobe rough enough for photons to be stored.
+    Smooth,
+    /// A smooth lobe too narrow for that.
+    Glossy,
+    Delta,
+    /// Straight through an opening of a mask or an index-matched boundary.
+    Null,
+}
+
+/// A sampled continuation.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    pub wo: Vec3,
+    pub weight: Rgb,
+    /// Density of `wo` among the lobes of this kind of event, including the probability of choosing
+    /// them; 0 for specular and null events.
+    pub pdf: f32,
+    pub eta: f32,
+    pub event: Event,
+}

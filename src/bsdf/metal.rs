@@ -1,0 +1,48 @@
+use super::{Point, fresnel};
+use crate::math::Rgb;
+use crate::texture::Param;
+
+/// What a conductor is made of.
+#[derive(Clone, Copy, Debug)]
+pub enum Metal {
+    /// Reflects everything.
+    Mirror,
+    /// Complex index, in units of the index outside.
+    Index { eta: Param, k: Param, outside: f32 },
+    /// η = 1 and the k with this reflectance at normal incidence (pbrt).
+    Reflectance(Param),
+}
+
+impl Metal {
+    pub(super) fn at(&self, point: &Point<'_>) -> MetalAt {
+        match *self {
+            Self::Mirror => MetalAt(None),
+            Self::Index { eta, k, outside } => {
+                MetalAt(Some((point.color(eta) / outside, point.color(k) / outside)))
+            }
+            Self::Reflectance(r) => {
+                let r = point.color(r).clamp(Rgb::ZERO, Rgb::splat(0.9999));
+                let root = |c: Rgb| Rgb::new(c.x.sqrt(), c.y.sqrt(), c.z.sqrt());
+                MetalAt(Some((Rgb::ONE, root(r) * 2.0 / root(Rgb::ONE - r))))
+            }
+        }
+    }
+
+    pub(super) fn params(&self) -> Vec<Param> {
+        match *self {
+            Self::Mirror => vec![],
+            Self::Index { eta, k, .. } => vec![eta, k],
+            Self::Reflectance(r) => vec![r],
+        }
+    }
+}
+
+/// η and k at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct MetalAt(pub(super) Option<(Rgb, Rgb)>);
+
+impl MetalAt {
+    pub fn fresnel(&self, cos: f32) -> Rgb {
+        self.0.map_or(Rgb::ONE, |(eta, k)| fresnel::conductor(cos, eta, k))
+    }
+}

@@ -1,0 +1,90 @@
+use super::metal::MetalAt;
+use super::microfacet::{Microfacet, reflect};
+use super::{Metal, Nature, Parameters, PartList, Point, Range, Roughness, Scatter, Transport, one_part};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Param;
+
+/// Metal with a rough surface, reflecting from the front side (Walter et al. 2007).
+#[derive(Clone, Copy, Debug)]
+pub struct RoughConductorModel {
+    pub metal: Metal,
+    pub reflectance: Param,
+    pub roughness: Roughness,
+}
+
+impl Parameters for RoughConductorModel {
+    type At = RoughConductor;
+
+    fn at(&self, point: &Point<'_>) -> RoughConductor {
+        RoughConductor {
+            metal: self.metal.at(point),
+            reflectance: point.color(self.reflectance),
+            microfacet: self.roughness.at(point),
+        }
+    }
+
+    fn params(&self) -> Vec<Param> {
+        [self.metal.params(), self.roughness.params(), vec![self.reflectance]].concat()
+    }
+
+    fn nature(&self) -> Nature {
+        Nature {
+            smooth: Some(self.roughness.bounds()),
+            oriented: self.roughness.oriented(),
+            ..Nature::default()
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct RoughConductor {
+    metal: MetalAt,
+    reflectance: Rgb,
+    microfacet: Microfacet,
+}
+
+impl Scatter for RoughConductor {
+    fn parts(&self, _: Vec3) -> PartList {
+        one_part(self.microfacet.roughness())
+    }
+
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
+        if wi.z <= 0.0 || wo.z <= 0.0 || !range.contains(self.microfacet.roughness()) {
+            return Rgb::ZERO;
+        }
+        let m = (wi + wo).normalize();
+        let dg = self.microfacet.d(m) * self.microfacet.g(wi, wo, m);
+        if dg == 0.0 {
+            return Rgb::ZERO;
+        }
+        self.reflectance * self.metal.fresnel(wi.dot(m)) * (dg / (4.0 * wi.z * wo.z))
+    }
+
+    fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+        if wi.z <= 0.0 || wo.z <= 0.0 || !range.contains(self.microfacet.roughness()) {
+            return 0.0;
+        }
+        reflected_pdf(&self.microfacet, wi, wo)
+    }
+
+    fn draw(&self, _: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let wo = reflect(wi, self.microfacet.sample(wi, u));
+        (wo.z > 0.0).then_some((wo, 1.0))
+    }
+
+    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+        if wi.z <= 0.0 || !range.contains(self.microfacet.roughness()) {
+            return Rgb::ZERO;
+        }
+        self.reflectance * self.metal.fresnel(wi.z)
+    }
+}
+
+/// Density of reflection about a sampled normal; both directions above the surface.
+pub(super) fn reflected_pdf(microfacet: &Microfacet, wi: Vec3, wo: Vec3) -> f32 {
+    let m = (wi + wo).normalize();
+    microfacet.pdf(wi, m) / (4.0 * wo.dot(m)).max(f32::MIN_POSITIVE)
+}

@@ -1,0 +1,50 @@
+use super::microfacet::{Kind, Microfacet, Shadowing};
+use super::{Point, Range};
+use crate::texture::Param;
+
+/// Parameters of a microfacet distribution.
+#[derive(Clone, Copy, Debug)]
+pub struct Roughness {
+    pub kind: Kind,
+    pub shadowing: Shadowing,
+    /// α along s and t, or what its square root is taken of.
+    pub u: Param,
+    pub v: Param,
+    /// α = √parameter (pbrt's `remaproughness`).
+    pub root: bool,
+}
+
+impl Roughness {
+    fn alpha(&self, value: f32) -> f32 {
+        if self.root { value.max(0.0).sqrt() } else { value }
+    }
+
+    pub(super) fn at(&self, point: &Point<'_>) -> Microfacet {
+        let [u, v] = [self.u, self.v].map(|p| self.alpha(point.scalar(p)));
+        Microfacet::new(self.kind, self.shadowing, u, v)
+    }
+
+    pub(super) fn params(&self) -> Vec<Param> {
+        vec![self.u, self.v]
+    }
+
+    /// α where it is the same everywhere.
+    pub fn constant(&self) -> Option<[f32; 2]> {
+        match (self.u, self.v) {
+            (Param::Constant(u), Param::Constant(v)) => Some([self.alpha(u.x), self.alpha(v.x)]),
+            _ => None,
+        }
+    }
+
+    /// Bounds of what [`Microfacet::roughness`] may be.
+    pub(super) fn bounds(&self) -> [f32; 2] {
+        match self.constant() {
+            Some([u, v]) => [Microfacet::new(self.kind, self.shadowing, u, v).roughness(); 2],
+            None => [0.0, Range::DIFFUSE],
+        }
+    }
+
+    pub(super) fn oriented(&self) -> bool {
+        self.u != self.v
+    }
+}

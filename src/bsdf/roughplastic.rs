@@ -1,0 +1,150 @@
+use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
+
+use super::diffuse::cosine_pdf;
+use super::microfacet::{Microfacet, reflect};
+use super::plastic::{base, specular_weight};
+use super::roughconductor::reflected_pdf;
+use super::{
+    Nature, Parameters, Part, PartList, Point, Range, Roughness, Scatter, Transmittance, Transport, fresnel,
+};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::sampling::warp;
+use crate::texture::Param;
+
+/// Diffuse base under a rough dielectric coat (front side only).
+#[derive(Clone, Debug)]
+pub struct RoughPlasticModel {
+    /// Index of the coat over the index outside.
+    pub eta: f32,
+    pub diffuse: Param,
+    pub specular: Param,
+    pub nonlinear: bool,
+    pub roughness: Roughness,
+    /// For this `eta`.
+    pub transmittance: Arc<Transmittance>,
+}
+
+impl Parameters for RoughPlasticModel {
+    type At = RoughPlastic;
+
+    fn at(&self, point: &Point<'_>) -> RoughPlastic {
+        let (diffuse, specular) = (point.color(self.diffuse), point.color(self.specular));
+        let microfacet = self.roughness.at(point);
+        let internal = self.transmittance.internal(microfacet.roughness());
+        RoughPlastic {
+            eta: self.eta,
+            base: base(diffuse, internal, self.nonlinear) / (self.eta * self.eta),
+            internal,
+            specular,
+            specular_weight: specular_weight(diffuse, specular),
+            microfacet,
+            transmittance: self.transmittance.clone(),
+        }
+    }
+
+    fn params(&self) -> Vec<Param> {
+        [self.roughness.params(), vec![self.diffuse, self.specular]].concat()
+    }
+
+    fn nature(&self) -> Nature {
+        let [min, _] = self.roughness.bounds();
+        Nature {
+            smooth: Some([min, Range::DIFFUSE]),
+            oriented: self.roughness.oriented(),
+            ..Nature::default()
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct RoughPlastic {
+    eta: f32,
+    base: Rgb,
+    internal: f32,
+    specular: Rgb,
+    specular_weight: f32,
+    microfacet: Microfacet,
+    transmittance: Arc<Transmittance>,
+}
+
+impl RoughPlastic {
+    fn transmitted(&self, cos: f32) -> f32 {
+        self.transmittance.external(self.microfacet.roughness(), cos)
+    }
+
+    /// Probability of choosing the coat.
+    fn specular_probability(&self, wi: Vec3) -> f32 {
+        let t = self.transmitted(wi.z);
+        let (s, d) = ((1.0 - t) * self.specular_weight, t * (1.0 - self.specular_weight));
+        if s + d > 0.0 { s / (s + d) } else { 0.0 }
+    }
+}
+
+impl Scatter for RoughPlastic {
+    fn parts(&self, wi: Vec3) -> PartList {
+        let s = self.specular_probability(wi);
+        let mut parts = PartList::default();
+        parts[0] = Part { probability: s, roughness: self.microfacet.roughness() };
+        parts[1] = Part { probability: 1.0 - s, roughness: Range::DIFFUSE };
+        parts
+    }
+
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
+        let mut f = Rgb::ZERO;
+        if wi.z <= 0.0 || wo.z <= 0.0 {
+            return f;
+        }
+        if range.contains(self.microfacet.roughness()) {
+            let m = (wi + wo).normalize();
+            let dg = self.microfacet.d(m) * self.microfacet.g(wi, wo, m);
+            let reflected = fresnel::dielectric(wi.dot(m), self.eta).reflectance;
+            f += self.specular * (reflected * dg / (4.0 * wi.z * wo.z));
+        }
+        if range.diffuse() {
+            f += self.base * (FRAC_1_PI * self.transmitted(wi.z) * self.transmitted(wo.z));
+        }
+        f
+    }
+
+    fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+        if wi.z <= 0.0 || wo.z <= 0.0 {
+            return 0.0;
+        }
+        let s = self.specular_probability(wi);
+        let mut pdf = 0.0;
+        if range.contains(self.microfacet.roughness()) {
+            pdf += s * reflected_pdf(&self.microfacet, wi, wo);
+        }
+        if range.diffuse() {
+            pdf += (1.0 - s) * cosine_pdf(wo);
+        }
+        pdf
+    }
+
+    fn draw(&self, part: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let wo = match part {
+            0 => reflect(wi, self.microfacet.sample(wi, u)),
+            _ => warp::cosine_hemisphere(u),
+        };
+        (wo.z > 0.0).then_some((wo, 1.0))
+    }
+
+    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+        let mut albedo = Rgb::ZERO;
+        if wi.z <= 0.0 {
+            return albedo;
+        }
+        let t = self.transmitted(wi.z);
+        if range.contains(self.microfacet.roughness()) {
+            albedo += self.specular * (1.0 - t);
+        }
+        if range.diffuse() {
+            albedo += self.base * (t * (1.0 - self.internal) * self.eta * self.eta);
+        }
+        albedo
+    }
+}

@@ -1,0 +1,100 @@
+//! How much light a rough dielectric surface lets through, tabulated.
+
+use super::fresnel;
+use super::microfacet::{Kind, Microfacet, Shadowing, reflect, refract};
+use super::special::gauss_legendre;
+use crate::math::{Vec2, Vec3};
+
+/// Entries over cosθ from 0 to 1.
+const ENTRIES: usize = 64;
+
+/// For one α, or for a row of them.
+#[derive(Clone, Debug)]
+pub struct Transmittance {
+    rows: Vec<Row>,
+}
+
+#[derive(Clone, Debug)]
+struct Row {
+    alpha: f32,
+    /// For light from outside: what passes unshadowed, less than 1 − reflectance.
+    external: [f32; ENTRIES],
+    /// Reflectance for diffuse light from inside.
+    internal: f32,
+}
+
+impl Transmittance {
+    /// For one roughness, as exactly as Mitsuba's `roughplastic` makes its table.
+    pub fn new(kind: Kind, alpha: f32, eta: f32) -> Self {
+        Self { rows: vec![row(kind, alpha, eta, 128)] }
+    }
+
+    /// For every roughness up to 1: interpolated between 24 of them.
+    pub fn all(kind: Kind, eta: f32) -> Self {
+        let n = 24;
+        // Denser where surfaces are smooth: there the table changes fastest.
+        let alpha = |i: usize| ((i as f32 + 0.25) / (n as f32 - 0.75)).powi(2);
+        Self { rows: (0..n).map(|i| row(kind, alpha(i), eta, 24)).collect() }
+    }
+
+    /// The rows around α and how far it is from the first to the second.
+    fn between(&self, alpha: f32) -> (&Row, &Row, f32) {
+        let above = self.rows.iter().position(|r| r.alpha >= alpha).unwrap_or(self.rows.len() - 1);
+        let (a, b) = (&self.rows[above.saturating_sub(1)], &self.rows[above]);
+        let t =
+            if b.alpha > a.alpha { ((alpha - a.alpha) / (b.alpha - a.alpha)).clamp(0.0, 1.0) } else { 0.0 };
+        (a, b, t)
+    }
+
+    /// Into the surface at cosθ from outside.
+    pub fn external(&self, alpha: f32, cos: f32) -> f32 {
+        let x = cos.clamp(0.0, 1.0) * (ENTRIES - 1) as f32;
+        let i = (x as usize).min(ENTRIES - 2);
+        let at = |r: &Row| r.external[i] + (r.external[i + 1] - r.external[i]) * (x - i as f32);
+        let (a, b, t) = self.between(alpha);
+        at(a) + (at(b) - at(a)) * t
+    }
+
+    /// Share of diffuse light inside that is reflected back.
+    pub fn internal(&self, alpha: f32) -> f32 {
+        let (a, b, t) = self.between(alpha);
+        a.internal + (b.internal - a.internal) * t
+    }
+}
+
+fn row(kind: Kind, alpha: f32, eta: f32, inner_nodes: usize) -> Row {
+    let microfacet = Microfacet::new(kind, Shadowing::Separable, alpha, alpha);
+    let cos = |i: usize| (i as f32 / (ENTRIES - 1) as f32).max(1e-6);
+    let outer = gauss_legendre(32);
+    let inner = gauss_legendre(inner_nodes);
+    let external = std::array::from_fn(|i| scattered(&microfacet, cos(i), eta, &outer)[1] as f32);
+    let sum: f64 =
+        (0..ENTRIES).map(|i| f64::from(cos(i)) * scattered(&microfacet, cos(i), 1.0 / eta, &inner)[0]).sum();
+    Row { alpha, external, internal: (2.0 * sum / ENTRIES as f64) as f32 }
+}
+
+/// Reflected and transmitted share: ∫ F·G1(wo) and ∫ (1 − F)·G1(wo) over visible normals.
+fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, nodes: &[(f64, f64)]) -> [f64; 2] {
+    let wi = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+    let mut sums = [0.0; 2];
+    for &(x, wx) in nodes {
+        for &(y, wy) in nodes {
+            let m = microfacet.sample(wi, Vec2::new(x as f32, y as f32));
+            let f = fresnel::dielectric(wi.dot(m), eta);
+            let (up, down) = (reflect(wi, m), refract(wi, m, f.cos_t, f.eta));
+            let passes = |wo: Vec3| match microfacet.kind {
+                Kind::Phong => {
+                    microfacet.g(wi, wo, m) * wi.dot(m).abs() / (wi.z * m.z).max(f32::MIN_POSITIVE)
+                }
+                Kind::Beckmann | Kind::Ggx => microfacet.g1(wo, m),
+            };
+            if up.z > 0.0 && f.reflectance > 0.0 {
+                sums[0] += f64::from(f.reflectance * passes(up)) * wx * wy;
+            }
+            if down.z < 0.0 && f.reflectance < 1.0 {
+                sums[1] += f64::from((1.0 - f.reflectance) * passes(down)) * wx * wy;
+            }
+        }
+    }
+    sums.map(|s| s.min(1.0))
+}
