@@ -91,7 +91,7 @@ fn glossy_lobes_are_followed_without_loss() {
     let rough = render(&scene, &[&photons[..], &[("glossy", "0.01")]].concat(), 128);
     for channel in 0..3 {
         for (layer, bound) in
-            [(Layer::Emission, 0.03), (Layer::Direct, 0.02), (Layer::Caustic, 0.13), (Layer::Indirect, 0.04)]
+            [(Layer::Emission, 0.03), (Layer::Direct, 0.03), (Layer::Caustic, 0.13), (Layer::Indirect, 0.04)]
         {
             let expected = path.estimate(&[layer], channel);
             let name = |what: &str| format!("{layer:?}, {what}");
