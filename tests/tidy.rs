@@ -148,7 +148,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                 "files" => &["files"],
                 "image" => &["image", "files"],
                 "spectrum" => &["spectrum", "ir"],
-                "mesh" => &["mesh", "ir"],
+                "mesh" => &["mesh", "ir", "files"],
                 "mitsuba" => &[
                     "mitsuba",
                     "ir",

@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+
+use flate2::read::MultiGzDecoder;
 
 /// Source of files. Paths are as produced by [`resolve`].
 pub trait Files: fmt::Debug + Sync {
@@ -85,4 +87,23 @@ pub fn other_case(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<
         }
         files.is_file(&found).then_some(found)
     })
+}
+
+/// A compressed file may grow this much; more is no scene but a bomb. Plain text reaches 1:50.
+const MAX_GROWTH: u64 = 400;
+
+pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x1f, 0x8b])
+}
+
+/// The content of a gzip file, at most `limit` bytes.
+pub(crate) fn unpack(bytes: &[u8], limit: u64) -> Result<Vec<u8>, String> {
+    let limit = limit.min((bytes.len() as u64).saturating_mul(MAX_GROWTH).max(1 << 20));
+    let mut out = Vec::new();
+    let read = MultiGzDecoder::new(bytes).take(limit + 1).read_to_end(&mut out);
+    read.map_err(|e| format!("the compressed file is damaged: {e}"))?;
+    if out.len() as u64 > limit {
+        return Err(format!("it unpacks to more than {limit} bytes"));
+    }
+    Ok(out)
 }

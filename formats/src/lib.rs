@@ -1,7 +1,7 @@
 //! Every byte that enters or leaves caustica: scene languages, meshes, images, spectra.
 //!
-//! Invariants (checked by `tests/tidy.rs`): `ir` depends on `diagnostic` only; `mitsuba` never
-//! imports another scene language; nothing here knows of rendering.
+//! Invariants (checked by `tests/tidy.rs`): `ir` depends on `diagnostic` only; the scene
+//! languages never import each other; nothing here knows of rendering.
 
 pub mod diagnostic;
 pub mod files;
@@ -9,6 +9,7 @@ pub mod image;
 pub mod ir;
 pub mod mesh;
 pub mod mitsuba;
+pub mod pbrt;
 mod read;
 pub mod spectrum;
 

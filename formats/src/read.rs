@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, SourceMap};
 use crate::files::Files;
-use crate::{ir, mitsuba};
+use crate::{ir, mitsuba, pbrt};
 
 /// What a reader needs beside the scene itself.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +15,8 @@ pub struct ReadOptions {
     pub defines: Vec<(String, String)>,
     /// Known plugins that are not rendered yet become a named substitute and a warning.
     pub allow_unsupported: bool,
+    /// pbrt-v3 scenes are read as what their constructs became in v4, instead of refused.
+    pub upgrade_v3: bool,
     /// Searched for meshes, textures and includes after the folders of the scene.
     pub search: Vec<PathBuf>,
 }
@@ -47,12 +49,12 @@ impl std::error::Error for Failure {}
 type Reader = fn(&dyn Files, &Path, &ReadOptions) -> Result<Read, Box<Failure>>;
 
 /// One row per scene language.
-const LANGUAGES: &[(&str, Reader)] = &[("xml", mitsuba::read)];
+const LANGUAGES: &[(&str, Reader)] = &[("xml", mitsuba::read), ("pbrt", pbrt::read), ("pbrt.gz", pbrt::read)];
 
 /// Reads a scene in the language its extension names.
 pub fn read_scene(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Read, Box<Failure>> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    if let Some((_, read)) = LANGUAGES.iter().find(|(name, _)| *name == extension) {
+    let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default().to_ascii_lowercase();
+    if let Some((_, read)) = LANGUAGES.iter().find(|(known, _)| name.ends_with(&format!(".{known}"))) {
         return read(files, path, options);
     }
     let known = LANGUAGES.iter().map(|(name, _)| format!(".{name}")).collect::<Vec<_>>().join(", ");

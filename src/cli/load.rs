@@ -126,6 +126,7 @@ impl SceneArgs {
             defines: self.define.clone(),
             allow_unsupported: self.allow_unsupported,
             search: self.allow_path.clone(),
+            upgrade_v3: false,
         };
         let Read { mut scene, warnings, sources } =
             read_scene(&files, &path, &options).map_err(|failure| failure.to_string())?;

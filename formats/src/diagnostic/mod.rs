@@ -94,6 +94,11 @@ impl SourceMap {
         id
     }
 
+    /// Replaces the text of a file that was added before it was read.
+    pub(crate) fn set_text(&mut self, file: u32, text: String) {
+        self.files[file as usize].1 = text;
+    }
+
     pub fn path(&self, file: u32) -> &Path {
         &self.files[file as usize].0
     }

@@ -25,6 +25,10 @@ pub enum Color {
     D65 { scale: f64, color: Option<[f64; 3]> },
     /// Planck radiance in W·m⁻²·sr⁻¹·nm⁻¹ times `scale` (Mitsuba 0.6).
     Blackbody { kelvin: f64, scale: f64 },
+    /// A spectrum of pbrt's library: `metal-Cu-eta`, `glass-BK7`, `stdillum-A` (luminance 1), …
+    Library(String),
+    /// The spectrum scaled to luminance `luminance` (pbrt's lights).
+    WithLuminance { spectrum: Box<Color>, luminance: f64 },
 }
 
 /// A colour parameter: constant or textured.
@@ -42,12 +46,13 @@ pub enum FloatInput {
 }
 
 /// Which renderer's rule turns spectra into RGB; they differ by up to 20 % (Mitsuba 3 weights
-/// reflectance spectra by D65, 0.6 does not).
+/// reflectance spectra by D65, 0.6 does not; pbrt's are lit by D65 as well).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SpectrumRule {
     Mitsuba06,
     Mitsuba2,
     Mitsuba3,
+    Pbrt,
 }
 
 /// What a colour is used for; decides weighting and clamping in [`crate::spectrum::to_linear_rgb`].

@@ -74,7 +74,8 @@ pub enum PartialQuadric {
     Cylinder { radius: f64, z_min: f64, z_max: f64, phi_max: f64 },
 }
 
-/// Vertices in object space, in the precision of a mesh file; empty lists are absent.
+/// Vertices in object space, in the precision of a mesh file; empty lists are absent. The shape's side
+/// is that of the normals, or else of the winding in object space (as [`MeshFile::authored_normals`]).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InlineMesh {
     pub positions: Vec<[f32; 3]>,
@@ -100,6 +101,9 @@ pub struct MeshFile {
     pub format: MeshFormat,
     /// Flat shading; normals of the file are ignored.
     pub face_normals: bool,
+    /// pbrt: normals are used where the file has them and never computed; the shape's side is that of
+    /// those normals, or else of the winding in object space.
+    pub authored_normals: bool,
     /// v → 1 − v.
     pub flip_tex_coords: bool,
     /// Mitsuba 0.6 `maxSmoothAngle`: crease angle in degrees.

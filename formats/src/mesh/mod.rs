@@ -11,6 +11,7 @@ mod serialized;
 
 use thiserror::Error;
 
+use crate::files::{MAX_FILE_BYTES, is_gzip, unpack};
 use crate::ir::MeshFormat;
 
 pub use obj::read_obj;
@@ -44,6 +45,8 @@ pub enum MeshError {
 pub struct MeshOptions {
     /// Drop the file's normals and compute none.
     pub face_normals: bool,
+    /// Keep the file's normals as they are and compute none.
+    pub authored_normals: bool,
     /// v → 1 − v.
     pub flip_tex_coords: bool,
     /// Crease angle in degrees (Mitsuba 0.6 `maxSmoothAngle`): the file's normals are replaced, and
@@ -51,8 +54,15 @@ pub struct MeshOptions {
     pub max_smooth_angle: Option<f64>,
 }
 
-/// Reads a mesh of a known format. A mesh without triangles is not an error.
+/// Reads a mesh of a known format, which may be gzipped. A mesh without triangles is not an error.
 pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> {
+    let unpacked;
+    let bytes = if is_gzip(bytes) {
+        unpacked = unpack(bytes, MAX_FILE_BYTES).map_err(MeshError::Invalid)?;
+        &unpacked
+    } else {
+        bytes
+    };
     match format {
         MeshFormat::Obj => read_obj(bytes, options),
         MeshFormat::Ply => read_ply(bytes, options),
@@ -73,6 +83,11 @@ fn finish(mut mesh: Mesh, options: &MeshOptions) -> Mesh {
     }
     if options.face_normals {
         mesh.normals.clear();
+        mesh
+    } else if options.authored_normals {
+        for normal in &mut mesh.normals {
+            *normal = normals::unit(normal.map(f64::from)).unwrap_or([0.0; 3]);
+        }
         mesh
     } else if let Some(degrees) = options.max_smooth_angle {
         creases::split(&mesh, degrees)

@@ -1,7 +1,11 @@
 use super::*;
 
-const PLAIN: MeshOptions =
-    MeshOptions { face_normals: false, flip_tex_coords: false, max_smooth_angle: None };
+const PLAIN: MeshOptions = MeshOptions {
+    face_normals: false,
+    authored_normals: false,
+    flip_tex_coords: false,
+    max_smooth_angle: None,
+};
 const FLAT: MeshOptions = MeshOptions { face_normals: true, ..PLAIN };
 
 fn message(result: Result<Mesh, MeshError>) -> String {

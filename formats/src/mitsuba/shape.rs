@@ -157,6 +157,7 @@ impl<'a> Reader<'a> {
             path: path?,
             format,
             face_normals,
+            authored_normals: false,
             flip_tex_coords,
             max_smooth_angle,
         }))

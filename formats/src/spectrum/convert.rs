@@ -1,13 +1,14 @@
 //! Colours as written → linear Rec.709, by the rule of the renderer a scene was made for.
 //!
 //! Mitsuba 2 and 3 integrate over 1000 points with weight 470/1000 and divide by a fixed ȳ
-//! integral; Mitsuba 0.6 integrates exactly. Mitsuba 3 alone weights reflectances by D65 and tints
+//! integral; Mitsuba 0.6 integrates exactly, and so do we for pbrt, whose own renderer is spectral:
+//! reflectances are lit by D65, lights and indices by equal energy. Mitsuba 3 alone weights reflectances by D65 and tints
 //! single-valued emission spectra. (0.6 tabulates the observer every nm instead of every 5 nm; that
 //! changes the bluest blackbodies by 4e-4.)
 
 use thiserror::Error;
 
-use super::{cie, srgb_to_linear};
+use super::{LibrarySpectrum, cie, library_spectrum, srgb_to_linear};
 use crate::ir::{Color, ColorSlot, SpectrumRule};
 
 /// Why a colour has no RGB value.
@@ -23,6 +24,8 @@ pub enum SpectrumError {
     TooFewSamples(usize),
     #[error("a blackbody temperature must be positive, not {0} K")]
     BadTemperature(f64),
+    #[error("no spectrum is called `{0}`")]
+    UnknownName(String),
 }
 
 /// The linear Rec.709 triple that the renderer behind `rule` uses for `color` in `slot`.
@@ -58,7 +61,8 @@ pub fn to_linear_rgb(color: &Color, slot: ColorSlot, rule: SpectrumRule) -> Resu
             check_samples(samples)?;
             let d65 = rule == SpectrumRule::Mitsuba3 && slot != ColorSlot::Emission;
             let xyz = match rule {
-                SpectrumRule::Mitsuba06 => exact_samples(samples),
+                SpectrumRule::Pbrt if slot == ColorSlot::Reflectance => lit_by_d65(samples),
+                SpectrumRule::Mitsuba06 | SpectrumRule::Pbrt => exact_samples(samples),
                 _ => thousand_points(|nm| {
                     let illuminant = if d65 { cie::d65(nm) / D65_INTEGRAL } else { 1.0 };
                     interpolate(samples, nm) * illuminant
@@ -73,10 +77,23 @@ pub fn to_linear_rgb(color: &Color, slot: ColorSlot, rule: SpectrumRule) -> Resu
             }
             let power = |nm| planck(nm, *kelvin);
             let xyz = match rule {
-                SpectrumRule::Mitsuba06 => exact_smooth(power),
+                SpectrumRule::Mitsuba06 | SpectrumRule::Pbrt => exact_smooth(power),
                 _ => thousand_points(power),
             };
             clamp(xyz_to_rgb(xyz), ColorSlot::Emission, rule).map(|c| c * scale)
+        }
+        Color::Library(name) => match library_spectrum(name) {
+            Some(LibrarySpectrum::Coefficient(rgb)) => rgb,
+            Some(LibrarySpectrum::Index(index)) => [index; 3],
+            Some(LibrarySpectrum::Illuminant([x, y])) => {
+                clamp(xyz_to_rgb([x / y, 1.0, (1.0 - x - y) / y]), ColorSlot::Emission, rule)
+            }
+            None => return Err(SpectrumError::UnknownName(name.clone())),
+        },
+        Color::WithLuminance { spectrum, luminance: wanted } => {
+            let rgb = to_linear_rgb(spectrum, ColorSlot::Emission, rule)?;
+            let own = luminance(rgb);
+            if own > 0.0 { rgb.map(|c| c * (wanted / own)) } else { [0.0; 3] }
         }
     };
     finite(rgb)?;
@@ -169,6 +186,12 @@ fn thousand_points(power: impl Fn(f64) -> f64) -> [f64; 3] {
 /// XYZ of piecewise linear samples, exact: between two nodes of either curve the product is a
 /// parabola, which Simpson's rule integrates without error.
 fn exact_samples(samples: &[[f64; 2]]) -> [f64; 3] {
+    over_segments(samples, |_, value| value).map(|c| c / exact_y_integral())
+}
+
+/// ∫ power(λ, value) · (x̄, ȳ, z̄) between the first and the last sample, by Simpson's rule from node to
+/// node of samples and tables.
+fn over_segments(samples: &[[f64; 2]], power: impl Fn(f64, f64) -> f64) -> [f64; 3] {
     let (first, last) = (samples[0][0], samples[samples.len() - 1][0]);
     let inside = |nm: &f64| *nm >= first.max(cie::FIRST) && *nm <= last.min(cie::LAST);
     let nodes = (0..cie::OBSERVER.len()).map(|i| cie::FIRST + cie::STEP * i as f64);
@@ -177,9 +200,24 @@ fn exact_samples(samples: &[[f64; 2]]) -> [f64; 3] {
     breaks.dedup();
     let mut xyz = [0.0; 3];
     for pair in breaks.windows(2) {
-        simpson(&mut xyz, pair[0], pair[1], |nm| interpolate(samples, nm));
+        simpson(&mut xyz, pair[0], pair[1], |nm| power(nm, interpolate(samples, nm)));
     }
-    xyz.map(|c| c / exact_y_integral())
+    xyz
+}
+
+/// XYZ of a reflectance lit by D65, so scaled that a reflectance of 1 gives the XYZ of (1, 1, 1).
+/// Between two nodes the product of the three lines is a cubic, which Simpson's rule still integrates
+/// without error.
+fn lit_by_d65(samples: &[[f64; 2]]) -> [f64; 3] {
+    let white = rgb_to_xyz_of_white();
+    let total = over_segments(&[[cie::FIRST, 1.0], [cie::LAST, 1.0]], |nm, v| v * cie::d65(nm));
+    let lit = over_segments(samples, |nm, v| v * cie::d65(nm));
+    std::array::from_fn(|i| lit[i] / total[i] * white[i])
+}
+
+/// The XYZ that [`xyz_to_rgb`] takes to (1, 1, 1), to its six digits: D65.
+fn rgb_to_xyz_of_white() -> [f64; 3] {
+    [0.950_456, 1.0, 1.088_754]
 }
 
 /// XYZ of a smooth curve over the whole table, Simpson's rule in steps of 1 nm.
@@ -304,6 +342,32 @@ mod tests {
     fn mitsuba_2_does_not_weight_by_d65() {
         let visible = samples(&[(400.0, 0.5), (700.0, 0.5)]);
         check(&visible, Reflectance, Mitsuba2, [0.599845, 0.474760, 0.451721], 1e-5);
+    }
+
+    /// White must stay white to the six digits of the matrix; Mitsuba 3's quadrature is 0.1 % off.
+    #[test]
+    fn pbrt_reflectances_are_lit_by_d65() {
+        let one = samples(&[(300.0, 1.0), (900.0, 1.0)]);
+        check(&one, Reflectance, SpectrumRule::Pbrt, [1.0; 3], 3e-6);
+        let red = cornell(&cornell::RED);
+        check(&red, Reflectance, SpectrumRule::Pbrt, [0.491320, 0.0492281, 0.0509219], 3e-3);
+        check(&one, Emission, SpectrumRule::Pbrt, [1.2048, 0.9482, 0.9091], 1e-3);
+    }
+
+    #[test]
+    fn pbrt_lights_have_the_luminance_that_is_asked_for() {
+        let body = Color::Blackbody { kelvin: 3000.0, scale: 7.0 };
+        let light = Color::WithLuminance { spectrum: Box::new(body.clone()), luminance: 2.0 };
+        let rgb = to_linear_rgb(&light, Emission, SpectrumRule::Pbrt).expect("valid");
+        let own = to_linear_rgb(&body, Emission, SpectrumRule::Pbrt).expect("valid");
+        assert!((luminance(rgb) - 2.0).abs() < 1e-12);
+        assert!((rgb[0] / rgb[2] - own[0] / own[2]).abs() < 1e-9);
+        let glass = Color::Library("glass-BK7".to_owned());
+        check(&glass, Unbounded, SpectrumRule::Pbrt, [1.5168; 3], 1e-9);
+        let d65 = Color::Library("stdillum-D65".to_owned());
+        check(&d65, Emission, SpectrumRule::Pbrt, [1.0; 3], 1e-3);
+        let none = to_linear_rgb(&Color::Library("x".to_owned()), Emission, SpectrumRule::Pbrt);
+        assert_eq!(none, Err(SpectrumError::UnknownName("x".to_owned())));
     }
 
     #[test]

@@ -5,12 +5,14 @@ mod convert;
 #[cfg(test)]
 mod cornell;
 mod ior;
+mod library;
 mod metals;
 mod spd;
 mod srgb;
 
 pub use convert::{SpectrumError, luminance, planck, to_linear_rgb};
 pub use ior::{ior, ior_names};
+pub use library::{LibrarySpectrum, library_names, library_spectrum};
 pub use metals::{Metal, conductor, conductor_names};
 pub use spd::{SpdError, parse_spd};
 pub use srgb::{linear_to_srgb, linear_to_srgb_f32, srgb_to_linear, srgb_to_linear_f32};

@@ -29,10 +29,11 @@ pub struct Shapes {
 }
 
 /// A mesh file with the options it is read with.
-type MeshKey = (PathBuf, ir::MeshFormat, bool, bool, Option<u64>);
+type MeshKey = (PathBuf, ir::MeshFormat, bool, bool, bool, Option<u64>);
 
 fn mesh_key(m: &ir::MeshFile) -> MeshKey {
-    (m.path.clone(), m.format, m.face_normals, m.flip_tex_coords, m.max_smooth_angle.map(f64::to_bits))
+    let angle = m.max_smooth_angle.map(f64::to_bits);
+    (m.path.clone(), m.format, m.face_normals, m.authored_normals, m.flip_tex_coords, angle)
 }
 
 type Meshes = HashMap<(PathBuf, String), Option<Mesh>>;
@@ -133,6 +134,7 @@ fn load_meshes(b: &mut Builder<'_>) -> Meshes {
             let bytes = files.read(&m.path).map_err(|e| e.to_string())?;
             let options = MeshOptions {
                 face_normals: m.face_normals,
+                authored_normals: m.authored_normals,
                 flip_tex_coords: m.flip_tex_coords,
                 max_smooth_angle: m.max_smooth_angle,
             };
@@ -236,6 +238,13 @@ fn add_shape(
                 return;
             }
             let first = level.primitives.len();
+            let oriented;
+            let mesh = if is_authored(&shape.kind) {
+                oriented = oriented_by_author(mesh, to_level.determinant3() < 0.0);
+                &oriented
+            } else {
+                mesh
+            };
             add_mesh(mesh, to_level, index, level, &mut record);
             if shape.emission.is_some() { Some(lamp_mesh(&level.primitives[first..], &record)) } else { None }
         }
@@ -268,6 +277,31 @@ fn add_shape(
         }
     }
     records.push(record);
+}
+
+/// Whether a mesh follows pbrt's rule about its side.
+fn is_authored(kind: &ShapeKind) -> bool {
+    match kind {
+        ShapeKind::Mesh(file) => file.authored_normals,
+        ShapeKind::Inline(_) => true,
+        _ => false,
+    }
+}
+
+/// The mesh with its triangles so wound that they face, in the world, where the author's normals point,
+/// or else where the winding in object space does: a mirroring transform turns triangles around.
+fn oriented_by_author(mesh: &Mesh, mirrored: bool) -> Mesh {
+    let mut mesh = mesh.clone();
+    for t in &mut mesh.triangles {
+        let [a, b, c] = t.map(|i| Vec3::from(mesh.positions[i as usize]));
+        let normals = t.iter().filter_map(|&i| mesh.normals.get(i as usize));
+        let normal: Vec3 = normals.map(|&n| Vec3::from(n)).sum();
+        let against = (b - a).cross(c - a).dot(normal) < 0.0;
+        if against != mirrored {
+            t.swap(1, 2);
+        }
+    }
+    mesh
 }
 
 fn add_mesh(

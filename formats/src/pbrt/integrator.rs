@@ -1,0 +1,100 @@
+//! Integrators: pbrt's names and parameters as the settings of ours.
+
+use std::collections::BTreeMap;
+
+use super::params::Params;
+use super::plugin::{Plugin, read, unsupported};
+use super::reader::Reader;
+use crate::diagnostic::Diagnostic;
+use crate::ir::{Integrator, Origin, Scalar, Setting};
+
+type Settings = BTreeMap<String, Setting>;
+
+/// Fills in settings and names the integrator.
+type ReadIntegrator = fn(&mut Params, &mut Settings) -> &'static str;
+
+const INTEGRATORS: &[Plugin<ReadIntegrator>] = &[
+    read("path", path),
+    read("volpath", path),
+    read("simplepath", simple_path),
+    read("simplevolpath", |p, _| approximated(p)),
+    read("lightpath", |p, _| approximated(p)),
+    read("randomwalk", |p, _| approximated(p)),
+    read("bdpt", bdpt),
+    read("mlt", mlt),
+    read("sppm", sppm),
+    unsupported("ambientocclusion"),
+    unsupported("function"),
+];
+
+impl Reader<'_> {
+    /// The scene's integrator; nothing where the file names none, so that the command line decides.
+    pub fn integrator(&mut self) {
+        let Some(mut p) = self.head.integrator.take() else { return };
+        let origin = p.origin();
+        let mut settings = Settings::new();
+        let reader = self.plugin(INTEGRATORS, &mut p, "`path` is used");
+        let plugin = reader.map_or("path", |reader| reader(&mut p, &mut settings));
+        // pbrt counts bounces, we count the segments of a path.
+        let depth = i64::from(p.count("maxdepth", 5, 0)) + 1;
+        let place = Origin(Some(p.span_of("maxdepth")));
+        settings.insert("max_depth".to_owned(), Setting { origin: place, value: Scalar::Integer(depth) });
+        // pbrt shoots one photon a pixel where nothing else is asked for.
+        if plugin == "sppm"
+            && !settings.contains_key("photon_count")
+            && let Some(film) = self.scene.sensors.last().map(|sensor| &sensor.film)
+        {
+            let value = Scalar::Integer(i64::from(film.width) * i64::from(film.height));
+            settings.insert("photon_count".to_owned(), Setting { origin, value });
+        }
+        if p.boolean("regularize", false) {
+            p.warn("regularize", "`regularize` is ignored: rough surfaces stay as they are");
+        }
+        p.ignore(&["lightsampler"]);
+        self.done(p);
+        self.scene.integrator = Some(Integrator { origin, plugin: plugin.to_owned(), settings });
+    }
+}
+
+fn path(_: &mut Params, _: &mut Settings) -> &'static str {
+    "path"
+}
+
+fn simple_path(p: &mut Params, _: &mut Settings) -> &'static str {
+    // They change the noise, not the picture.
+    p.ignore(&["samplelights", "samplebsdf"]);
+    "path"
+}
+
+fn approximated(p: &mut Params) -> &'static str {
+    let text = format!("integrator `{}` is approximated by `path`", p.kind);
+    p.problems.push(Diagnostic::warning(text, Some(p.span)));
+    "path"
+}
+
+fn bdpt(p: &mut Params, _: &mut Settings) -> &'static str {
+    p.ignore(&["visualizestrategies", "visualizeweights"]);
+    approximated(p)
+}
+
+fn mlt(p: &mut Params, _: &mut Settings) -> &'static str {
+    p.ignore(&["bootstrapsamples", "chains", "mutationsperpixel", "largestepprobability", "sigma"]);
+    approximated(p)
+}
+
+/// Iterations are the sampler's samples a pixel.
+fn sppm(p: &mut Params, settings: &mut Settings) -> &'static str {
+    let origin = |p: &Params, name: &str| Origin(Some(p.span_of(name)));
+    let radius = Setting { origin: origin(p, "radius"), value: Scalar::Float(p.positive("radius", 1.0)) };
+    settings.insert("initial_radius".to_owned(), radius);
+    if let Some(photons) = p.optional_integer("photonsperiteration").filter(|count| *count > 0) {
+        let value = Scalar::Integer(i64::from(photons));
+        settings
+            .insert("photon_count".to_owned(), Setting { origin: origin(p, "photonsperiteration"), value });
+    }
+    p.ignore(&["seed"]);
+    // Hachisuka and Jensen's γ, which is not a parameter in pbrt.
+    let value = Scalar::Float(2.0 / 3.0);
+    settings.insert("alpha".to_owned(), Setting { origin: p.origin(), value });
+    "sppm"
+}

@@ -1,0 +1,238 @@
+//! Lights: those of the scene, and those of shapes.
+
+use std::f64::consts::PI;
+use std::path::PathBuf;
+
+use super::color::{Use, scaled};
+use super::directive::ParamType;
+use super::params::Params;
+use super::plugin::{Plugin, Status, find, read};
+use super::reader::Reader;
+use super::texture::upside_down;
+use crate::diagnostic::Diagnostic;
+use crate::ir::{
+    AreaEmission, Bitmap, Color, ColorInput, Emitter, EmitterKind, EnvironmentMapping, LightImage, Mapping,
+    SpotFalloff, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
+};
+
+use ParamType as T;
+
+type ReadLight = fn(&mut Reader<'_>, &mut Params) -> Option<EmitterKind>;
+
+const LIGHTS: &[Plugin<ReadLight>] = &[
+    read("point", point),
+    read("distant", distant),
+    read("spot", spot),
+    read("goniometric", goniometric),
+    read("projection", projection),
+    read("infinite", infinite),
+];
+
+const AREA_LIGHTS: &[Plugin<()>] = &[read("diffuse", ())];
+
+impl Reader<'_> {
+    pub fn light(&mut self, mut p: Params) {
+        let Some(reader) = self.plugin(LIGHTS, &mut p, "it is skipped") else { return self.done(p) };
+        let kind = reader(self, &mut p);
+        let origin = p.origin();
+        self.done(p);
+        self.scene.emitters.extend(kind.map(|kind| Emitter { name: None, origin, kind }));
+    }
+
+    /// The emission that the current area light gives a shape.
+    pub fn area_emission(&mut self) -> Option<AreaEmission> {
+        let mut p = self.state.area_light.as_deref()?.clone();
+        if !matches!(find(AREA_LIGHTS, &p.kind), Some(Status::Read(()))) {
+            self.plugin(AREA_LIGHTS, &mut p, "the shape does not shine");
+            self.done(p);
+            return None;
+        }
+        let origin = p.origin();
+        let image = if p.has("filename") { self.asset(&mut p, "filename", "image") } else { None };
+        p.ignore(&["filename"]);
+        if p.has("filename") && p.has("L") {
+            p.complain("filename", "an area light takes either `L` or `filename`, not both");
+        }
+        let color = self.color(&mut p, "L", Use::Illuminant);
+        let radiance = match image {
+            Some(path) => {
+                let kind = TextureKind::Bitmap(uv_image(path));
+                ColorInput::Texture(self.scene.textures.push(Texture { name: None, origin, kind }))
+            }
+            None => ColorInput::Color(color.unwrap_or_else(|| Reader::white_light(&p))),
+        };
+        let emission = AreaEmission {
+            origin,
+            radiance,
+            scale: p.float("scale", 1.0),
+            two_sided: p.boolean("twosided", false),
+            collimated: false,
+            power: p.optional_float("power").filter(|power| *power > 0.0),
+        };
+        self.done(p);
+        Some(emission)
+    }
+
+    /// `I` or `L` times `scale`, and times what `power` asks for where that is more than zero.
+    fn intensity(
+        &mut self,
+        p: &mut Params,
+        name: &'static str,
+        of_power: Option<(&'static str, f64)>,
+    ) -> Color {
+        let color = self.color(p, name, Use::Illuminant).unwrap_or_else(|| Reader::white_light(p));
+        let mut scale = p.float("scale", 1.0);
+        if let Some((power, emitted)) = of_power
+            && let Some(wanted) = p.optional_float(power).filter(|power| *power > 0.0)
+        {
+            scale *= wanted / emitted;
+        }
+        scaled(color, scale)
+    }
+
+    fn light_image(&mut self, p: &mut Params) -> Option<LightImage> {
+        let path = self.asset(p, "filename", "image")?;
+        Some(LightImage { path, encoding: TextureEncoding::Auto, scale: 1.0, illuminance: None })
+    }
+}
+
+fn uv_image(path: PathBuf) -> Bitmap {
+    Bitmap {
+        path,
+        filter: TextureFilter::Bilinear,
+        wrap_u: WrapMode::Clamp,
+        wrap_v: WrapMode::Clamp,
+        encoding: TextureEncoding::Auto,
+        channel: None,
+        mapping: upside_down(Mapping::Uv(Transform::IDENTITY)),
+        scale: 1.0,
+        invert: false,
+    }
+}
+
+fn point(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
+    let from = p.triple("from", T::Point3).unwrap_or_default();
+    let position = r.state.ctm[0].point(from);
+    Some(EmitterKind::Point { position, intensity: r.intensity(p, "I", Some(("power", 4.0 * PI))) })
+}
+
+fn distant(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
+    let from = p.triple("from", T::Point3).unwrap_or_default();
+    let to = p.triple("to", T::Point3).unwrap_or([0.0, 0.0, 1.0]);
+    let direction = r.state.ctm[0].vector(std::array::from_fn(|i| to[i] - from[i]));
+    let irradiance = r.intensity(p, "L", Some(("illuminance", 1.0)));
+    if direction == [0.0; 3] {
+        p.complain("to", "the light has no direction: `from` and `to` are the same point");
+        return None;
+    }
+    Some(EmitterKind::Directional { direction, irradiance })
+}
+
+fn spot(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
+    let from = p.triple("from", T::Point3).unwrap_or_default();
+    let to = p.triple("to", T::Point3).unwrap_or([0.0, 0.0, 1.0]);
+    let cone = p.float("coneangle", 30.0);
+    let delta = p.float("conedeltaangle", 5.0);
+    if !(cone > 0.0 && cone <= 180.0) {
+        p.complain("coneangle", format!("`coneangle` must lie between 0 and 180 degrees, not {cone}"));
+        return None;
+    }
+    if !(0.0..=cone).contains(&delta) {
+        let text = format!("`conedeltaangle` must lie between 0 and {cone}, the cone angle, not {delta}");
+        p.complain("conedeltaangle", text);
+        return None;
+    }
+    let (cos_beam, cos_cone) = ((cone - delta).to_radians().cos(), cone.to_radians().cos());
+    // The integral of the smoothstep over the sphere: half of the rim counts.
+    let emitted = 2.0 * PI * ((1.0 - cos_beam) + (cos_beam - cos_cone) / 2.0);
+    let intensity = r.intensity(p, "I", Some(("power", emitted)));
+    let Some(aim) = aim(from, to) else {
+        p.complain("to", "the light has no direction: `from` and `to` are the same point");
+        return None;
+    };
+    Some(EmitterKind::Spot {
+        to_world: r.state.ctm[0].after(&aim),
+        intensity,
+        cutoff_angle: cone,
+        beam_width: cone - delta,
+        falloff: SpotFalloff::Smoothstep,
+        texture: None,
+    })
+}
+
+/// Local +Z to the direction from `from` to `to`, about which the light is the same all around.
+fn aim(from: [f64; 3], to: [f64; 3]) -> Option<Transform> {
+    let up = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+    let d: [f64; 3] = std::array::from_fn(|i| (to[i] - from[i]).abs());
+    let up = if d[1] > d[0].max(d[2]) { up[1] } else { up[0] };
+    Transform::look_at(from, to, up)
+}
+
+fn goniometric(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
+    let intensity = r.intensity(p, "I", None);
+    let image = if p.has("filename") { r.light_image(p) } else { None };
+    p.ignore(&["filename"]);
+    if !p.has("filename") {
+        p.problems
+            .push(Diagnostic::warning("a goniometric light without an image is a point light", Some(p.span)));
+    }
+    // The light's pole is +Y of its own space, the image's +Z.
+    let swap =
+        Transform([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]);
+    let power = p.optional_float("power").filter(|power| *power > 0.0);
+    Some(EmitterKind::Goniometric { to_world: r.state.ctm[0].after(&swap), intensity, image, power })
+}
+
+fn projection(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
+    let image = r.light_image(p);
+    let scale = p.float("scale", 1.0);
+    let fov = p.float("fov", 90.0);
+    let power = p.optional_float("power").filter(|power| *power > 0.0);
+    if !(fov > 0.0 && fov < 180.0) {
+        p.complain("fov", format!("`fov` must lie between 0 and 180 degrees, not {fov}"));
+        return None;
+    }
+    // pbrt's +X is on the right of the picture, ours on the left.
+    let to_world = r.state.ctm[0].after(&Transform::scale([-1.0, 1.0, 1.0]));
+    Some(EmitterKind::Projection { to_world, image: LightImage { scale, ..image? }, fov, power })
+}
+
+fn infinite(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
+    if p.has("portal") {
+        r.unsupported(
+            "the portal of an infinite light",
+            "the light shines from everywhere",
+            p.span_of("portal"),
+        );
+        p.ignore(&["portal"]);
+    }
+    let old = p.has("mapname");
+    if !p.has("filename") && !old {
+        p.ignore(&["filename"]);
+        return Some(EmitterKind::Constant { radiance: r.intensity(p, "L", Some(("illuminance", PI))) });
+    }
+    let (name, mapping) = if old {
+        ("mapname", EnvironmentMapping::LatLong)
+    } else {
+        ("filename", EnvironmentMapping::EqualArea)
+    };
+    let path = r.asset(p, name, "image");
+    // pbrt-v3 multiplies the image by L.
+    let tint = r.color(p, "L", Use::Illuminant);
+    if tint.is_some() && !old {
+        p.complain("L", "an infinite light takes either `L` or `filename`, not both");
+    }
+    let mut scale = p.float("scale", 1.0);
+    if let Some(Color::Rgb(rgb)) = tint.filter(|_| old) {
+        scale *= rgb.iter().sum::<f64>() / 3.0;
+    }
+    let illuminance = p.optional_float("illuminance").filter(|lux| *lux > 0.0);
+    let image = LightImage { path: path?, encoding: TextureEncoding::Auto, scale, illuminance };
+    let to_world = if old { r.state.ctm[0].after(&LAT_LONG) } else { r.state.ctm[0] };
+    Some(EmitterKind::Environment { to_world, image, mapping })
+}
+
+/// From Mitsuba's axes of a latitude-longitude map (+Y up, +Z in the middle, −Z at the left edge, +X a
+/// quarter in) to pbrt-v3's (+Z up, +X at the left edge, +Y a quarter in).
+const LAT_LONG: Transform =
+    Transform([[0.0, 0.0, -1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]);

@@ -1,0 +1,160 @@
+//! Files → one list of directives: decompression, includes, limits.
+
+use std::path::{Path, PathBuf};
+
+use super::directive::{Directive, Value};
+use super::parse::parse;
+use super::upgrade::Old;
+use crate::diagnostic::{Diagnostic, SourceMap, Span};
+use crate::files::{Files, is_gzip, other_case, resolve, unpack};
+
+/// Files may include each other so deep.
+const MAX_DEPTH: usize = 64;
+/// And so many in all.
+const MAX_FILES: usize = 10_000;
+/// No scene text is longer, all files together: spans are 32 bits.
+const MAX_TEXT: u64 = u32::MAX as u64 - 1;
+
+pub(super) struct Loader<'a> {
+    pub files: &'a dyn Files,
+    /// Of the main scene; names are relative to it everywhere.
+    pub folders: &'a [PathBuf],
+    pub sources: &'a mut SourceMap,
+    pub problems: &'a mut Vec<Diagnostic>,
+    pub old: &'a mut Old,
+    count: usize,
+    bytes: u64,
+    open: Vec<PathBuf>,
+}
+
+impl<'a> Loader<'a> {
+    pub fn new(
+        files: &'a dyn Files,
+        folders: &'a [PathBuf],
+        sources: &'a mut SourceMap,
+        problems: &'a mut Vec<Diagnostic>,
+        old: &'a mut Old,
+    ) -> Self {
+        Self { files, folders, sources, problems, old, count: 0, bytes: 0, open: Vec::new() }
+    }
+
+    /// Appends the directives of the file at `path` and of all it includes; `from` includes it.
+    pub fn load(&mut self, path: &Path, from: Option<Span>, out: &mut Vec<Directive>) {
+        if self.open.iter().any(|open| open == path) {
+            let chain: Vec<String> = self
+                .open
+                .iter()
+                .map(PathBuf::as_path)
+                .chain([path])
+                .map(|p| p.display().to_string())
+                .collect();
+            return self.error(format!("files include each other: {}", chain.join(" → ")), from);
+        }
+        self.count += 1;
+        if self.open.len() >= MAX_DEPTH || self.count > MAX_FILES {
+            return self.error(
+                format!("more than {MAX_DEPTH} files include each other, or {MAX_FILES} in all"),
+                from,
+            );
+        }
+        let text = match self.text(path) {
+            Ok(text) => text,
+            Err(e) => return self.error(format!("cannot read `{}`: {e}", path.display()), from),
+        };
+        self.bytes += text.len() as u64;
+        if self.bytes > MAX_TEXT {
+            return self.error("the scene's files are over 4 GiB in all", from);
+        }
+        let file = self.sources.add(path.to_path_buf(), String::new());
+        let directives = parse(&text, file, self.old, self.problems);
+        self.sources.set_text(file, text);
+        self.open.push(path.to_path_buf());
+        for mut directive in directives {
+            if !self.old.directive(&mut directive) {
+                continue;
+            }
+            if matches!(directive.name.as_str(), "Include" | "Import") {
+                self.include(directive, out);
+            } else {
+                out.push(directive);
+            }
+        }
+        self.open.pop();
+    }
+
+    fn include(&mut self, directive: Directive, out: &mut Vec<Directive>) {
+        let Some((name, span)) = directive.arguments.first().and_then(|argument| match &argument.value {
+            Value::Text(name) => Some((name.clone(), argument.span)),
+            _ => None,
+        }) else {
+            return;
+        };
+        let Some(path) = find(self.files, &name, self.folders) else {
+            self.problems.push(not_found(self.files, "file", &name, span, self.folders));
+            return;
+        };
+        // An import has a scope of its own, as AttributeBegin and AttributeEnd around it make one.
+        let scope = directive.name == "Import";
+        let mark = |name: &str| Directive {
+            name: name.to_owned(),
+            span: directive.span,
+            arguments: Vec::new(),
+            params: Vec::new(),
+        };
+        if scope {
+            out.push(mark("AttributeBegin"));
+        }
+        self.load(&path, Some(span), out);
+        if scope {
+            out.push(mark("AttributeEnd"));
+        }
+    }
+
+    fn error(&mut self, text: impl Into<String>, span: Option<Span>) {
+        self.problems.push(Diagnostic::error(text, span));
+    }
+
+    fn text(&self, path: &Path) -> Result<String, String> {
+        let bytes = self.files.read(path).map_err(|e| e.to_string())?;
+        let bytes = if is_gzip(&bytes) { unpack(&bytes, MAX_TEXT)? } else { bytes };
+        if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+            return Err("it is UTF-16; save it as UTF-8".to_owned());
+        }
+        if bytes.len() as u64 > MAX_TEXT {
+            return Err("it is over 4 GiB".to_owned());
+        }
+        // Old scenes have Latin-1 letters in comments; they harm nobody.
+        Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+    }
+}
+
+/// The file `name` in one of `folders`.
+pub(super) fn find(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
+    resolve(files, name, folders).or_else(|| resolve(files, &name.replace('\\', "/"), folders))
+}
+
+/// "`what` not found", with the folders that were searched.
+pub(super) fn not_found(
+    files: &dyn Files,
+    what: &str,
+    name: &str,
+    span: Span,
+    folders: &[PathBuf],
+) -> Diagnostic {
+    let problem = Diagnostic::error(format!("{what} `{name}` not found"), Some(span));
+    if let Some(path) = other_case(files, &name.replace('\\', "/"), folders) {
+        return problem.help(format!("there is `{}`; upper and lower case matter", path.display()));
+    }
+    if Path::new(name).is_absolute() {
+        return problem;
+    }
+    let mut searched: Vec<String> = Vec::new();
+    for folder in folders {
+        let shown = folder.display().to_string();
+        let shown = if shown.is_empty() { ".".to_owned() } else { shown };
+        if !searched.contains(&shown) {
+            searched.push(shown);
+        }
+    }
+    problem.help(format!("searched in: {}", searched.join(", ")))
+}

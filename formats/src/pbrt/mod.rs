@@ -1,0 +1,77 @@
+//! pbrt-v4 scenes.
+//!
+//! Reading is passes: [`token`] text → tokens with spans; [`parse`] directives with typed parameters;
+//! [`upgrade`] pbrt-v3 names; [`load`] includes; [`reader`] graphics state → IR, one file per concept
+//! with its table of types.
+
+mod color;
+mod directive;
+mod film;
+mod finish;
+mod integrator;
+mod light;
+mod load;
+mod material;
+mod medium;
+mod number;
+mod option;
+mod params;
+mod parse;
+mod plugin;
+mod reader;
+mod sensor;
+mod shape;
+mod space;
+mod state;
+mod texture;
+mod token;
+mod upgrade;
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use crate::diagnostic::{Diagnostic, Severity, SourceMap, Span};
+use crate::files::Files;
+use crate::read::{Failure, Read, ReadOptions};
+
+/// Reads the scene at `path` with everything it includes. Meshes and textures are only looked for,
+/// not opened. Fails with all problems found, never only the first.
+pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Read, Box<Failure>> {
+    let mut sources = SourceMap::default();
+    let mut problems = Vec::new();
+    let mut old = upgrade::Old::new(options.upgrade_v3);
+    let own = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let folders: Vec<_> = std::iter::once(own).chain(options.search.iter().cloned()).collect();
+    let mut directives = Vec::new();
+    load::Loader::new(files, &folders, &mut sources, &mut problems, &mut old).load(
+        path,
+        None,
+        &mut directives,
+    );
+    for (name, _) in &options.defines {
+        let text = format!("`{name}` is defined, but pbrt scenes have no parameters");
+        problems.push(Diagnostic::error(text, None));
+    }
+    let readable = !directives.is_empty() || problems.is_empty();
+    if readable {
+        let start = Span { file: 0, start: 0, end: 0 };
+        let (scene, found) = reader::Reader::new(files, &folders, options, start).scene(directives);
+        problems.extend(old.finish());
+        problems.extend(found);
+        in_source_order(&mut problems);
+        if problems.iter().all(|p| p.severity != Severity::Error) {
+            return Ok(Read { scene, warnings: problems, sources });
+        }
+    }
+    in_source_order(&mut problems);
+    Err(Box::new(Failure { diagnostics: problems, sources }))
+}
+
+/// Worst first, then as they stand in the files; a message about no place comes last.
+fn in_source_order(problems: &mut Vec<Diagnostic>) {
+    let place = |p: &Diagnostic| p.span.map_or((u32::MAX, 0), |s| (s.file, s.start));
+    problems.sort_by_key(|p| (std::cmp::Reverse(p.severity), place(p)));
+    // An area light is read once for every shape it lights.
+    let mut said = HashSet::new();
+    problems.retain(|p| p.span.is_none() || said.insert((p.span, p.message.clone())));
+}

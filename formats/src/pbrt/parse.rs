@@ -1,0 +1,423 @@
+//! Tokens → directives. A statement that cannot be read is reported and skipped.
+
+use std::ops::Range;
+
+use super::directive::{Argument, DIRECTIVES, Directive, Follows, Param, ParamType, Value, Values, follows};
+use super::number::{self, BadNumber, Number};
+use super::token::{Cursor, Token};
+use super::upgrade::Old;
+use crate::diagnostic::{Diagnostic, Span, nearest};
+
+/// Point lists longer than this are kept in the precision of a mesh.
+const PRECISE: usize = 64;
+
+/// Reads the directives of one file.
+pub(super) fn parse(text: &str, file: u32, old: &mut Old, problems: &mut Vec<Diagnostic>) -> Vec<Directive> {
+    let mut parser = Parser { cursor: Cursor::new(text), file, old, problems };
+    let mut directives = Vec::new();
+    while let Some((token, range)) = parser.cursor.next() {
+        let span = parser.span(&range);
+        match token {
+            Token::Word(name) => match follows(name) {
+                Some(grammar) => directives.extend(parser.directive(name, span, grammar)),
+                None => {
+                    parser.problems.push(unknown_directive(name, span));
+                    parser.skip_statement();
+                }
+            },
+            Token::Bad(what) => parser.error(what, span),
+            _ => {
+                parser.error("expected a directive such as Shape", span);
+                parser.skip_statement();
+            }
+        }
+    }
+    directives
+}
+
+fn unknown_directive(name: &str, span: Span) -> Diagnostic {
+    let shown: String = name.chars().take(40).collect();
+    let problem = Diagnostic::error(format!("unknown directive `{shown}`"), Some(span));
+    match nearest(&shown, DIRECTIVES.iter().map(|row| row.0)) {
+        Some(known) => problem.help(format!("did you mean `{known}`?")),
+        None => problem,
+    }
+}
+
+struct Parser<'a, 'p> {
+    cursor: Cursor<'a>,
+    file: u32,
+    old: &'p mut Old,
+    problems: &'p mut Vec<Diagnostic>,
+}
+
+impl Parser<'_, '_> {
+    fn span(&self, range: &Range<usize>) -> Span {
+        // Files over 4 GiB were refused.
+        Span { file: self.file, start: range.start as u32, end: range.end as u32 }
+    }
+
+    fn here(&self) -> Span {
+        let end = self.cursor.text.len();
+        let at = self.cursor.position.min(end);
+        self.span(&(at..at))
+    }
+
+    fn error(&mut self, text: impl Into<String>, span: Span) {
+        self.problems.push(Diagnostic::error(text, Some(span)));
+    }
+
+    /// Up to the next word that is a directive.
+    fn skip_statement(&mut self) {
+        while let Some(token) = self.cursor.peek() {
+            if matches!(token, Token::Word(name) if follows(name).is_some()) {
+                return;
+            }
+            self.cursor.next();
+        }
+    }
+
+    fn directive(&mut self, name: &str, span: Span, grammar: Follows) -> Option<Directive> {
+        let mut directive =
+            Directive { name: name.to_owned(), span, arguments: Vec::new(), params: Vec::new() };
+        let complete = match grammar {
+            Follows::Alone => true,
+            Follows::Numbers(count) => self.numbers(&mut directive, count),
+            Follows::Texts(least, most) => self.texts(&mut directive, least, most),
+            Follows::Entity(count) => {
+                let complete = self.texts(&mut directive, count, count);
+                if complete {
+                    self.params(&mut directive.params);
+                }
+                complete
+            }
+            Follows::Word => self.word(&mut directive),
+            Follows::Option => self.texts(&mut directive, 1, 1) && self.option_value(&mut directive),
+        };
+        if !complete {
+            self.skip_statement();
+        }
+        complete.then_some(directive)
+    }
+
+    fn numbers(&mut self, directive: &mut Directive, count: usize) -> bool {
+        let bracket = self.cursor.peek() == Some(Token::Open);
+        if bracket {
+            self.cursor.next();
+        }
+        self.cursor.skip_blank();
+        let start = self.cursor.position;
+        let mut values: Vec<f64> = Vec::with_capacity(count);
+        if let Err(bad) = number::list(&mut self.cursor, &mut values, count) {
+            self.bad_number(&bad);
+            return false;
+        }
+        let span = self.span(&(start..self.cursor.position));
+        if values.len() < count {
+            let text = format!("{} wants {count} numbers, got {}", directive.name, values.len());
+            self.error(text, directive.span);
+            return false;
+        }
+        if bracket && self.cursor.peek() != Some(Token::Close) {
+            let here = self.here();
+            self.error(format!("{} wants {count} numbers and then a `]`", directive.name), here);
+            return false;
+        }
+        if bracket {
+            self.cursor.next();
+        }
+        directive.arguments.push(Argument { value: Value::Numbers(values), span });
+        true
+    }
+
+    fn texts(&mut self, directive: &mut Directive, least: usize, most: usize) -> bool {
+        while directive.arguments.len() < most {
+            // pbrt allows brackets here as well.
+            let bracket = self.cursor.peek() == Some(Token::Open);
+            let before = self.cursor.position;
+            if bracket {
+                self.cursor.next();
+            }
+            match self.cursor.peek() {
+                Some(Token::Quoted(_)) => {
+                    let Some((Token::Quoted(text), range)) = self.cursor.next() else { return false };
+                    let span = self.span(&range);
+                    directive.arguments.push(Argument { value: Value::Text(text.into_owned()), span });
+                }
+                _ => {
+                    self.cursor.position = before;
+                    break;
+                }
+            }
+            if bracket && self.cursor.peek() == Some(Token::Close) {
+                self.cursor.next();
+            }
+        }
+        if directive.arguments.len() >= least {
+            return true;
+        }
+        let wanted = if least == 1 { "a quoted name".to_owned() } else { format!("{least} quoted names") };
+        self.error(format!("{} wants {wanted} after it", directive.name), directive.span);
+        false
+    }
+
+    fn word(&mut self, directive: &mut Directive) -> bool {
+        if let Some(Token::Word(_)) = self.cursor.peek()
+            && let Some((Token::Word(word), range)) = self.cursor.next()
+        {
+            let span = self.span(&range);
+            directive.arguments.push(Argument { value: Value::Word(word.to_owned()), span });
+            return true;
+        }
+        self.error(format!("{} wants a word after it", directive.name), directive.span);
+        false
+    }
+
+    fn option_value(&mut self, directive: &mut Directive) -> bool {
+        let value = match self.cursor.peek() {
+            Some(Token::Word(word)) if follows(word).is_none() => Value::Word(word.to_owned()),
+            Some(Token::Quoted(text)) => Value::Text(text.into_owned()),
+            _ => {
+                self.error("Option wants a name and a value", directive.span);
+                return false;
+            }
+        };
+        let Some((_, range)) = self.cursor.next() else { return false };
+        let span = self.span(&range);
+        directive.arguments.push(Argument { value, span });
+        true
+    }
+
+    fn params(&mut self, params: &mut Vec<Param>) {
+        loop {
+            match self.cursor.peek() {
+                Some(Token::Quoted(_)) => {}
+                Some(Token::Word(name)) if follows(name).is_some() => return,
+                None => return,
+                Some(Token::Word(name)) if name.starts_with(|c: char| c.is_ascii_uppercase()) => return,
+                _ => {
+                    let Some((_, range)) = self.cursor.next() else { return };
+                    let span = self.span(&range);
+                    self.error("expected a parameter such as \"float radius\", or a directive", span);
+                    self.skip_value();
+                    continue;
+                }
+            }
+            let Some((Token::Quoted(declared), range)) = self.cursor.next() else { return };
+            let span = self.span(&range);
+            params.extend(self.param(&declared, span));
+        }
+    }
+
+    fn param(&mut self, declared: &str, span: Span) -> Option<Param> {
+        let mut words = declared.split_ascii_whitespace();
+        let (Some(keyword), Some(name), None) = (words.next(), words.next(), words.next()) else {
+            self.error(format!("`{declared}` is not a type and a name, as in \"float radius\""), span);
+            self.skip_value();
+            return None;
+        };
+        let kind = ParamType::of_keyword(keyword).filter(|kind| *kind != ParamType::Xyz);
+        let Some(kind) = kind.or_else(|| self.old.param_type(keyword, span)) else {
+            let problem = Diagnostic::error(format!("unknown parameter type `{keyword}`"), Some(span));
+            self.problems.push(match nearest(keyword, ParamType::keywords()) {
+                Some(known) => problem.help(format!("did you mean `{known}`?")),
+                None => {
+                    let all: Vec<_> = ParamType::keywords().collect();
+                    problem.help(format!("known: {}", all.join(", ")))
+                }
+            });
+            self.skip_value();
+            return None;
+        };
+        self.cursor.skip_blank();
+        let start = self.cursor.position;
+        let values = self.values(kind, name, span);
+        let value_span = self.span(&(start..self.cursor.position.max(start)));
+        Some(Param { kind, name: name.to_owned(), span, value_span, values })
+    }
+
+    fn values(&mut self, kind: ParamType, name: &str, span: Span) -> Values {
+        let bracket = self.cursor.peek() == Some(Token::Open);
+        if bracket {
+            self.cursor.next();
+            self.cursor.skip_blank();
+        }
+        let limit = if bracket { usize::MAX } else { 1 };
+        let quoted = matches!(self.cursor.peek(), Some(Token::Quoted(_)));
+        let values = match kind {
+            ParamType::String | ParamType::Texture => self.strings(limit).map(Values::Texts),
+            ParamType::Bool => self.bools(limit),
+            ParamType::Spectrum if quoted => self.strings(limit).map(Values::Texts),
+            ParamType::Integer => self.list(limit).map(Values::Integers),
+            ParamType::Point2 | ParamType::Point3 | ParamType::Vector3 | ParamType::Normal => {
+                self.points(limit)
+            }
+            _ => self.list(limit).map(Values::Floats),
+        };
+        let Some(values) = values else {
+            self.skip_value();
+            return Values::Broken;
+        };
+        if bracket {
+            match self.cursor.peek() {
+                Some(Token::Close) => {
+                    self.cursor.next();
+                }
+                found => {
+                    let text = match found {
+                        None => format!("the list of `{name}` is not closed"),
+                        Some(_) => format!("`{name}` wants {}", wanted(kind)),
+                    };
+                    self.cursor.skip_blank();
+                    let place = if found.is_none() { span } else { self.here() };
+                    self.error(text, place);
+                    self.skip_value();
+                    return Values::Broken;
+                }
+            }
+        }
+        if values.len() == 0 {
+            let text = if bracket {
+                format!("the list of `{name}` is empty")
+            } else {
+                format!("`{name}` wants {}", wanted(kind))
+            };
+            self.error(text, span);
+            if !bracket {
+                self.skip_value();
+            }
+            return Values::Broken;
+        }
+        values
+    }
+
+    fn list<N: Number>(&mut self, limit: usize) -> Option<Vec<N>> {
+        let mut out = Vec::new();
+        match number::list(&mut self.cursor, &mut out, limit) {
+            Ok(()) => Some(out),
+            Err(bad) => {
+                self.bad_number(&bad);
+                None
+            }
+        }
+    }
+
+    fn points(&mut self, limit: usize) -> Option<Values> {
+        let mut precise: Vec<f64> = self.list(limit.min(PRECISE))?;
+        if precise.len() < PRECISE {
+            return Some(Values::Floats(precise));
+        }
+        let mut mesh: Vec<f32> = precise.drain(..).map(|x| x as f32).collect();
+        match number::list(&mut self.cursor, &mut mesh, limit) {
+            Ok(()) => Some(Values::Mesh(mesh)),
+            Err(bad) => {
+                self.bad_number(&bad);
+                None
+            }
+        }
+    }
+
+    fn bad_number(&mut self, bad: &BadNumber) {
+        let text = self.cursor.text;
+        let end = crate::diagnostic::char_floor(text, bad.end.min(bad.start + 60)).max(bad.start);
+        let found = &text[bad.start..end];
+        let span = self.span(&(bad.start..end));
+        self.error(format!("expected {}, found `{found}`", bad.text), span);
+    }
+
+    fn strings(&mut self, limit: usize) -> Option<Vec<String>> {
+        let mut out = Vec::new();
+        while out.len() < limit {
+            match self.cursor.peek() {
+                Some(Token::Quoted(_)) => {
+                    if let Some((Token::Quoted(text), _)) = self.cursor.next() {
+                        out.push(text.into_owned());
+                    }
+                }
+                Some(Token::Bad(what)) => {
+                    let (_, range) = self.cursor.next()?;
+                    let span = self.span(&range);
+                    self.error(what, span);
+                    return None;
+                }
+                _ => break,
+            }
+        }
+        Some(out)
+    }
+
+    fn bools(&mut self, limit: usize) -> Option<Values> {
+        let mut out = Vec::new();
+        while out.len() < limit {
+            let word = match self.cursor.peek() {
+                Some(Token::Word(word)) if follows(word).is_none() => word.to_owned(),
+                Some(Token::Quoted(word)) => {
+                    let mut ahead = self.cursor.clone();
+                    let (_, range) = ahead.next()?;
+                    let span = self.span(&range);
+                    self.old.found(span, "a quoted boolean", "bare `true` or `false`");
+                    word.into_owned()
+                }
+                _ => break,
+            };
+            let (_, range) = self.cursor.next()?;
+            match word.as_str() {
+                "true" => out.push(true),
+                "false" => out.push(false),
+                _ => {
+                    let span = self.span(&range);
+                    self.error(format!("expected true or false, found `{word}`"), span);
+                    return None;
+                }
+            }
+        }
+        Some(Values::Bools(out))
+    }
+
+    /// To the end of a value that makes no sense: its bracket, or the next directive.
+    fn skip_value(&mut self) {
+        let mut ahead = self.cursor.clone();
+        let bracketed = loop {
+            match ahead.next() {
+                None => break false,
+                Some((Token::Close, _)) => break true,
+                Some((Token::Word(name), _)) if follows(name).is_some() => break false,
+                Some((Token::Quoted(text), _)) if declares(&text) => break false,
+                _ => {}
+            }
+        };
+        if bracketed {
+            self.cursor = ahead;
+            return;
+        }
+        loop {
+            match self.cursor.peek() {
+                None => return,
+                Some(Token::Word(name)) if follows(name).is_some() => return,
+                Some(Token::Quoted(text)) if declares(&text) => return,
+                _ => {
+                    self.cursor.next();
+                }
+            }
+        }
+    }
+}
+
+/// Whether a string looks like the type and name of a parameter.
+fn declares(text: &str) -> bool {
+    let mut words = text.split_ascii_whitespace();
+    words.next().is_some_and(|word| ParamType::of_keyword(word).is_some())
+        && words.next().is_some()
+        && words.next().is_none()
+}
+
+fn wanted(kind: ParamType) -> &'static str {
+    match kind {
+        ParamType::String => "a quoted string",
+        ParamType::Texture => "the quoted name of a texture",
+        ParamType::Bool => "true or false",
+        ParamType::Spectrum => "pairs of wavelength and value, or the quoted name of a spectrum",
+        ParamType::Integer => "whole numbers",
+        _ => "numbers",
+    }
+}

@@ -1,0 +1,253 @@
+//! Shapes, object definitions and instances.
+
+mod bilinear;
+mod mesh;
+mod subdivision;
+
+use std::sync::Arc;
+
+use super::directive::{Directive, ParamType};
+use super::params::Params;
+use super::plugin::{Plugin, read, unsupported};
+use super::reader::{Named, Reader, text};
+use super::state::Graphics;
+use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::ir::{
+    FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup, ShapeKind,
+};
+
+use ParamType as T;
+
+type ReadShape = fn(&mut Reader<'_>, &mut Params) -> Option<ShapeKind>;
+
+const SHAPES: &[Plugin<ReadShape>] = &[
+    read("trianglemesh", |_, p| mesh::triangles(p).map(inline)),
+    read("plymesh", ply),
+    read("bilinearmesh", |r, p| bilinear_mesh(r, p).map(inline)),
+    read("loopsubdiv", |_, p| subdivided(p).map(inline)),
+    read("sphere", |_, p| sphere(p)),
+    read("disk", |_, p| disk(p)),
+    read("cylinder", |_, p| cylinder(p)),
+    unsupported("curve"),
+    // pbrt-v3.
+    unsupported("cone"),
+    unsupported("paraboloid"),
+    unsupported("hyperboloid"),
+    unsupported("heightfield"),
+    unsupported("nurbs"),
+];
+
+/// Subdivided so often, one triangle becomes 4^8.
+const MAX_LEVELS: u32 = 8;
+/// And a mesh may not become larger than this.
+const MAX_TRIANGLES: u64 = 1 << 26;
+
+fn inline(mesh: InlineMesh) -> ShapeKind {
+    ShapeKind::Inline(Arc::new(mesh))
+}
+
+impl Reader<'_> {
+    pub fn shape(&mut self, mut p: Params) {
+        let Some(reader) = self.plugin(SHAPES, &mut p, "it is skipped") else { return self.done(p) };
+        let kind = reader(self, &mut p);
+        let alpha = self.alpha(&mut p);
+        let to_world = self.state.ctm[0];
+        if to_world.inverse().is_none() {
+            let text = "the transform flattens this shape: it has no inverse";
+            p.problems.push(Diagnostic::error(text, Some(p.span)));
+        }
+        let origin = p.origin();
+        self.done(p);
+        let Some(kind) = kind else { return };
+        let bsdf = Some(self.current_material(origin));
+        let mut emission = self.area_emission();
+        if self.open_group.is_some()
+            && let Some(dark) = emission.take()
+        {
+            let problem = Diagnostic::warning("shapes of an object do not shine in pbrt", origin.0);
+            let lamp = dark.origin.0.map(|span| (span, "by this light".to_owned()));
+            self.problems.push(Diagnostic { labels: lamp.into_iter().collect(), ..problem });
+        }
+        let shape = Shape {
+            name: None,
+            origin,
+            kind,
+            to_world,
+            bsdf,
+            emission,
+            flip_normals: self.state.reverse,
+            alpha,
+        };
+        match self.open_group {
+            Some(group) => self.scene.groups[group].shapes.push(shape),
+            None => self.scene.shapes.push(shape),
+        }
+    }
+
+    fn alpha(&mut self, p: &mut Params) -> Option<FloatInput> {
+        self.optional_float_input(p, "alpha").filter(|alpha| *alpha != FloatInput::Value(1.0))
+    }
+
+    pub fn object_begin(&mut self, d: &Directive) {
+        if self.open_group.is_some() {
+            self.error("objects may not contain objects", d.span);
+        }
+        let (name, span) = (text(d, 0).to_owned(), d.arguments[0].span);
+        self.open_object(d.span);
+        let id = self.group(&name, span);
+        if let Some(named) = self.groups.get_mut(&name) {
+            let earlier = named.defined.replace(span);
+            self.redefined("object", &name, span, earlier);
+        }
+        self.open_group = Some(id);
+    }
+
+    fn group(&mut self, name: &str, span: Span) -> Id<ShapeGroup> {
+        if let Some(named) = self.groups.get(name) {
+            return named.id;
+        }
+        let group =
+            ShapeGroup { name: Some(name.to_owned()), origin: Origin(Some(span)), shapes: Vec::new() };
+        let id = self.scene.groups.push(group);
+        self.groups.insert(name.to_owned(), Named { id, defined: None, used: None });
+        id
+    }
+
+    pub fn object_instance(&mut self, d: &Directive) {
+        if self.open_group.is_some() {
+            return self.error("an object may not contain instances", d.span);
+        }
+        let (name, span) = (text(d, 0), d.arguments[0].span);
+        let group = self.group(name, span);
+        if let Some(named) = self.groups.get_mut(name) {
+            named.used.get_or_insert(span);
+        }
+        let Graphics { ctm, .. } = &self.state;
+        if ctm[0].inverse().is_none() {
+            let text = "the transform flattens this instance: it has no inverse";
+            return self.error(text, d.span);
+        }
+        self.scene.shapes.push(Shape {
+            name: None,
+            origin: Origin(Some(d.span)),
+            kind: ShapeKind::Instance { group },
+            to_world: ctm[0],
+            bsdf: None,
+            emission: None,
+            flip_normals: false,
+            alpha: None,
+        });
+    }
+
+    /// Reports names that were used and never defined.
+    pub fn check_objects(&mut self) {
+        for (name, named) in &self.groups {
+            let (Some(span), None) = (named.used, named.defined) else { continue };
+            let defined = self.groups.iter().filter(|(_, named)| named.defined.is_some());
+            let problem = Diagnostic::error(format!("no object is called `{name}`"), Some(span));
+            self.problems.push(match nearest(name, defined.map(|(name, _)| name.as_str())) {
+                Some(known) => problem.help(format!("did you mean `{known}`?")),
+                None => problem.help("ObjectBegin defines one"),
+            });
+        }
+    }
+}
+
+fn ply(r: &mut Reader<'_>, p: &mut Params) -> Option<ShapeKind> {
+    let path = r.asset(p, "filename", "mesh");
+    p.ignore(&["edgelength"]);
+    if p.has("displacement") {
+        r.unsupported("displacement of a plymesh", "the mesh stays as it is", p.span_of("displacement"));
+        p.ignore(&["displacement"]);
+    }
+    Some(ShapeKind::Mesh(MeshFile {
+        path: path?,
+        format: MeshFormat::Ply,
+        face_normals: false,
+        authored_normals: true,
+        flip_tex_coords: false,
+        max_smooth_angle: None,
+    }))
+}
+
+fn bilinear_mesh(r: &mut Reader<'_>, p: &mut Params) -> Option<InlineMesh> {
+    if p.has("emissionfilename") {
+        let span = p.span_of("emissionfilename");
+        r.unsupported("`emissionfilename`", "the light is the same everywhere on the patch", span);
+        p.ignore(&["emissionfilename"]);
+    }
+    p.ignore(&["faceIndices"]);
+    let cage = mesh::cage(p, 4)?;
+    Some(bilinear::tessellate(&cage))
+}
+
+fn subdivided(p: &mut Params) -> Option<InlineMesh> {
+    let levels = p.count("levels", 3, 0);
+    p.ignore(&["scheme"]);
+    let indices = mesh::required_indices(p)?;
+    let positions = mesh::positions(p)?;
+    let triangles = mesh::checked(p, &indices, positions.len(), 3)?.as_chunks::<3>().0.to_vec();
+    let most = (triangles.len() as u64) << (2 * u64::from(levels.min(16)));
+    if levels > MAX_LEVELS || most > MAX_TRIANGLES {
+        p.complain("levels", format!("{levels} levels of subdivision make too many triangles"));
+        return None;
+    }
+    match subdivision::subdivide(positions, triangles, levels) {
+        Ok(mesh) => Some(mesh),
+        Err(text) => {
+            p.complain("indices", text);
+            None
+        }
+    }
+}
+
+/// `phimax` in 0..=360.
+fn phi_max(p: &mut Params) -> f64 {
+    let phi = p.float("phimax", 360.0);
+    if !(phi > 0.0 && phi <= 360.0) {
+        p.complain("phimax", format!("`phimax` must lie between 0 and 360 degrees, not {phi}"));
+        return 360.0;
+    }
+    phi
+}
+
+/// Whole ones become plain spheres when nothing depends on their uv; see `finish`.
+fn sphere(p: &mut Params) -> Option<ShapeKind> {
+    let radius = p.positive("radius", 1.0);
+    let (a, b) = (p.float("zmin", -radius), p.float("zmax", radius));
+    let (z_min, z_max) = (a.min(b).clamp(-radius, radius), a.max(b).clamp(-radius, radius));
+    if z_min >= z_max {
+        p.complain("zmin", "nothing is left of the sphere between `zmin` and `zmax`");
+        return None;
+    }
+    Some(ShapeKind::Partial(PartialQuadric::Sphere { radius, z_min, z_max, phi_max: phi_max(p) }))
+}
+
+fn disk(p: &mut Params) -> Option<ShapeKind> {
+    let radius = p.positive("radius", 1.0);
+    let inner_radius = p.float("innerradius", 0.0);
+    if !(0.0..radius).contains(&inner_radius) {
+        p.complain(
+            "innerradius",
+            format!("`innerradius` must lie between 0 and {radius}, not {inner_radius}"),
+        );
+        return None;
+    }
+    let height = p.float("height", 0.0);
+    Some(ShapeKind::Partial(PartialQuadric::Disk { height, radius, inner_radius, phi_max: phi_max(p) }))
+}
+
+fn cylinder(p: &mut Params) -> Option<ShapeKind> {
+    let radius = p.positive("radius", 1.0);
+    let (a, b) = (p.float("zmin", -1.0), p.float("zmax", 1.0));
+    if a == b {
+        p.complain("zmin", "the cylinder has no height: `zmin` and `zmax` are the same");
+        return None;
+    }
+    let (z_min, z_max) = (a.min(b), a.max(b));
+    Some(ShapeKind::Partial(PartialQuadric::Cylinder { radius, z_min, z_max, phi_max: phi_max(p) }))
+}
+
+/// Kind of normals and texture coordinates, for the meshes.
+const NORMAL: ParamType = T::Normal;
+const UV: ParamType = T::Point2;

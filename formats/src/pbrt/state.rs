@@ -1,0 +1,80 @@
+//! What directives change and later ones see: transforms, material, light, colour space.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::directive::Param;
+use super::params::Params;
+use super::space::ColorSpace;
+use crate::diagnostic::Span;
+use crate::ir::{Bsdf, Id, Transform};
+
+/// The two transforms of a moving scene.
+pub(super) type Ctm = [Transform; 2];
+
+/// Saved and restored by AttributeBegin and AttributeEnd.
+#[derive(Clone, Debug)]
+pub(super) struct Graphics {
+    pub ctm: Ctm,
+    /// Which of the two transforms change.
+    pub active: [bool; 2],
+    pub reverse: bool,
+    /// `None`: diffuse gray, pbrt's default.
+    pub material: Option<Id<Bsdf>>,
+    pub area_light: Option<Rc<Params>>,
+    pub space: ColorSpace,
+    /// Parameters given by `Attribute`, by target.
+    pub attributes: HashMap<&'static str, Rc<Vec<Param>>>,
+}
+
+impl Default for Graphics {
+    fn default() -> Self {
+        Self {
+            ctm: [Transform::IDENTITY; 2],
+            active: [true; 2],
+            reverse: false,
+            material: None,
+            area_light: None,
+            space: ColorSpace::Srgb,
+            attributes: HashMap::new(),
+        }
+    }
+}
+
+impl Graphics {
+    /// CTM = CTM · M for the active transforms.
+    pub fn concat(&mut self, m: &Transform) {
+        for (ctm, active) in self.ctm.iter_mut().zip(self.active) {
+            if active {
+                *ctm = ctm.after(m);
+            }
+        }
+    }
+
+    pub fn set(&mut self, m: &Transform) {
+        for (ctm, active) in self.ctm.iter_mut().zip(self.active) {
+            if active {
+                *ctm = *m;
+            }
+        }
+    }
+
+    pub fn moves(&self) -> bool {
+        self.ctm[0] != self.ctm[1]
+    }
+}
+
+/// What opened a scope.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scope {
+    Attribute,
+    Object,
+}
+
+/// A saved state.
+#[derive(Clone, Debug)]
+pub(super) struct Saved {
+    pub scope: Scope,
+    pub graphics: Graphics,
+    pub span: Span,
+}
