@@ -375,10 +375,9 @@ impl<'a> Reader<'a> {
         match self.systems.get(name) {
             // Only the active transforms, as every other transform directive.
             Some(ctm) => {
-                let ctm = *ctm;
-                for i in 0..2 {
-                    if self.state.active[i] {
-                        self.state.ctm[i] = ctm[i];
+                for ((now, stored), active) in self.state.ctm.iter_mut().zip(ctm).zip(self.state.active) {
+                    if active {
+                        *now = *stored;
                     }
                 }
             }

@@ -21,9 +21,13 @@ enum Kind {
 }
 
 enum Made {
-    Texture(TextureKind),
+    Texture(Box<TextureKind>),
     /// A plain value.
     Input(ColorInput),
+}
+
+fn made(kind: TextureKind) -> Made {
+    Made::Texture(Box::new(kind))
 }
 
 type ReadTexture = fn(&mut Reader<'_>, &mut Params, Kind) -> Option<Made>;
@@ -130,7 +134,7 @@ impl Reader<'_> {
     }
 
     /// World → texture space.
-    fn to_texture(&mut self, p: &mut Params) -> Transform {
+    fn world_to_texture(&mut self, p: &mut Params) -> Transform {
         self.state.ctm[0].inverse().unwrap_or_else(|| {
             let text = "the transform of this texture flattens space: it has no inverse";
             p.problems.push(Diagnostic::error(text, Some(p.span)));
@@ -149,15 +153,15 @@ impl Reader<'_> {
                 Mapping::Uv(m)
             }
             "planar" => Mapping::Planar {
-                to_texture: self.to_texture(p),
+                to_texture: self.world_to_texture(p),
                 axes: [
                     p.triple("v1", T::Vector3).unwrap_or([1.0, 0.0, 0.0]),
                     p.triple("v2", T::Vector3).unwrap_or([0.0, 1.0, 0.0]),
                 ],
                 offset: [p.float("udelta", 0.0), p.float("vdelta", 0.0)],
             },
-            "spherical" => Mapping::Spherical { to_texture: self.to_texture(p) },
-            "cylindrical" => Mapping::Cylindrical { to_texture: self.to_texture(p) },
+            "spherical" => Mapping::Spherical { to_texture: self.world_to_texture(p) },
+            "cylindrical" => Mapping::Cylindrical { to_texture: self.world_to_texture(p) },
             other => {
                 let text =
                     format!("a texture is mapped by uv, planar, spherical or cylindrical, not `{other}`");
@@ -201,11 +205,11 @@ pub(super) fn upside_down(mapping: Mapping) -> Mapping {
 fn scale(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
     let value = r.operand(p, "tex", kind, 1.0);
     let factor = as_color(r.float_input(p, "scale", 1.0));
-    Some(Made::Texture(TextureKind::Scale { value, factor }))
+    Some(made(TextureKind::Scale { value, factor }))
 }
 
 fn mix(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
-    Some(Made::Texture(TextureKind::Mix {
+    Some(made(TextureKind::Mix {
         first: r.operand(p, "tex1", kind, 0.0),
         second: r.operand(p, "tex2", kind, 1.0),
         amount: MixAmount::Input(r.float_input(p, "amount", 0.5)),
@@ -223,7 +227,7 @@ fn direction_mix(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made>
         return None;
     }
     let amount = MixAmount::Direction(dir.map(|x| x / length));
-    Some(Made::Texture(TextureKind::Mix { first: tex2, second: tex1, amount }))
+    Some(made(TextureKind::Mix { first: tex2, second: tex1, amount }))
 }
 
 fn bilerp(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
@@ -235,7 +239,7 @@ fn bilerp(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
         color.unwrap_or(Color::Gray(default))
     };
     let corners = [corner("v00", 0.0), corner("v01", 1.0), corner("v10", 0.0), corner("v11", 1.0)];
-    Some(Made::Texture(TextureKind::Bilerp { corners, mapping: r.mapping(p) }))
+    Some(made(TextureKind::Bilerp { corners, mapping: r.mapping(p) }))
 }
 
 fn checkerboard(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
@@ -243,19 +247,19 @@ fn checkerboard(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> 
     let color1 = r.operand(p, "tex2", kind, 0.0);
     let mapping = match p.optional_integer("dimension").unwrap_or(2) {
         2 => r.mapping(p),
-        3 => Mapping::Solid { to_texture: r.to_texture(p) },
+        3 => Mapping::Solid { to_texture: r.world_to_texture(p) },
         other => {
             p.complain("dimension", format!("a checkerboard has 2 or 3 dimensions, not {other}"));
             return None;
         }
     };
-    Some(Made::Texture(TextureKind::MappedCheckerboard { color0, color1, mapping }))
+    Some(made(TextureKind::MappedCheckerboard { color0, color1, mapping }))
 }
 
 fn dots(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
     let inside = r.operand(p, "inside", kind, 1.0);
     let outside = r.operand(p, "outside", kind, 0.0);
-    Some(Made::Texture(TextureKind::Dots { inside, outside, mapping: r.mapping(p) }))
+    Some(made(TextureKind::Dots { inside, outside, mapping: r.mapping(p) }))
 }
 
 fn noise(
@@ -272,7 +276,7 @@ fn noise(
         p.problems.push(Diagnostic::error(text, Some(p.span)));
         return None;
     }
-    Some(Made::Texture(TextureKind::Noise { kind: noise, to_texture: r.to_texture(p) }))
+    Some(made(TextureKind::Noise { kind: noise, to_texture: r.world_to_texture(p) }))
 }
 
 fn with_octaves(p: &mut Params, make: fn(u32, f64) -> NoiseKind) -> NoiseKind {
@@ -323,7 +327,7 @@ fn imagemap(r: &mut Reader<'_>, p: &mut Params, _: Kind) -> Option<Made> {
         invert: p.boolean("invert", false),
     };
     path?;
-    Some(Made::Texture(TextureKind::Bitmap(bitmap)))
+    Some(made(TextureKind::Bitmap(bitmap)))
 }
 
 fn encoding(text: &str) -> Option<TextureEncoding> {

@@ -8,6 +8,9 @@ use crate::ir::InlineMesh;
 
 type Point = [f64; 3];
 
+/// The new vertex in its middle, and the corners opposite to it.
+type Edge = (u32, [Option<u32>; 2]);
+
 /// Refines `levels` times and moves the vertices to the limit surface.
 pub(super) fn subdivide(
     positions: Vec<[f32; 3]>,
@@ -88,8 +91,7 @@ fn ring(vertex: usize, steps: &[(u32, u32)]) -> Result<Ring, String> {
 fn refine(points: &[Point], triangles: &[[u32; 3]]) -> Result<(Vec<Point>, Vec<[u32; 3]>), String> {
     let rings = rings(points.len(), triangles)?;
     let mut refined: Vec<Point> = points.iter().zip(&rings).map(|(p, ring)| even(*p, ring, points)).collect();
-    // Both ends and the corners opposite to the edge.
-    let mut edges: HashMap<(u32, u32), (u32, [Option<u32>; 2])> = HashMap::new();
+    let mut edges: HashMap<(u32, u32), Edge> = HashMap::new();
     let mut finer = Vec::with_capacity(triangles.len() * 4);
     for t in triangles {
         let mut middle = [0; 3];
