@@ -96,7 +96,7 @@ impl Reader<'_> {
                 ColorInput::Texture(self.scene.textures.push(Texture {
                     name: Some(name.clone()),
                     origin,
-                    kind,
+                    kind: *kind,
                 }))
             }
             None => ColorInput::Color(Color::Gray(0.5)),
