@@ -153,6 +153,7 @@ fn even(p: Point, ring: &Ring, points: &[Point]) -> Point {
 fn limit(p: Point, ring: &Ring, points: &[Point]) -> Point {
     match ring.vertices.len() {
         0 => p,
+        // pbrt's weight; the limit of the rule above would have 1/6.
         _ if ring.boundary => weighted(p, &ends(ring), 1.0 / 5.0, points),
         valence => {
             let weight = 1.0 / (valence as f64 + 3.0 / (8.0 * beta(valence)));
@@ -246,7 +247,7 @@ mod tests {
         }
     }
 
-    /// A flat grid stays flat; its boundary is the limit of a curve that only the boundary decides.
+    /// A flat grid stays flat and within its outline.
     #[test]
     fn a_surface_with_a_boundary() {
         let points = (0..9).map(|i| [(i % 3) as f32, (i / 3) as f32, 0.0]).collect();
@@ -261,7 +262,13 @@ mod tests {
             assert!((n[2] + 1.0).abs() < 1e-6, "{p:?} {n:?}");
             assert!(p[0] > -1e-6 && p[0] < 2.0 + 1e-6);
         }
-        // Limit of a corner with neighbours (1,0) and (0,1) on the boundary: 3/5·0 + 1/5 of each.
+    }
+
+    /// 3/5·0 + 1/5 of the neighbours (1, 0) and (0, 1).
+    #[test]
+    fn the_corner_of_a_boundary() {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = subdivide(points, vec![[0, 1, 2]], 0).unwrap();
         assert!((mesh.positions[0][0] - 0.2).abs() < 1e-6 && (mesh.positions[0][1] - 0.2).abs() < 1e-6);
     }
 

@@ -1,0 +1,151 @@
+//! What a user reads, word for word, with line and column.
+
+use caustica_formats::ReadOptions;
+
+use crate::{problems, problems_with};
+
+/// `body` after the first line.
+fn of(body: &str) -> Vec<String> {
+    problems(&format!("WorldBegin LightSource \"infinite\"\n{body}"))
+}
+
+#[test]
+fn names_that_do_not_exist() {
+    assert_eq!(of("Shpe \"sphere\""), ["scene.pbrt:2:1: unknown directive `Shpe` (did you mean `Shape`?)"]);
+    assert_eq!(
+        of("Shape \"spere\" \"float radius\" 2"),
+        ["scene.pbrt:2:7: unknown shape type `spere` (did you mean `sphere`?)"]
+    );
+    assert_eq!(
+        of("Shape \"sphere\" \"float radus\" 2"),
+        ["scene.pbrt:2:16: shape `sphere` takes no parameter `radus` (did you mean `radius`?)"]
+    );
+    assert_eq!(
+        of("Shape \"sphere\" \"flaot radius\" 2"),
+        ["scene.pbrt:2:16: unknown parameter type `flaot` (did you mean `float`?)"]
+    );
+    assert_eq!(
+        of("MakeNamedMaterial \"red\" \"string type\" \"diffuse\"\nNamedMaterial \"rde\""),
+        ["scene.pbrt:3:15: no material is called `rde` (did you mean `red`?)"]
+    );
+    assert_eq!(
+        of("Material \"diffuse\" \"texture reflectance\" \"wood\""),
+        ["scene.pbrt:2:42: no spectrum texture is called `wood` (a texture must be declared before it is \
+             used)"]
+    );
+    assert_eq!(
+        of("ObjectInstance \"tree\""),
+        ["scene.pbrt:2:16: no object is called `tree` (ObjectBegin defines one)"]
+    );
+}
+
+#[test]
+fn values_of_the_wrong_kind() {
+    assert_eq!(
+        of("Shape \"sphere\" \"integer radius\" 2"),
+        ["scene.pbrt:2:16: `radius` of shape `sphere` has type float, not integer"]
+    );
+    assert_eq!(
+        of("Shape \"sphere\" \"float radius\" [ 1 2 ]"),
+        ["scene.pbrt:2:31: `radius` wants 1 value, got 2"]
+    );
+    assert_eq!(
+        of("Shape \"sphere\" \"float radius\" 1.5x"),
+        ["scene.pbrt:2:31: expected a number, found `1.5x`"]
+    );
+    assert_eq!(
+        of(
+            "Shape \"loopsubdiv\" \"integer levels\" 1.0 \"integer indices\" [0 1 2]\"point3 P\" [0 0 0 1 0 0 0 1 0]"
+        ),
+        ["scene.pbrt:2:37: expected a whole number of 32 bits, found `1.0`"]
+    );
+    assert_eq!(
+        of("Material \"diffuse\" \"rgb reflectance\" [ 1.5 0 0 ]"),
+        ["scene.pbrt:2:38: `reflectance` (1.5, 0, 0) reflects more light than there is: 1 is the most"]
+    );
+    assert_eq!(
+        of("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]"),
+        ["scene.pbrt:2:53: index 2 refers to vertex 3, but there are 3"]
+    );
+    assert_eq!(
+        of("Scale 0 1 1 Shape \"sphere\""),
+        ["scene.pbrt:2:19: the transform flattens this shape: it has no inverse"]
+    );
+}
+
+#[test]
+fn structure() {
+    assert_eq!(of("AttributeEnd"), ["scene.pbrt:2:1: AttributeEnd without AttributeBegin"]);
+    assert_eq!(of("AttributeBegin"), ["scene.pbrt:2:1: AttributeBegin has no AttributeEnd"]);
+    assert_eq!(of("Film \"rgb\""), ["scene.pbrt:2:1: Film must stand before WorldBegin"]);
+    assert_eq!(
+        of("Shape \"sphere\" \"float radius\" [ 1"),
+        ["scene.pbrt:2:16: the list of `radius` is not closed"]
+    );
+    assert_eq!(
+        of("Include \"loop.pbrt\""),
+        ["loop.pbrt:1:9: files include each other: scene.pbrt → loop.pbrt → loop.pbrt"]
+    );
+    assert_eq!(
+        of("Include \"Ball.pbrt\""),
+        ["scene.pbrt:2:9: file `Ball.pbrt` not found (there is `ball.pbrt`; upper and lower case matter)"]
+    );
+    assert_eq!(
+        problems("Film \"rgb\""),
+        ["scene.pbrt:1:1: the scene has no WorldBegin (camera, film and integrator stand before it, shapes \
+         and lights after it)"]
+    );
+}
+
+#[test]
+fn all_problems_at_once() {
+    let found =
+        of("Shape \"sphere\" \"float radus\" 2\nNope\nShape \"cube\"\nLightSource \"point\" \"float i\" 1");
+    assert_eq!(found.len(), 4, "{found:?}");
+}
+
+#[test]
+fn what_is_not_rendered_is_refused_or_replaced_by_name() {
+    let curve = "WorldBegin LightSource \"infinite\"\nShape \"curve\" \"point3 P\" [0 0 0 1 0 0]";
+    assert_eq!(
+        problems(curve),
+        [
+            "scene.pbrt:2:7: shape `curve` is not supported yet (--allow-unsupported renders without it: it is \
+         skipped)"
+        ]
+    );
+    let options = ReadOptions { allow_unsupported: true, ..ReadOptions::default() };
+    assert_eq!(
+        problems_with(curve, &options),
+        ["scene.pbrt:2:7: shape `curve` is not supported yet: it is skipped"]
+    );
+    assert_eq!(
+        of("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"\""),
+        ["scene.pbrt:3:17: participating medium `fog` is not supported yet (--allow-unsupported renders \
+             without it: there is vacuum)"]
+    );
+}
+
+const V3: &str = "Film \"image\" \"integer xresolution\" 8\nWorldBegin\n\
+    LightSource \"point\" \"color I\" [1 1 1]\n\
+    Material \"matte\" \"rgb Kd\" [.2 .3 .4]\nShape \"sphere\"\nWorldEnd\n";
+
+#[test]
+fn the_third_version_is_named_construct_by_construct() {
+    assert_eq!(
+        problems(V3),
+        [
+            "scene.pbrt:1:6: film `image` is pbrt-v3 syntax: pbrt-v4 writes `rgb`",
+            "scene.pbrt:3:21: the parameter type `color` is pbrt-v3 syntax: pbrt-v4 writes `rgb`",
+            "scene.pbrt:4:10: material `matte` is pbrt-v3 syntax: pbrt-v4 writes `diffuse`",
+            "scene.pbrt:4:18: the parameter `Kd` of material is pbrt-v3 syntax: pbrt-v4 writes `reflectance`",
+            "scene.pbrt:6:1: `WorldEnd` is pbrt-v3 syntax: pbrt-v4 writes nothing: the world ends with the file",
+        ]
+    );
+}
+
+#[test]
+fn the_third_version_is_read_when_asked_for() {
+    let options = ReadOptions { upgrade_v3: true, ..ReadOptions::default() };
+    assert!(problems_with(V3, &options).is_empty());
+}
