@@ -146,6 +146,19 @@ fn the_third_version_is_named_construct_by_construct() {
 
 #[test]
 fn the_third_version_is_read_when_asked_for() {
+    use caustica_formats::ir::{Color, EmitterKind};
     let options = ReadOptions { upgrade_v3: true, ..ReadOptions::default() };
+    let lamp = "WorldBegin LightSource \"distant\" \"blackbody L\" [3000 1.5] \"bool twosided\" \"true\"";
+    let told = problems_with(lamp, &options);
+    assert_eq!(
+        told,
+        [
+            "scene.pbrt:1:59: light `distant` takes no parameter `twosided` (it takes: from, to, L, scale, illuminance)"
+        ]
+    );
+    let lamp =
+        crate::try_read("WorldBegin LightSource \"distant\" \"blackbody L\" [3000 1.5]", &options).unwrap();
+    let EmitterKind::Directional { irradiance, .. } = &lamp.scene.emitters[0].kind else { panic!() };
+    assert!(matches!(irradiance, Color::WithLuminance { luminance: 1.5, .. }), "{irradiance:?}");
     assert!(problems_with(V3, &options).is_empty());
 }

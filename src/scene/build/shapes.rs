@@ -387,3 +387,27 @@ fn transform_bounds(m: &Placement, b: &Bounds) -> Bounds {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Clockwise seen from +Z with normals along +Z; without them the winding itself counts.
+    #[test]
+    fn triangles_face_where_the_author_says() {
+        let plain = Mesh {
+            positions: vec![[0.0; 3], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let with_normals = Mesh { normals: vec![[0.0, 0.0, 1.0]; 3], ..plain.clone() };
+        for (mesh, mirrored, expected) in [
+            (&plain, false, [0, 1, 2]),
+            (&plain, true, [0, 2, 1]),
+            (&with_normals, false, [0, 2, 1]),
+            (&with_normals, true, [0, 1, 2]),
+        ] {
+            assert_eq!(oriented_by_author(mesh, mirrored).triangles, [expected]);
+        }
+    }
+}

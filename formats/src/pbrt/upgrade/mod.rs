@@ -109,6 +109,7 @@ impl Old {
             _ => {}
         }
         d.params.iter_mut().for_each(from_xyz);
+        self.blackbodies(d);
         let class = if d.name == "MakeNamedMaterial" { "Material" } else { d.name.as_str() };
         let kind = kind(d);
         let general: Vec<&Row> = table::ROWS
@@ -122,6 +123,27 @@ impl Old {
             average_scale(d);
         }
         true
+    }
+
+    /// A blackbody had a scale beside its temperature.
+    fn blackbodies(&mut self, d: &mut Directive) {
+        let mut factor = 1.0;
+        let mut place = d.span;
+        for p in d.params.iter_mut().filter(|p| p.kind == ParamType::Blackbody) {
+            if let Values::Floats(v) = &mut p.values
+                && let [_, scale] = v[..]
+            {
+                self.found(p.value_span, "a blackbody with a scale", "the temperature, and \"float scale\"");
+                (factor, place) = (factor * scale, p.span);
+                v.truncate(1);
+            }
+        }
+        let given = d.params.iter_mut().rfind(|p| p.name == "scale" && p.kind == ParamType::Float);
+        match given.map(|p| &mut p.values) {
+            _ if factor == 1.0 => {}
+            Some(Values::Floats(v)) => v.iter_mut().for_each(|v| *v *= factor),
+            _ => d.params.push(made(ParamType::Float, "scale", Values::Floats(vec![factor]), place)),
+        }
     }
 
     fn apply(&mut self, d: &mut Directive, row: &Row) {
