@@ -157,7 +157,7 @@ fn scene_file_that_is_not_there_or_of_no_known_language() {
     assert_eq!(other.status, 1);
     assert_snapshot!(other.text, @r#"
     error: scene.txt: not a scene language caustica reads
-     = help: the extension decides; known: .xml
+     = help: the extension decides; known: .xml, .pbrt, .pbrt.gz
     "#);
 }
 
