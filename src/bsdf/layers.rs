@@ -2,7 +2,7 @@
 
 use super::event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
 use super::tilt::Tilt;
-use super::{Lobe, Part, Scatter};
+use super::{Lobe, Part, PartList, Scatter};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 
 /// A model in its place: on which side of what it lies, and how much of it there is.
@@ -61,7 +61,7 @@ impl Entry {
         self.lobe.pdf(self.local(frame, wi), self.local(frame, wo), range)
     }
 
-    fn parts(&self, wi: Vec3) -> [Part; 4] {
+    fn parts(&self, wi: Vec3) -> PartList {
         self.lobe.parts(self.local(self.frame(wi), wi))
     }
 
@@ -128,6 +128,22 @@ impl Layers {
     pub fn has_smooth(&self, wi: Vec3, range: Range) -> bool {
         let inside = |p: &Part| p.probability > 0.0 && range.contains(p.roughness);
         self.entries.iter().any(|e| e.parts(wi).iter().any(inside))
+    }
+
+    /// Every smooth lobe with its entry, its number there, and its probability among all events but
+    /// passing through.
+    pub fn smooth_parts(&self, wi: Vec3) -> impl Iterator<Item = (usize, usize, Part)> {
+        let total = self.total();
+        self.entries.iter().enumerate().flat_map(move |(i, e)| {
+            let share = e.weight / total * e.smooth_probability(wi);
+            let parts = e.parts(wi).into_iter().enumerate().filter(|(_, p)| p.probability > 0.0);
+            parts.map(move |(k, p)| (i, k, Part { probability: p.probability * share, ..p }))
+        })
+    }
+
+    /// A direction from a lobe of [`Layers::smooth_parts`].
+    pub fn draw(&self, entry: usize, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        draw(&self.entries[entry], part, wi, u_lobe, u)
     }
 
     pub fn albedo(&self, wi: Vec3, range: Range) -> Rgb {

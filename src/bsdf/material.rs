@@ -8,7 +8,7 @@ use crate::texture::{Param, Textures};
 /// Models and what wraps them.
 #[derive(Clone, Debug)]
 pub enum Node {
-    Model(Model),
+    Model(Box<Model>),
     /// Index-matched boundary: light passes straight through.
     Null,
     /// The second serves directions below the surface, mirrored.
@@ -24,7 +24,7 @@ pub enum Node {
 
 impl<M: Into<Model>> From<M> for Node {
     fn from(model: M) -> Self {
-        Self::Model(model.into())
+        Self::Model(Box::new(model.into()))
     }
 }
 
@@ -105,11 +105,11 @@ impl Node {
     }
 
     /// Whether the scattering differs from point to point.
-    fn varies(&self) -> bool {
+    pub(super) fn varies(&self) -> bool {
         let mut varies = false;
         self.visit(&mut |node| {
             varies |= match node {
-                Self::Model(m) => m.is_textured(),
+                Self::Model(m) => m.varies(),
                 Self::Mask(p, _) | Self::Blend(p, _) => p.constant().is_none(),
                 // A constant map tilts by what ∂p/∂u and the viewer say, too.
                 Self::Tilted(..) => true,
@@ -117,6 +117,18 @@ impl Node {
             }
         });
         varies
+    }
+
+    /// How many models there are on one side at most.
+    pub fn models(&self) -> usize {
+        match self {
+            Self::Model(_) => 1,
+            Self::Null => 0,
+            Self::TwoSided(nested) => nested.iter().map(Self::models).max().unwrap_or(0),
+            Self::Blend(_, nested) => nested.iter().map(Self::models).sum(),
+            Self::Mask(_, nested) | Self::Tilted(_, nested) => nested.models(),
+            Self::Mixture(nested) => nested.iter().map(|(_, n)| n.models()).sum(),
+        }
     }
 
     /// Whether any light passes straight through.
@@ -168,10 +180,13 @@ impl Material {
         let fixed = (!root.varies()).then(|| {
             let point =
                 Point { textures: &Textures::default(), uv: Vec2::ZERO, tangents: [Vec2::X, Vec2::Y] };
-            [Vec3::Z, -Vec3::Z].map(|wi| prepared(evaluate(&root, &point, wi)))
+            [Vec3::Z, -Vec3::Z].map(|wi| prepared(flat(&root, &point, wi)))
         });
         let of = |node: &Node| match node {
-            Node::Model(Model::Diffuse(d)) => Some(d.reflectance),
+            Node::Model(model) => match &**model {
+                Model::Diffuse(d) => Some(d.reflectance),
+                _ => None,
+            },
             _ => None,
         };
         let diffuse = match &root {
@@ -204,7 +219,7 @@ impl Material {
             let reflectance = point.color(diffuse.reflectance);
             return Closure(Content::Diffuse(Lambertian { reflectance, opacity: 1.0, side }));
         }
-        Closure(Content::Here(Box::new(evaluate(&self.root, point, wi))))
+        Closure(Content::Here(Box::new(flat(&self.root, point, wi))))
     }
 
     pub fn nature(&self) -> Nature {
@@ -217,7 +232,8 @@ impl Material {
     }
 }
 
-fn evaluate(root: &Node, point: &Point<'_>, wi: Vec3) -> Layers {
+/// What a nest is at a point, for light along `wi`.
+pub(super) fn flat(root: &Node, point: &Point<'_>, wi: Vec3) -> Layers {
     let mut layers = Layers::default();
     let place = Place { weight: 1.0, mirrored: false, tilt: None, mirrored_inside: false };
     root.flatten(point, wi, place, &mut layers);

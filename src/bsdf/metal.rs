@@ -9,8 +9,8 @@ pub enum Metal {
     Mirror,
     /// Complex index, in units of the index outside.
     Index { eta: Param, k: Param, outside: f32 },
-    /// η = 1 and the k with this reflectance at normal incidence (pbrt).
-    Reflectance(Param),
+    /// η = 1 and the k with this reflectance at normal incidence in air (pbrt).
+    Reflectance { normal: Param, outside: f32 },
 }
 
 impl Metal {
@@ -20,10 +20,11 @@ impl Metal {
             Self::Index { eta, k, outside } => {
                 MetalAt(Some((point.color(eta) / outside, point.color(k) / outside)))
             }
-            Self::Reflectance(r) => {
-                let r = point.color(r).clamp(Rgb::ZERO, Rgb::splat(0.9999));
+            Self::Reflectance { normal, outside } => {
+                let r = point.color(normal).clamp(Rgb::ZERO, Rgb::splat(0.9999));
                 let root = |c: Rgb| Rgb::new(c.x.sqrt(), c.y.sqrt(), c.z.sqrt());
-                MetalAt(Some((Rgb::ONE, root(r) * 2.0 / root(Rgb::ONE - r))))
+                let k = root(r) * 2.0 / root(Rgb::ONE - r);
+                MetalAt(Some((Rgb::ONE / outside, k / outside)))
             }
         }
     }
@@ -32,7 +33,7 @@ impl Metal {
         match *self {
             Self::Mirror => vec![],
             Self::Index { eta, k, .. } => vec![eta, k],
-            Self::Reflectance(r) => vec![r],
+            Self::Reflectance { normal, .. } => vec![normal],
         }
     }
 }

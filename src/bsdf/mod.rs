@@ -10,8 +10,10 @@
 //! [`Material`] nests models (masks, blends, two sides, bumps); [`Closure`] is a material at a point.
 
 mod closure;
+mod coating;
 mod conductor;
 mod dielectric;
+mod difftrans;
 mod diffuse;
 mod event;
 pub mod fresnel;
@@ -19,31 +21,43 @@ mod layers;
 mod material;
 mod metal;
 pub mod microfacet;
+mod phong;
 mod plastic;
+mod principled;
+mod principledthin;
 mod roughconductor;
 mod roughdielectric;
+mod roughdiffuse;
 mod roughness;
 mod roughplastic;
 mod special;
 mod thindielectric;
 mod tilt;
 mod transmittance;
+mod ward;
 
 pub use closure::Closure;
+pub use coating::CoatingModel;
 pub use conductor::ConductorModel;
 pub use dielectric::DielectricModel;
+pub use difftrans::DiffuseTransmissionModel;
 pub use diffuse::DiffuseModel;
 pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
 pub use material::{Material, Node};
 pub use metal::Metal;
+pub use phong::PhongModel;
 pub use plastic::PlasticModel;
+pub use principled::PrincipledModel;
+pub use principledthin::PrincipledThinModel;
 pub use roughconductor::RoughConductorModel;
 pub use roughdielectric::RoughDielectricModel;
+pub use roughdiffuse::RoughDiffuseModel;
 pub use roughness::Roughness;
 pub use roughplastic::RoughPlasticModel;
 pub use thindielectric::ThinDielectricModel;
 pub use tilt::{Perturbation, Relief};
 pub use transmittance::Transmittance;
+pub use ward::{WardModel, WardVariant};
 
 use crate::math::{Rgb, Vec2, Vec3, luminance};
 use crate::texture::{Param, Textures};
@@ -112,6 +126,10 @@ trait Parameters {
 
     fn at(&self, point: &Point<'_>) -> Self::At;
     fn params(&self) -> Vec<Param>;
+    /// Whether any parameter is a texture.
+    fn varies(&self) -> bool {
+        self.params().iter().any(|p| p.constant().is_none())
+    }
     fn nature(&self) -> Nature;
 }
 
@@ -124,7 +142,10 @@ struct Part {
 }
 
 /// The smooth lobes of a model; unused ones have probability 0.
-type PartList = [Part; 4];
+type PartList = [Part; PARTS];
+
+/// Two nested models of three lobes under a coat, and one to spare.
+const PARTS: usize = 8;
 
 fn one_part(roughness: f32) -> PartList {
     let mut parts = PartList::default();
@@ -185,10 +206,8 @@ macro_rules! models {
                 match self { $(Self::$name(m) => Lobe::$name(m.at(point))),+ }
             }
 
-            /// Whether any parameter is a texture.
-            fn is_textured(&self) -> bool {
-                let params = match self { $(Self::$name(m) => m.params()),+ };
-                params.iter().any(|p| p.constant().is_none())
+            fn varies(&self) -> bool {
+                match self { $(Self::$name(m) => m.varies()),+ }
             }
 
             pub fn nature(&self) -> Nature {
@@ -233,4 +252,11 @@ models! {
     RoughConductor(RoughConductorModel),
     Plastic(PlasticModel),
     RoughPlastic(RoughPlasticModel),
+    Principled(PrincipledModel),
+    PrincipledThin(PrincipledThinModel),
+    RoughDiffuse(RoughDiffuseModel),
+    DiffuseTransmission(DiffuseTransmissionModel),
+    Phong(PhongModel),
+    Ward(WardModel),
+    Coating(CoatingModel),
 }

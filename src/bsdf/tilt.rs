@@ -28,13 +28,6 @@ pub struct Perturbation {
 const STEP: f32 = 1.0 / 16_384.0;
 
 impl Perturbation {
-    pub fn param(&self) -> Param {
-        match self.relief {
-            Relief::Bump { height, .. } => height,
-            Relief::Normal(normal) => normal,
-        }
-    }
-
     pub(super) fn at(&self, point: &Point<'_>) -> Tilt {
         let n = match self.relief {
             Relief::Normal(param) => point.color(param) * 2.0 - Vec3::ONE,

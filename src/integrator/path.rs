@@ -149,6 +149,9 @@ impl PathTracer<'_> {
             let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
             let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Radiance, self.glossy) else { break };
             throughput *= sample.weight;
+            if throughput == Rgb::ZERO {
+                break;
+            }
             eta *= sample.eta;
             if !keeps_density(sample.event) {
                 (pdf, from) = (sample.pdf, s.p);

@@ -24,6 +24,8 @@ pub struct ShapeRecord {
     pub emitter: Option<u32>,
     /// Normals are reversed.
     pub flip: bool,
+    /// The shading frame follows ∂p/∂u, because the material asks for it.
+    pub oriented: bool,
     pub triangles: Vec<[u32; 3]>,
     /// Unit, in the frame of the level; empty for flat shading.
     pub normals: Vec<[f32; 3]>,
@@ -57,6 +59,22 @@ impl Surface {
     #[inline(always)]
     pub fn leave(&self, d: Vec3) -> Ray {
         Ray::new(self.origin(d), d)
+    }
+
+    /// Turns the frame around `n` so that s follows the first of the partial derivatives of the position.
+    #[inline(never)]
+    fn orient(&mut self, n: Vec3, partials: [Vec3; 2]) {
+        let Some(s) = (partials[0] - n * n.dot(partials[0])).try_normalize() else {
+            self.frame = Frame::from_normal(n);
+            return;
+        };
+        self.frame = Frame { s, t: n.cross(s), n };
+        self.tangents = partials.map(|d| Vec2::new(self.frame.s.dot(d), self.frame.t.dot(d)));
+    }
+
+    /// ∂p/∂u and ∂p/∂v in the tangent plane of the shading normal.
+    fn partials(&self) -> [Vec3; 2] {
+        self.tangents.map(|t| self.frame.s * t.x + self.frame.t * t.y)
     }
 }
 
@@ -123,7 +141,7 @@ impl Scene {
                 let l = level.analytic[i as usize].local(p);
                 let n = if shape.flip { -l.n } else { l.n };
                 let extent = level.analytic[i as usize].bounds().magnitude();
-                Surface {
+                let mut s = Surface {
                     p: l.p,
                     ng: n,
                     frame: Frame::from_normal(n),
@@ -131,7 +149,11 @@ impl Scene {
                     tangents: NO_TANGENTS,
                     lift: extent * LIFT,
                     shape: index,
+                };
+                if shape.oriented {
+                    s.orient(n, level.analytic[i as usize].partials(l.p));
                 }
+                s
             }
             Kind::Instance(_) => unreachable!("an instance's hit names a primitive of its group"),
         };
@@ -140,7 +162,12 @@ impl Scene {
             let scale = m.columns[..3].iter().map(|c| c.length()).fold(0.0, f32::max);
             s.p = m.point(s.p);
             s.ng = m.normal(s.ng);
-            s.frame = Frame::from_normal(m.normal(s.frame.n));
+            let n = m.normal(s.frame.n);
+            if shape.oriented {
+                s.orient(n, s.partials().map(|d| m.vector(d)));
+            } else {
+                s.frame = Frame::from_normal(n);
+            }
             s.lift = s.lift * scale + s.p.abs().max_element() * LIFT;
         }
         s
@@ -299,7 +326,7 @@ fn triangle_surface(v: &[Vec3; 3], shape: &ShapeRecord, index: u32, triangle: us
         }
     }
     let extent = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
-    Surface {
+    let mut s = Surface {
         p: mix(v0, v1, v2),
         ng,
         frame: Frame::from_normal(ns),
@@ -307,7 +334,27 @@ fn triangle_surface(v: &[Vec3; 3], shape: &ShapeRecord, index: u32, triangle: us
         tangents: NO_TANGENTS,
         lift: extent * LIFT,
         shape: index,
+    };
+    if shape.oriented {
+        s.orient(ns, triangle_partials(v, shape, triangle));
     }
+    s
+}
+
+/// ∂p/∂u and ∂p/∂v over a triangle; without usable uv, those of the barycentric coordinates.
+#[inline(never)]
+fn triangle_partials(v: &[Vec3; 3], shape: &ShapeRecord, triangle: usize) -> [Vec3; 2] {
+    let (e1, e2) = (v[1] - v[0], v[2] - v[0]);
+    if shape.uvs.is_empty() {
+        return [e1, e2];
+    }
+    let [a, b, c] = shape.triangles[triangle].map(|i| Vec2::from(shape.uvs[i as usize]));
+    let (d1, d2) = (b - a, c - a);
+    let det = d1.perp_dot(d2);
+    if det == 0.0 {
+        return [e1, e2];
+    }
+    [(e1 * d2.y - e2 * d1.y) / det, (e2 * d1.x - e1 * d2.x) / det]
 }
 
 /// Of a surface where nobody asks.

@@ -50,6 +50,12 @@ impl Cylinder {
         }
     }
 
+    pub fn partials(&self, p: Vec3) -> [Vec3; 2] {
+        let l = self.axis.to_local(p - self.p0);
+        let du = Vec3::new(-l.y, l.x, 0.0) * (2.0 * PI);
+        [self.axis.to_world(du), self.axis.n * self.length]
+    }
+
     pub fn area(&self) -> f32 {
         2.0 * PI * self.radius * self.length
     }

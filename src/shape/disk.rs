@@ -44,6 +44,12 @@ impl Disk {
         }
     }
 
+    pub fn partials(&self, p: Vec3) -> [Vec3; 2] {
+        let c = self.coordinates(p);
+        let d = c.normalize_or(Vec2::X);
+        [self.u * d.x + self.v * d.y, (self.v * c.x - self.u * c.y) * (2.0 * PI)]
+    }
+
     pub fn area(&self) -> f32 {
         PI * self.u.cross(self.v).length()
     }

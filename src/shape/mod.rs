@@ -61,6 +61,11 @@ impl Analytic {
         each!(self, s => s.local(p))
     }
 
+    /// ∂p/∂u and ∂p/∂v at `p`, which lies on the shape up to rounding.
+    pub fn partials(&self, p: Vec3) -> [Vec3; 2] {
+        each!(self, s => s.partials(p))
+    }
+
     /// Surface area in world units.
     pub fn area(&self) -> f32 {
         each!(self, s => s.area())

@@ -43,6 +43,15 @@ impl Sphere {
         }
     }
 
+    pub fn partials(&self, p: Vec3) -> [Vec3; 2] {
+        let o = self.to_object.to_local((p - self.center).normalize());
+        let r = (o.x * o.x + o.y * o.y).sqrt();
+        let (cos, sin) = if r > 0.0 { (o.x / r, o.y / r) } else { (1.0, 0.0) };
+        let du = Vec3::new(-o.y, o.x, 0.0) * (2.0 * PI * self.radius);
+        let dv = Vec3::new(o.z * cos, o.z * sin, -r) * (PI * self.radius);
+        [self.to_object.to_world(du), self.to_object.to_world(dv)]
+    }
+
     pub fn area(&self) -> f32 {
         4.0 * PI * self.radius * self.radius
     }

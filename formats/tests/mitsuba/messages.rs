@@ -268,29 +268,29 @@ fn reflectance_out_of_range() {
 
 #[test]
 fn unsupported_plugin() {
-    let text = "<scene version='3.0.0'>\n  <shape type='cube'>\n    <bsdf type='principled'>\n      <float name='roughness' value='0.2'/>\n    </bsdf>\n  </shape>\n</scene>";
+    let text = "<scene version='3.0.0'>\n  <shape type='cube'>\n    <bsdf type='hair'>\n      <float name='roughness' value='0.2'/>\n    </bsdf>\n  </shape>\n</scene>";
     assert_snapshot!(failure(text), @r#"
-    error: bsdf plugin `principled` is not supported yet
+    error: bsdf plugin `hair` is not supported yet
       ┌─ scene.xml:3:17
       │
-    3 │     <bsdf type='principled'>
-      │                 ^^^^^^^^^^
+    3 │     <bsdf type='hair'>
+      │                 ^^^^
       │
       = help: --allow-unsupported renders without it: diffuse gray 0.5 is used
     "#);
     assert_snapshot!(warnings(text, true), @r#"
-    warning: bsdf plugin `principled` is not supported yet: diffuse gray 0.5 is used
+    warning: bsdf plugin `hair` is not supported yet: diffuse gray 0.5 is used
       ┌─ scene.xml:3:17
       │
-    3 │     <bsdf type='principled'>
-      │                 ^^^^^^^^^^
+    3 │     <bsdf type='hair'>
+      │                 ^^^^
     "#);
-    assert_snapshot!(warnings("<scene version='3.0.0'>\n  <bsdf type='principled' id='a'/>\n</scene>", false), @r#"
-    warning: bsdf plugin `principled` is not supported yet, but nothing uses it
+    assert_snapshot!(warnings("<scene version='3.0.0'>\n  <bsdf type='hair' id='a'/>\n</scene>", false), @r#"
+    warning: bsdf plugin `hair` is not supported yet, but nothing uses it
       ┌─ scene.xml:2:15
       │
-    2 │   <bsdf type='principled' id='a'/>
-      │               ^^^^^^^^^^
+    2 │   <bsdf type='hair' id='a'/>
+      │               ^^^^
     "#);
 }
 

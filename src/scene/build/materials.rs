@@ -10,8 +10,10 @@ use super::Builder;
 use super::textures::DEFAULT_REFLECTANCE;
 use crate::bsdf::microfacet::{Kind, Shadowing};
 use crate::bsdf::{
-    ConductorModel, DielectricModel, DiffuseModel, Material, Metal, Node, PlasticModel, RoughConductorModel,
-    RoughDielectricModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance,
+    ConductorModel, DielectricModel, DiffuseModel, DiffuseTransmissionModel, Material, Metal, Node,
+    Perturbation, PhongModel, PlasticModel, Relief, RoughConductorModel, RoughDielectricModel,
+    RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
+    WardVariant,
 };
 use crate::math::Rgb;
 use crate::texture::Param;
@@ -74,7 +76,12 @@ impl Builder<'_> {
         index
     }
 
-    fn node(&mut self, id: ir::Id<ir::Bsdf>) -> Node {
+    /// Whether a material wants frames that follow uv.
+    pub(super) fn oriented(&self, material: u32) -> bool {
+        self.materials.materials[material as usize].nature().oriented
+    }
+
+    pub(super) fn node(&mut self, id: ir::Id<ir::Bsdf>) -> Node {
         let bsdf = &self.ir.bsdfs[id];
         let origin = bsdf.origin;
         match &bsdf.kind {
@@ -130,6 +137,14 @@ impl Builder<'_> {
                 }
             }
             BsdfKind::Null => Node::Null,
+            BsdfKind::BumpMap { height, scale, shading, nested } => {
+                let relief = Relief::Bump { height: self.scalar_param(height), scale: *scale as f32 };
+                self.tilted(relief, *shading, *nested)
+            }
+            BsdfKind::NormalMap { normals, shading, nested } => {
+                let relief = Relief::Normal(self.param(normals, ColorSlot::Unbounded, origin));
+                self.tilted(relief, *shading, *nested)
+            }
             BsdfKind::Blend { weight, first, second } => {
                 let weight = self.scalar_param(weight);
                 Node::Blend(weight, Box::new([self.node(*first), self.node(*second)]))
@@ -138,15 +153,66 @@ impl Builder<'_> {
                 let sum = parts.iter().map(|(w, _)| *w).sum::<f64>().max(1.0);
                 Node::Mixture(parts.iter().map(|(w, id)| ((w / sum) as f32, self.node(*id))).collect())
             }
-            _ => {
-                self.unsupported("this bsdf", "diffuse gray 0.5", origin);
-                diffuse(Param::Constant(DEFAULT_REFLECTANCE))
+            BsdfKind::Principled(p) => self.principled(p, origin).into(),
+            BsdfKind::PrincipledThin(p) => self.principled_thin(p, origin).into(),
+            BsdfKind::RoughDiffuse { reflectance, alpha, fast } => RoughDiffuseModel {
+                reflectance: self.param(reflectance, ColorSlot::Reflectance, origin),
+                alpha: self.scalar_param(alpha),
+                fast: *fast,
+            }
+            .into(),
+            BsdfKind::Phong { exponent, diffuse_reflectance, specular_reflectance } => PhongModel {
+                diffuse: self.param(diffuse_reflectance, ColorSlot::Reflectance, origin),
+                specular: self.param(specular_reflectance, ColorSlot::Reflectance, origin),
+                exponent: self.scalar_param(exponent),
+            }
+            .into(),
+            BsdfKind::Ward { variant, alpha_u, alpha_v, diffuse_reflectance, specular_reflectance } => {
+                WardModel {
+                    variant: match variant {
+                        ir::WardVariant::Ward => WardVariant::Ward,
+                        ir::WardVariant::Duer => WardVariant::Duer,
+                        ir::WardVariant::Balanced => WardVariant::Balanced,
+                    },
+                    diffuse: self.param(diffuse_reflectance, ColorSlot::Reflectance, origin),
+                    specular: self.param(specular_reflectance, ColorSlot::Reflectance, origin),
+                    alpha_u: self.scalar_param(alpha_u),
+                    alpha_v: self.scalar_param(alpha_v),
+                }
+                .into()
+            }
+            BsdfKind::DiffuseTransmission { reflectance, transmittance } => DiffuseTransmissionModel {
+                reflectance: self.param(reflectance, ColorSlot::Reflectance, origin),
+                transmittance: self.param(transmittance, ColorSlot::Reflectance, origin),
+            }
+            .into(),
+            BsdfKind::Coating {
+                int_ior,
+                ext_ior,
+                thickness,
+                sigma_a,
+                specular_reflectance,
+                microfacet,
+                nested,
+            } => {
+                let (specular, rough) = (specular_reflectance, microfacet.as_ref());
+                self.coat(int_ior, ext_ior, *thickness, sigma_a, specular, rough, *nested, origin)
+            }
+            BsdfKind::CoatedDiffuse { reflectance, coat } => self.coated_diffuse(reflectance, coat, origin),
+            BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
+                self.coated_conductor(conductor, microfacet, coat, origin)
             }
         }
     }
 
+    fn tilted(&mut self, relief: Relief, shading: ir::PerturbedShading, nested: ir::Id<ir::Bsdf>) -> Node {
+        let nested = self.node(nested);
+        let (flip_invalid, shadowing) = (shading.flip_invalid_normals, shading.shadowing);
+        Node::Tilted(Perturbation { relief, flip_invalid, shadowing }, Box::new(nested))
+    }
+
     /// `None` is a surface so smooth that pbrt treats it as perfectly specular. Mitsuba never does.
-    fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
+    pub(super) fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
         let roughness = Roughness {
             kind: match m.distribution {
                 ir::MicrofacetDistribution::Beckmann => Kind::Beckmann,
@@ -166,13 +232,13 @@ impl Builder<'_> {
         (!smooth).then_some(roughness)
     }
 
-    fn rough_plastic(&mut self, smooth: PlasticModel, roughness: Roughness) -> RoughPlasticModel {
+    pub(super) fn rough_plastic(&mut self, smooth: PlasticModel, roughness: Roughness) -> RoughPlasticModel {
         let PlasticModel { eta, diffuse, specular, nonlinear } = smooth;
         let transmittance = self.transmittance(&roughness, eta);
         RoughPlasticModel { eta, diffuse, specular, nonlinear, roughness, transmittance }
     }
 
-    fn transmittance(&mut self, roughness: &Roughness, eta: f32) -> Arc<Transmittance> {
+    pub(super) fn transmittance(&mut self, roughness: &Roughness, eta: f32) -> Arc<Transmittance> {
         let alpha = roughness.constant().map(|[u, v]| (u * v).max(0.0).sqrt());
         let kind = roughness.kind;
         let table = self
@@ -188,7 +254,7 @@ impl Builder<'_> {
         table.clone()
     }
 
-    fn ior(&mut self, ior: &Ior, origin: ir::Origin) -> f32 {
+    pub(super) fn ior(&mut self, ior: &Ior, origin: ir::Origin) -> f32 {
         match ior {
             Ior::Value(v) if *v > 0.0 => *v as f32,
             Ior::Value(v) => {
@@ -213,7 +279,7 @@ impl Builder<'_> {
         }
     }
 
-    fn conductor(&mut self, c: &ir::Conductor, origin: ir::Origin) -> ConductorModel {
+    pub(super) fn conductor(&mut self, c: &ir::Conductor, origin: ir::Origin) -> ConductorModel {
         let reflectance = self.param(&c.specular_reflectance, ColorSlot::Reflectance, origin);
         let outside = |b: &mut Self, ext: &Option<Ior>| ext.as_ref().map_or(1.0, |e| b.ior(e, origin));
         let metal = match &c.material {
@@ -235,7 +301,7 @@ impl Builder<'_> {
                 outside: outside(self, ext_eta),
             },
             ConductorMaterial::Reflectance(r) => {
-                Metal::Reflectance(self.param(r, ColorSlot::Reflectance, origin))
+                Metal::Reflectance { normal: self.param(r, ColorSlot::Reflectance, origin), outside: 1.0 }
             }
         };
         ConductorModel { metal, reflectance }

@@ -4,12 +4,14 @@
 mod alpha;
 mod analytic;
 mod builtin;
+mod coats;
 mod emitters;
 mod integrator;
 mod lamps;
 mod light_image;
 mod materials;
 mod partial;
+mod principled;
 mod sensor;
 mod shapes;
 mod textures;

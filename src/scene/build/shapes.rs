@@ -186,6 +186,7 @@ fn add_shape(
         material,
         emitter: None,
         flip: shape.flip_normals,
+        oriented: b.oriented(material),
         triangles: Vec::new(),
         normals: Vec::new(),
         uvs: Vec::new(),

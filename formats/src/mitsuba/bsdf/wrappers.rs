@@ -1,0 +1,170 @@
+//! Models made of other models.
+
+use crate::diagnostic::Diagnostic;
+use crate::ir::{
+    Bsdf, BsdfKind, Color, ColorInput, FloatInput, Id, PerturbedShading, Texture, TextureEncoding,
+    TextureKind,
+};
+use crate::mitsuba::number;
+use crate::mitsuba::object::Class;
+use crate::mitsuba::props::{Nested, Props};
+use crate::mitsuba::reader::Reader;
+use crate::mitsuba::version::Dialect;
+
+pub(super) fn two_sided<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
+    let allowed = props.boolean("allow_transmission", false);
+    let Some(front) = props.child(Class::Bsdf) else {
+        props.needs("a nested bsdf");
+        return None;
+    };
+    let back = props.child(Class::Bsdf);
+    let mut side = |nested: Nested| {
+        let id = reader.bsdf(nested.index);
+        if !allowed && transmits(reader, id) {
+            let text = "twosided takes only materials that let no light through";
+            reader.problems.push(Diagnostic::error(text, Some(nested.span)));
+        }
+        id
+    };
+    Some(BsdfKind::TwoSided { front: side(front), back: back.map(side) })
+}
+
+fn transmits(reader: &Reader<'_>, id: Id<Bsdf>) -> bool {
+    let zero = |input: &FloatInput| matches!(input, FloatInput::Value(v) if *v == 0.0);
+    match &reader.scene.bsdfs[id].kind {
+        BsdfKind::Dielectric(_)
+        | BsdfKind::ThinDielectric(_)
+        | BsdfKind::RoughDielectric { .. }
+        | BsdfKind::Mask { .. }
+        | BsdfKind::PrincipledThin(_)
+        | BsdfKind::DiffuseTransmission { .. }
+        | BsdfKind::Null => true,
+        BsdfKind::Principled(p) => !zero(&p.spec_trans),
+        BsdfKind::BumpMap { nested, .. }
+        | BsdfKind::NormalMap { nested, .. }
+        | BsdfKind::Coating { nested, .. } => transmits(reader, *nested),
+        BsdfKind::Blend { first, second, .. } => transmits(reader, *first) || transmits(reader, *second),
+        BsdfKind::Mixture { parts } => parts.iter().any(|(_, part)| transmits(reader, *part)),
+        BsdfKind::TwoSided { front, back } => {
+            transmits(reader, *front) || back.is_some_and(|b| transmits(reader, b))
+        }
+        BsdfKind::Diffuse { .. }
+        | BsdfKind::Conductor(_)
+        | BsdfKind::RoughConductor { .. }
+        | BsdfKind::Plastic(_)
+        | BsdfKind::RoughPlastic { .. }
+        | BsdfKind::RoughDiffuse { .. }
+        | BsdfKind::Phong { .. }
+        | BsdfKind::Ward { .. }
+        | BsdfKind::CoatedDiffuse { .. }
+        | BsdfKind::CoatedConductor { .. } => false,
+    }
+}
+
+pub(super) fn mask<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
+    let opacity = reader.float_input(props, "opacity", 0.5);
+    let Some(nested) = props.only_child(Class::Bsdf) else {
+        props.needs("a nested bsdf");
+        return None;
+    };
+    Some(BsdfKind::Mask { opacity, nested: reader.bsdf(nested.index) })
+}
+
+/// The flags of Mitsuba 3, which also renders files of version 2 so; 0.6 does neither.
+fn perturbed<'a>(reader: &Reader<'a>, props: &mut Props<'a>) -> PerturbedShading {
+    let new = reader.dialect != Dialect::Old;
+    PerturbedShading {
+        flip_invalid_normals: props.boolean("flip_invalid_normals", new),
+        shadowing: props.boolean("use_shadowing_function", new),
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// A nested texture of numbers. 0.6 reads images here without decoding them.
+    fn numbers(&mut self, nested: Nested) -> Option<Id<Texture>> {
+        let id = self.texture(nested.index)?;
+        let mut texture = self.scene.textures[id].clone();
+        match &mut texture.kind {
+            TextureKind::Bitmap(b) if self.dialect == Dialect::Old && b.encoding == TextureEncoding::Auto => {
+                b.encoding = TextureEncoding::Linear;
+                Some(self.scene.textures.push(texture))
+            }
+            _ => Some(id),
+        }
+    }
+}
+
+pub(super) fn bump_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
+    let scale = props.float("scale", 1.0);
+    let shading = perturbed(reader, props);
+    let (texture, nested) = (props.only_child(Class::Texture), props.only_child(Class::Bsdf));
+    let Some(nested) = nested else {
+        props.needs("a nested bsdf");
+        return None;
+    };
+    let height = match texture {
+        Some(texture) => reader.numbers(texture),
+        None => {
+            props.needs("a nested texture: the heights");
+            None
+        }
+    };
+    let height = height.map_or(FloatInput::Value(0.0), FloatInput::Texture);
+    Some(BsdfKind::BumpMap { height, scale, shading, nested: reader.bsdf(nested.index) })
+}
+
+pub(super) fn normal_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
+    let shading = perturbed(reader, props);
+    // By name in Mitsuba 3, by its kind in 0.6.
+    let (texture, nested) = (props.only_child(Class::Texture), props.only_child(Class::Bsdf));
+    let Some(nested) = nested else {
+        props.needs("a nested bsdf");
+        return None;
+    };
+    let normals = match texture {
+        Some(texture) => reader.numbers(texture),
+        None => {
+            props.needs("a nested texture `normalmap`");
+            None
+        }
+    };
+    // (½, ½, 1) tilts nothing.
+    let flat = ColorInput::Color(Color::Rgb([0.5, 0.5, 1.0]));
+    let normals = normals.map_or(flat, ColorInput::Texture);
+    Some(BsdfKind::NormalMap { normals, shading, nested: reader.bsdf(nested.index) })
+}
+
+pub(super) fn blend<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
+    if reader.dialect != Dialect::Old && !props.has("weight") {
+        props.needs("the parameter `weight`");
+    }
+    let weight = reader.float_input(props, "weight", 0.5);
+    let (Some(first), Some(second)) = (props.child(Class::Bsdf), props.child(Class::Bsdf)) else {
+        props.needs("two nested bsdfs");
+        return None;
+    };
+    Some(BsdfKind::Blend { weight, first: reader.bsdf(first.index), second: reader.bsdf(second.index) })
+}
+
+pub(super) fn mixture<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
+    let Some((text, span)) = props.optional_string("weights") else {
+        props.needs("the parameter `weights`");
+        return None;
+    };
+    let mut nested = Vec::new();
+    while let Some(child) = props.child(Class::Bsdf) {
+        nested.push(reader.bsdf(child.index));
+    }
+    let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty());
+    let weights: Option<Vec<f64>> = words.map(|w| number::float(w).filter(|w| *w >= 0.0)).collect();
+    let Some(weights) = weights.filter(|w| w.len() == nested.len() && !w.is_empty()) else {
+        let text = format!("`weights` must be {} numbers from 0, one for each nested bsdf", nested.len());
+        props.problems.push(Diagnostic::error(text, Some(span)));
+        return None;
+    };
+    if weights.iter().sum::<f64>() > 1.0 {
+        let text = "the weights sum to more than 1: they are scaled down";
+        props.problems.push(Diagnostic::warning(text, Some(span)));
+    }
+    Some(BsdfKind::Mixture { parts: weights.into_iter().zip(nested).collect() })
+}

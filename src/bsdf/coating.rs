@@ -1,0 +1,255 @@
+use std::sync::Arc;
+
+use super::layers::Layers;
+use super::material::flat;
+use super::microfacet::{Microfacet, reflect};
+use super::roughconductor::reflected_pdf;
+use super::{
+    DeltaLobe, Deltas, Nature, Node, PARTS, Parameters, Part, PartList, Point, Range, Roughness, Scatter,
+    Transmittance, Transport, fresnel,
+};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Param;
+
+/// A dielectric layer over other models, on both sides of the surface (Weidlich and Wilkie 2007). What
+/// lies below is seen along refracted directions; nothing it does may pass to the other side.
+#[derive(Clone, Debug)]
+pub struct CoatingModel {
+    /// Index of the coat over the index outside.
+    pub eta: f32,
+    /// Absorption over the thickness of the coat.
+    pub absorption: Param,
+    pub specular: Param,
+    /// A rough surface, with its transmittance; `None` is smooth.
+    pub rough: Option<(Roughness, Arc<Transmittance>)>,
+    /// Light is thrown back and forth between the coat and what lies below. Exact for a smooth coat over a
+    /// smooth metal; elsewhere every round trip is taken at the angles of the first.
+    pub interreflection: bool,
+    pub nested: Box<Node>,
+}
+
+impl Parameters for CoatingModel {
+    type At = Coating;
+
+    fn at(&self, point: &Point<'_>) -> Coating {
+        Coating {
+            eta: self.eta,
+            absorption: point.color(self.absorption),
+            specular: point.color(self.specular),
+            rough: self.rough.as_ref().map(|(r, t)| (r.at(point), t.clone())),
+            interreflection: self.interreflection,
+            nested: [Vec3::Z, -Vec3::Z].map(|wi| flat(&self.nested, point, wi)),
+        }
+    }
+
+    fn params(&self) -> Vec<Param> {
+        let rough = self.rough.iter().flat_map(|(r, _)| r.params());
+        rough.chain([self.absorption, self.specular]).collect()
+    }
+
+    fn varies(&self) -> bool {
+        self.nested.varies() || self.params().iter().any(|p| p.constant().is_none())
+    }
+
+    fn nature(&self) -> Nature {
+        let own = match &self.rough {
+            Some((r, _)) => Nature { smooth: Some(r.bounds()), oriented: r.oriented(), ..Nature::default() },
+            None => Nature { delta: true, ..Nature::default() },
+        };
+        self.nested.nature().with(own)
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Coating {
+    eta: f32,
+    absorption: Rgb,
+    specular: Rgb,
+    rough: Option<(Microfacet, Arc<Transmittance>)>,
+    interreflection: bool,
+    /// Above and below.
+    nested: [Layers; 2],
+}
+
+impl Coating {
+    fn below(&self, wi: Vec3) -> &Layers {
+        &self.nested[usize::from(wi.z < 0.0)]
+    }
+
+    /// The direction inside the coat.
+    fn inside(&self, w: Vec3) -> Vec3 {
+        let z = 1.0 - (1.0 - w.z * w.z) / (self.eta * self.eta);
+        Vec3::new(w.x / self.eta, w.y / self.eta, z.max(0.0).sqrt().copysign(w.z))
+    }
+
+    /// Back out of the coat, where light gets out at that angle.
+    fn outside(&self, w: Vec3) -> Option<Vec3> {
+        let z2 = 1.0 - (1.0 - w.z * w.z) * (self.eta * self.eta);
+        (z2 > 0.0).then(|| Vec3::new(w.x * self.eta, w.y * self.eta, z2.sqrt().copysign(w.z)))
+    }
+
+    /// Share that enters along `w`.
+    fn transmitted(&self, w: Vec3) -> f32 {
+        match &self.rough {
+            Some((m, table)) => table.external(m.roughness(), w.z.abs()),
+            None => 1.0 - fresnel::dielectric(w.z.abs(), self.eta).reflectance,
+        }
+    }
+
+    fn absorbed(&self, inside_i: Vec3, inside_o: Vec3) -> Rgb {
+        if self.absorption == Rgb::ZERO {
+            return Rgb::ONE;
+        }
+        (self.absorption * -(1.0 / inside_i.z.abs() + 1.0 / inside_o.z.abs())).exp()
+    }
+
+    /// Sum of the round trips between coat and base.
+    fn round_trips(&self, wi: Vec3, wo: Vec3) -> Rgb {
+        if !self.interreflection {
+            return Rgb::ONE;
+        }
+        let base = |w: Vec3| {
+            let (w, below) = (self.inside(w), self.below(wi));
+            let deltas: Rgb = below.deltas(w, Transport::Importance).iter().map(|l| l.weight).sum();
+            below.albedo(w, Range::ALL) + deltas
+        };
+        // Equal angles have equal Fresnel reflectance on both sides of the interface.
+        let back = 1.0 - 0.5 * (self.transmitted(wi) + self.transmitted(wo));
+        Rgb::ONE / (Rgb::ONE - ((base(wi) + base(wo)) * (0.5 * back)).min(Rgb::splat(0.99)))
+    }
+
+    /// What becomes of light that goes in along one and out along the other direction.
+    fn passage(&self, wi: Vec3, wo: Vec3) -> Rgb {
+        self.absorbed(self.inside(wi), self.inside(wo))
+            * self.round_trips(wi, wo)
+            * (self.transmitted(wi) * self.transmitted(wo))
+    }
+
+    /// Probability of choosing the coat's reflection.
+    fn coat_probability(&self, wi: Vec3) -> f32 {
+        let t = self.transmitted(wi);
+        let w = self.specular.max_element() / (self.specular.max_element() + 1.0);
+        let (s, d) = ((1.0 - t) * w, t * (1.0 - w));
+        if s + d > 0.0 { s / (s + d) } else { 0.0 }
+    }
+
+    /// Smooth lobes below, in order, with where they are found there. Probabilities are joint with those
+    /// of the specular directions below.
+    fn nested_parts(&self, inside: Vec3) -> impl Iterator<Item = (usize, usize, Part)> {
+        self.below(inside).smooth_parts(inside)
+    }
+
+    /// What the coat's rough reflection is drawn with, and the parts' sum (with specular ones left out).
+    fn weights(&self, wi: Vec3, inside: Vec3) -> (f32, f32) {
+        let coat = self.coat_probability(wi);
+        let nested: f32 = self.nested_parts(inside).map(|(_, _, p)| p.probability).sum();
+        let own = if self.rough.is_some() { coat } else { 0.0 };
+        (own, own + (1.0 - coat) * nested)
+    }
+
+    fn rough_lobe(&self, wi: Vec3, wo: Vec3, range: Range) -> Option<(Microfacet, Vec3, Vec3)> {
+        let (m, _) = self.rough.as_ref().filter(|(m, _)| range.contains(m.roughness()))?;
+        let sign = 1.0f32.copysign(wi.z);
+        Some((*m, wi * sign, wo * sign))
+    }
+}
+
+impl Scatter for Coating {
+    fn parts(&self, wi: Vec3) -> PartList {
+        let mut parts = PartList::default();
+        let inside = self.inside(wi);
+        let (own, total) = self.weights(wi, inside);
+        if total <= 0.0 {
+            return parts;
+        }
+        if let Some((m, _)) = &self.rough {
+            parts[0] = Part { probability: own / total, roughness: m.roughness() };
+        }
+        let share = (1.0 - self.coat_probability(wi)) / total;
+        for (slot, (_, _, part)) in parts[1..].iter_mut().zip(self.nested_parts(inside)) {
+            *slot = Part { probability: part.probability * share, ..part };
+        }
+        parts
+    }
+
+    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+        if wi.z * wo.z <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let mut f = self.below(wi).eval(self.inside(wi), self.inside(wo), mode, range);
+        if f != Rgb::ZERO {
+            f *= self.passage(wi, wo) / (self.eta * self.eta);
+        }
+        if let Some((microfacet, wi, wo)) = self.rough_lobe(wi, wo, range) {
+            let m = (wi + wo).normalize();
+            let dg = microfacet.d(m) * microfacet.g(wi, wo, m);
+            let reflected = fresnel::dielectric(wi.dot(m), self.eta).reflectance;
+            f += self.specular * (reflected * dg / (4.0 * wi.z * wo.z));
+        }
+        f
+    }
+
+    fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+        if wi.z * wo.z <= 0.0 {
+            return 0.0;
+        }
+        let (inside_i, inside_o) = (self.inside(wi), self.inside(wo));
+        let (own, total) = self.weights(wi, inside_i);
+        let nested = self.below(wi).pdf(inside_i, inside_o, range);
+        // dω inside over dω outside.
+        let jacobian = (wo.z / inside_o.z).abs() / (self.eta * self.eta);
+        let mut pdf = (1.0 - self.coat_probability(wi)) * nested * jacobian;
+        if let Some((microfacet, wi, wo)) = self.rough_lobe(wi, wo, range) {
+            pdf += own * reflected_pdf(&microfacet, wi, wo);
+        }
+        if total > 0.0 { pdf / total } else { 0.0 }
+    }
+
+    fn draw(&self, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        if part == 0 {
+            let (microfacet, up, _) = self.rough_lobe(wi, wi, Range::ALL)?;
+            let wo = reflect(up, microfacet.sample(up, u));
+            return (wo.z > 0.0).then(|| (wo * 1.0f32.copysign(wi.z), 1.0));
+        }
+        let inside = self.inside(wi);
+        let (entry, nested, _) = self.nested_parts(inside).take(PARTS - 1).nth(part - 1)?;
+        let wo = self.below(wi).draw(entry, nested, inside, u_lobe, u)?.0;
+        self.outside(wo).filter(|wo| wo.z * wi.z > 0.0).map(|wo| (wo, 1.0))
+    }
+
+    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+        let t = self.transmitted(wi);
+        let mut albedo = self.below(wi).albedo(self.inside(wi), range) * t;
+        if self.rough_lobe(wi, wi, range).is_some() {
+            albedo += self.specular * (1.0 - t);
+        }
+        albedo
+    }
+
+    fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
+        let mut deltas = Deltas::default();
+        let coat = self.coat_probability(wi);
+        if self.rough.is_none() {
+            deltas.push(DeltaLobe {
+                wo: Vec3::new(-wi.x, -wi.y, wi.z),
+                weight: self.specular * fresnel::dielectric(wi.z.abs(), self.eta).reflectance,
+                probability: coat,
+                eta: 1.0,
+            });
+        }
+        for lobe in self.below(wi).deltas(self.inside(wi), mode).iter() {
+            let probability = lobe.probability * (1.0 - coat);
+            match self.outside(lobe.wo).filter(|wo| wo.z * wi.z > 0.0) {
+                Some(wo) => deltas.push(DeltaLobe {
+                    wo,
+                    weight: lobe.weight * self.passage(wi, wo),
+                    probability,
+                    eta: 1.0,
+                }),
+                // Thrown back for good: it keeps its probability, so that all sum to one.
+                None => deltas.push(DeltaLobe { weight: Rgb::ZERO, probability, ..*lobe }),
+            }
+        }
+        deltas
+    }
+}

@@ -1,0 +1,73 @@
+use std::f32::consts::FRAC_1_PI;
+
+use super::diffuse::cosine_pdf;
+use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::sampling::warp;
+use crate::texture::Param;
+
+/// Lambertian reflection and transmission, alike on both sides.
+#[derive(Clone, Copy, Debug)]
+pub struct DiffuseTransmissionModel {
+    pub reflectance: Param,
+    pub transmittance: Param,
+}
+
+impl Parameters for DiffuseTransmissionModel {
+    type At = DiffuseTransmission;
+
+    fn at(&self, point: &Point<'_>) -> DiffuseTransmission {
+        let (reflectance, transmittance) = (point.color(self.reflectance), point.color(self.transmittance));
+        let (r, t) = (reflectance.max_element(), transmittance.max_element());
+        let reflects = if r + t > 0.0 { r / (r + t) } else { 0.5 };
+        DiffuseTransmission { reflectance, transmittance, reflects }
+    }
+
+    fn params(&self) -> Vec<Param> {
+        vec![self.reflectance, self.transmittance]
+    }
+
+    fn nature(&self) -> Nature {
+        Nature { smooth: Some(Nature::DIFFUSE), transmits: true, ..Nature::default() }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct DiffuseTransmission {
+    reflectance: Rgb,
+    transmittance: Rgb,
+    /// Probability of reflection.
+    reflects: f32,
+}
+
+impl Scatter for DiffuseTransmission {
+    fn parts(&self, _: Vec3) -> PartList {
+        let mut parts = PartList::default();
+        parts[0] = Part { probability: self.reflects, roughness: Range::DIFFUSE };
+        parts[1] = Part { probability: 1.0 - self.reflects, roughness: Range::DIFFUSE };
+        parts
+    }
+
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
+        match range.diffuse() {
+            true if wi.z * wo.z > 0.0 => self.reflectance * FRAC_1_PI,
+            true if wi.z * wo.z < 0.0 => self.transmittance * FRAC_1_PI,
+            _ => Rgb::ZERO,
+        }
+    }
+
+    fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+        let choice = if wi.z * wo.z > 0.0 { self.reflects } else { 1.0 - self.reflects };
+        if range.diffuse() { choice * cosine_pdf(wo.abs()) } else { 0.0 }
+    }
+
+    fn draw(&self, part: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        let w = warp::cosine_hemisphere(u);
+        let side = 1.0f32.copysign(wi.z) * if part == 0 { 1.0 } else { -1.0 };
+        (w.z > 0.0).then(|| (Vec3::new(w.x, w.y, w.z * side), 1.0))
+    }
+
+    fn albedo(&self, _: Vec3, range: Range) -> Rgb {
+        if range.diffuse() { self.reflectance + self.transmittance } else { Rgb::ZERO }
+    }
+}

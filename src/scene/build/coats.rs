@@ -1,0 +1,110 @@
+//! Dielectric layers over other materials.
+
+use caustica_formats::ir::{self, ColorInput, ColorSlot};
+
+use super::Builder;
+use crate::bsdf::{CoatingModel, ConductorModel, Metal, Node, PlasticModel, RoughConductorModel, Roughness};
+use crate::math::Rgb;
+use crate::texture::Param;
+
+const BLACK: Param = Param::Constant(Rgb::ZERO);
+const WHITE: Param = Param::Constant(Rgb::ONE);
+
+impl Builder<'_> {
+    pub(super) fn coat(
+        &mut self,
+        int_ior: &ir::Ior,
+        ext_ior: &ir::Ior,
+        thickness: f64,
+        sigma_a: &ColorInput,
+        specular: &ColorInput,
+        microfacet: Option<&ir::Microfacet>,
+        nested: ir::Id<ir::Bsdf>,
+        origin: ir::Origin,
+    ) -> Node {
+        let eta = self.ior(int_ior, origin) / self.ior(ext_ior, origin);
+        let absorption = match self.param(sigma_a, ColorSlot::Unbounded, origin) {
+            Param::Constant(sigma) => Param::Constant(sigma * thickness as f32),
+            Param::Texture(_) => {
+                self.unsupported("a textured absorption of a coat", "a clear coat", origin);
+                BLACK
+            }
+        };
+        let specular = self.param(specular, ColorSlot::Reflectance, origin);
+        let nested = self.node(nested);
+        let rough = microfacet.and_then(|m| self.roughness(m));
+        let coat = Coat { eta, absorption, specular, rough, interreflection: false };
+        self.coating(coat, nested, origin)
+    }
+
+    fn coating(&mut self, coat: Coat, nested: Node, origin: ir::Origin) -> Node {
+        if nested.nature().transmits {
+            self.error("only materials that let no light through can be coated", origin);
+        }
+        if nested.models() > 2 {
+            self.error("a coat over more than two blended materials cannot be rendered", origin);
+        }
+        let Coat { eta, absorption, specular, rough, interreflection } = coat;
+        let rough = rough.map(|r| (r, self.transmittance(&r, eta)));
+        CoatingModel { eta, absorption, specular, rough, interreflection, nested: Box::new(nested) }.into()
+    }
+
+    /// pbrt walks randomly between coat and base. The same sum in closed form: exact for a smooth coat;
+    /// under a rough one the walk's angles are taken as diffuse.
+    pub(super) fn coated_diffuse(
+        &mut self,
+        reflectance: &ColorInput,
+        coat: &ir::Coat,
+        origin: ir::Origin,
+    ) -> Node {
+        self.empty_coat(coat, origin);
+        let eta = self.ior(&coat.eta, origin);
+        let diffuse = self.param(reflectance, ColorSlot::Reflectance, origin);
+        let smooth = PlasticModel { eta, diffuse, specular: WHITE, nonlinear: true };
+        let node: Node = match self.roughness(&coat.microfacet) {
+            Some(roughness) => self.rough_plastic(smooth, roughness).into(),
+            None => smooth.into(),
+        };
+        Node::TwoSided(Box::new([node.clone(), node]))
+    }
+
+    pub(super) fn coated_conductor(
+        &mut self,
+        conductor: &ir::Conductor,
+        microfacet: &ir::Microfacet,
+        coat: &ir::Coat,
+        origin: ir::Origin,
+    ) -> Node {
+        self.empty_coat(coat, origin);
+        let eta = self.ior(&coat.eta, origin);
+        let ConductorModel { metal, reflectance } = self.conductor(conductor, origin);
+        let metal = match metal {
+            Metal::Mirror => Metal::Mirror,
+            Metal::Index { eta: n, k, outside } => Metal::Index { eta: n, k, outside: outside * eta },
+            Metal::Reflectance { normal, outside } => Metal::Reflectance { normal, outside: outside * eta },
+        };
+        let nested: Node = match self.roughness(microfacet) {
+            Some(roughness) => RoughConductorModel { metal, reflectance, roughness }.into(),
+            None => ConductorModel { metal, reflectance }.into(),
+        };
+        let rough = self.roughness(&coat.microfacet);
+        let coat = Coat { eta, absorption: BLACK, specular: WHITE, rough, interreflection: true };
+        let node = self.coating(coat, nested, origin);
+        Node::TwoSided(Box::new([node.clone(), node]))
+    }
+
+    fn empty_coat(&mut self, coat: &ir::Coat, origin: ir::Origin) {
+        if self.param(&coat.albedo, ColorSlot::Reflectance, origin) != BLACK {
+            self.warn("the medium inside a coat is not rendered: the coat is clear", origin);
+        }
+    }
+}
+
+/// What [`CoatingModel`] is made from.
+struct Coat {
+    eta: f32,
+    absorption: Param,
+    specular: Param,
+    rough: Option<Roughness>,
+    interreflection: bool,
+}
