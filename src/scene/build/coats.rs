@@ -61,11 +61,10 @@ impl Builder<'_> {
         let eta = self.ior(&coat.eta, origin);
         let diffuse = self.param(reflectance, ColorSlot::Reflectance, origin);
         let smooth = PlasticModel { eta, diffuse, specular: WHITE, nonlinear: true };
-        let node: Node = match self.roughness(&coat.microfacet) {
+        match self.roughness(&coat.microfacet) {
             Some(roughness) => self.rough_plastic(smooth, roughness).into(),
             None => smooth.into(),
-        };
-        Node::TwoSided(Box::new([node.clone(), node]))
+        }
     }
 
     pub(super) fn coated_conductor(
@@ -89,8 +88,7 @@ impl Builder<'_> {
         };
         let rough = self.roughness(&coat.microfacet);
         let coat = Coat { eta, absorption: BLACK, specular: WHITE, rough, interreflection: true };
-        let node = self.coating(coat, nested, origin);
-        Node::TwoSided(Box::new([node.clone(), node]))
+        self.coating(coat, nested, origin)
     }
 
     fn empty_coat(&mut self, coat: &ir::Coat, origin: ir::Origin) {
