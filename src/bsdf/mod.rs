@@ -207,6 +207,11 @@ impl Material {
         std::iter::once(&self.front).chain(self.back.iter())
     }
 
+    /// Whether sampling has to choose: anything but a plain diffuse surface.
+    pub fn chooses_lobes(&self) -> bool {
+        self.opacity.is_some() || self.models().any(|m| !matches!(m, Model::Diffuse(_)))
+    }
+
     /// Whether a shadow ray may pass (in part) straight through.
     pub fn passes_shadow_rays(&self) -> bool {
         self.opacity.is_some() || matches!(self.front, Model::Null)

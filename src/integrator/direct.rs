@@ -33,7 +33,8 @@ pub fn next_event(
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Rgb {
-    let (pick, u) = (sampler.next_1d(), sampler.next_2d());
+    let pick = if plan.many_lamps { sampler.next_1d() } else { 0.0 };
+    let u = sampler.next_2d();
     if segments == 0 || !closure.has_smooth() {
         return Rgb::ZERO;
     }

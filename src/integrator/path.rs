@@ -1,13 +1,13 @@
 //! Path tracing with next event estimation: the unbiased oracle, in the conventions of Mitsuba's `path`.
 
 use super::direct::{keeps_density, next_event, power_heuristic};
-use super::{Integrator, PassStats, Scratch};
-use crate::bsdf::{Event, Transport};
+use super::{CameraSample, Integrator, PassStats, Scratch};
+use crate::bsdf::{Closure, Event, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::simd::widest;
 use crate::math::{Ray, Rgb, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Plan, Scene, Settings};
+use crate::scene::{Hit, Plan, Scene, Settings, Surface};
 
 #[derive(Debug)]
 pub struct PathTracer<'a> {
@@ -19,7 +19,7 @@ pub struct PathTracer<'a> {
 }
 
 /// Which layer light met from here on belongs to.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     /// Specular surfaces only since the camera.
     Camera,
@@ -68,6 +68,28 @@ impl<'a> PathTracer<'a> {
     }
 }
 
+/// A path between two surfaces.
+#[derive(Debug)]
+struct Walk {
+    ray: Ray,
+    throughput: Rgb,
+    eta: f32,
+    stage: Stage,
+    /// Density and place of the last rough scattering; 0 where lamps count in full.
+    pdf: f32,
+    from: Vec3,
+    depth: u32,
+    seen: bool,
+}
+
+/// A path at a surface that scatters it on.
+#[derive(Debug)]
+struct Arrival {
+    surface: Surface,
+    closure: Closure,
+    wi: Vec3,
+}
+
 impl Integrator for PathTracer<'_> {
     type Pass = ();
 
@@ -75,90 +97,151 @@ impl Integrator for PathTracer<'_> {
         ((), PassStats::default())
     }
 
-    fn sample(&self, _: &(), ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance {
+    fn sample(&self, _: &(), samples: &mut [CameraSample], scratch: &mut Scratch) {
         widest!(PathTracer::trace;
-            tracer: &PathTracer<'_> = self, ray: Ray = ray, sampler: &mut Sampler = sampler,
-            scratch: &mut Scratch = scratch => Radiance)
+            tracer: &PathTracer<'_> = self, samples: &mut [CameraSample] = samples,
+            scratch: &mut Scratch = scratch => ())
     }
 }
 
 impl PathTracer<'_> {
+    /// All paths go one surface further together: what one of them waits for, another one computes.
     #[inline(always)]
-    fn trace(&self, mut ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance {
-        let scene = self.scene;
-        let mut out = Radiance::default();
-        let mut throughput = Rgb::ONE;
-        let mut eta = 1.0f32;
-        let mut stage = Stage::Camera;
-        // Density and place of the last rough scattering; 0 where lamps count in full.
-        let (mut pdf, mut from) = (0.0f32, Vec3::ZERO);
-        let mut depth = 0u32;
-        let mut seen = false;
-        while depth < self.max_depth {
-            depth += 1;
-            scratch.rays += 1;
-            let visible_lamps = !self.hide_emitters || seen;
-            let Some(hit) = scene.geometry.closest(&ray) else {
-                if visible_lamps {
-                    let weight =
-                        if pdf > 0.0 { power_heuristic(pdf, scene.pdf_direct_background()) } else { 1.0 };
-                    out.add(stage.layer(), throughput * scene.background() * weight);
-                }
-                break;
-            };
-            let s = scene.surface(&ray, &hit);
-            let back = -ray.d;
-            if !visible_lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
-                depth -= 1;
-                ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
-                continue;
+    fn trace(&self, samples: &mut [CameraSample], scratch: &mut Scratch) {
+        let mut walks: Vec<Walk> = samples
+            .iter()
+            .map(|sample| Walk {
+                ray: sample.ray,
+                throughput: Rgb::ONE,
+                eta: 1.0,
+                stage: Stage::Camera,
+                pdf: 0.0,
+                from: Vec3::ZERO,
+                depth: 0,
+                seen: false,
+            })
+            .collect();
+        let mut hits: Vec<Option<Hit>> = vec![None; samples.len()];
+        let mut arrivals: Vec<Option<Arrival>> = samples.iter().map(|_| None).collect();
+        let mut active: Vec<usize> = (0..samples.len()).collect();
+        let mut live = samples.len() * usize::from(self.max_depth > 0);
+        while live > 0 {
+            scratch.rays += live as u64;
+            for &i in &active[..live] {
+                hits[i] = self.scene.geometry.closest(&walks[i].ray);
             }
-            out.alpha = 1.0;
-            let emitted = scene.emitted(&s, back);
-            if emitted.max_element() > 0.0 && visible_lamps {
-                let weight = if pdf > 0.0 {
-                    power_heuristic(pdf, scene.pdf_direct_surface(from, ray.d, &s))
-                } else {
-                    1.0
-                };
-                out.add(stage.layer(), throughput * emitted * weight);
+            // Loops rather than `retain`: closures are not compiled for the wider instructions.
+            let mut kept = 0;
+            for k in 0..live {
+                let i = active[k];
+                active[kept] = i;
+                kept += usize::from(self.arrive(
+                    &mut walks[i],
+                    hits[i].as_ref(),
+                    &mut arrivals[i],
+                    &mut samples[i].out,
+                ));
             }
-            seen = true;
-            if depth >= self.max_depth {
-                break;
+            live = kept;
+            for &i in &active[..live] {
+                let Some(at) = &arrivals[i] else { continue };
+                let walk = &walks[i];
+                let sample = &mut samples[i];
+                let direct = next_event(
+                    self.scene,
+                    self.plan,
+                    &at.surface,
+                    &at.closure,
+                    at.wi,
+                    true,
+                    self.max_depth - walk.depth,
+                    &mut sample.sampler,
+                    &mut scratch.rays,
+                );
+                sample.out.add(walk.stage.direct_layer(), walk.throughput * direct);
             }
-            let wi = s.frame.to_local(back);
-            let closure = scene.closure(&s, wi);
-            let direct = next_event(
-                scene,
-                self.plan,
-                &s,
-                &closure,
-                wi,
-                true,
-                self.max_depth - depth,
-                sampler,
-                &mut scratch.rays,
-            );
-            out.add(stage.direct_layer(), throughput * direct);
-
-            let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-            let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Radiance) else { break };
-            throughput *= sample.weight;
-            eta *= sample.eta;
-            if !keeps_density(sample.event) {
-                (pdf, from) = (sample.pdf, s.p);
+            let mut kept = 0;
+            for k in 0..live {
+                let i = active[k];
+                active[kept] = i;
+                kept += usize::from(match &arrivals[i] {
+                    Some(at) => self.leave(&mut walks[i], at, &mut samples[i].sampler),
+                    None => true,
+                });
             }
-            stage = stage.after(sample.event);
-            ray = s.leave(s.frame.to_world(sample.wo));
-            if depth >= self.rr_depth {
-                let survival = (throughput.max_element() * eta * eta).min(0.95);
-                if sampler.random() >= survival {
-                    break;
-                }
-                throughput /= survival;
-            }
+            live = kept;
         }
-        out
+    }
+
+    /// Adds what shines where the ray ends. False when the path is over; without an arrival it goes on
+    /// straight.
+    #[inline(always)]
+    fn arrive(
+        &self,
+        walk: &mut Walk,
+        hit: Option<&Hit>,
+        arrival: &mut Option<Arrival>,
+        out: &mut Radiance,
+    ) -> bool {
+        let scene = self.scene;
+        *arrival = None;
+        walk.depth += 1;
+        let visible_lamps = !self.hide_emitters || walk.seen;
+        let Some(hit) = hit else {
+            if visible_lamps {
+                let weight =
+                    if walk.pdf > 0.0 { power_heuristic(walk.pdf, scene.pdf_direct_background()) } else { 1.0 };
+                out.add(walk.stage.layer(), walk.throughput * scene.background() * weight);
+            }
+            return false;
+        };
+        let s = scene.surface(&walk.ray, hit);
+        let back = -walk.ray.d;
+        if !visible_lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
+            walk.depth -= 1;
+            walk.ray = Ray { tmax: walk.ray.tmax - hit.t, ..s.leave(walk.ray.d) };
+            return true;
+        }
+        out.alpha = 1.0;
+        let emitted = scene.emitted(&s, back);
+        if emitted.max_element() > 0.0 && visible_lamps {
+            let weight = if walk.pdf > 0.0 {
+                power_heuristic(walk.pdf, scene.pdf_direct_surface(walk.from, walk.ray.d, &s))
+            } else {
+                1.0
+            };
+            out.add(walk.stage.layer(), walk.throughput * emitted * weight);
+        }
+        walk.seen = true;
+        if walk.depth >= self.max_depth {
+            return false;
+        }
+        let wi = s.frame.to_local(back);
+        let closure = scene.closure(&s, wi);
+        *arrival = Some(Arrival { surface: s, closure, wi });
+        true
+    }
+
+    /// Scatters the path; false when that ends it.
+    #[inline(always)]
+    fn leave(&self, walk: &mut Walk, at: &Arrival, sampler: &mut Sampler) -> bool {
+        let u_lobe = if self.plan.many_lobes { sampler.next_1d() } else { 0.0 };
+        let u = sampler.next_2d();
+        let Some(sample) = at.closure.sample(at.wi, u_lobe, u, Transport::Radiance) else { return false };
+        walk.throughput *= sample.weight;
+        walk.eta *= sample.eta;
+        if !keeps_density(sample.event) {
+            (walk.pdf, walk.from) = (sample.pdf, at.surface.p);
+        }
+        walk.stage = walk.stage.after(sample.event);
+        walk.ray = at.surface.leave(at.surface.frame.to_world(sample.wo));
+        if walk.depth >= self.rr_depth {
+            let survival = (walk.throughput.max_element() * walk.eta * walk.eta).min(0.95);
+            if sampler.random() >= survival {
+                return false;
+            }
+            walk.throughput /= survival;
+        }
+        true
     }
 }

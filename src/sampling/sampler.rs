@@ -3,7 +3,7 @@ use super::{CounterRng, sobol};
 use crate::math::Vec2;
 
 /// Dimensions (pairs) that are worth low-discrepancy points; later ones are plain random.
-const SOBOL_PAIRS: u32 = 16;
+const SOBOL_PAIRS: u32 = 8;
 
 /// Supplies the numbers of one path: padded 2-D Sobol points first, random numbers after.
 #[derive(Clone, Copy, Debug)]

@@ -207,6 +207,9 @@ impl Scene {
         if self.emitters.is_empty() {
             return None;
         }
+        if let [only] = self.emitters.as_slice() {
+            return only.sample_direct(&self.textures, p, u);
+        }
         let (i, _) = self.direct.sample(pick);
         let probability = self.direct.probability(i);
         let mut s = self.emitters[i].sample_direct(&self.textures, p, u)?;

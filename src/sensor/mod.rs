@@ -52,6 +52,11 @@ impl Sensor {
         Ray { o: o + d * (self.near * per_z), d, tmax: (self.far - self.near) * per_z }
     }
 
+    /// Whether rays depend on where they cross an aperture.
+    pub fn has_aperture(&self) -> bool {
+        matches!(self.lens, Lens::ThinLens(_))
+    }
+
     /// Length on a surface facing the camera at distance 1 that one pixel of a film `height` high covers.
     pub fn pixel_footprint(&self, height: u32) -> f32 {
         let tan = match &self.lens {

@@ -66,6 +66,8 @@ pub struct Filter {
     pub shape: Shape,
     cdf: Vec<f32>,
     signs: Vec<f32>,
+    /// For each of [`CELLS`] equal parts of u, the cell it begins in: the search is a step or two.
+    guide: Vec<u16>,
 }
 
 impl Filter {
@@ -85,7 +87,10 @@ impl Filter {
         cdf[CELLS] = 1.0;
         let scale = (absolute / signed) as f32;
         let signs = weights.iter().map(|w| scale.copysign(*w as f32)).collect();
-        Self { shape, cdf, signs }
+        let guide = (0..CELLS)
+            .map(|i| (cdf.partition_point(|&c| c <= i as f32 / CELLS as f32).max(1) - 1) as u16)
+            .collect();
+        Self { shape, cdf, signs, guide }
     }
 
     /// Offset from the pixel's centre and the weight of the sample; the mean weight is 1.
@@ -100,7 +105,10 @@ impl Filter {
     }
 
     fn axis(&self, u: f32) -> (f32, f32) {
-        let i = (self.cdf.partition_point(|&c| c <= u).max(1) - 1).min(CELLS - 1);
+        let mut i = usize::from(self.guide[((u * CELLS as f32) as usize).min(CELLS - 1)]);
+        while i < CELLS - 1 && self.cdf[i + 1] <= u {
+            i += 1;
+        }
         let width = self.cdf[i + 1] - self.cdf[i];
         let inside = if width > 0.0 { ((u - self.cdf[i]) / width).clamp(0.0, 1.0) } else { 0.5 };
         let x = (i as f32 + inside) / CELLS as f32 * 2.0 - 1.0;
