@@ -1,13 +1,13 @@
 //! Path tracing with next event estimation: the unbiased oracle, in the conventions of Mitsuba's `path`.
 
-use super::direct::{keeps_density, next_event, power_heuristic};
+use super::direct::{keeps_density, power_heuristic, propose};
 use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Event, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::simd::widest;
 use crate::math::{Ray, Rgb, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Hit, Plan, Scene, Settings, Surface};
+use crate::scene::{Hit, Plan, Scene, Settings, Surface, shadow_ray};
 
 #[derive(Debug)]
 pub struct PathTracer<'a> {
@@ -69,9 +69,8 @@ impl<'a> PathTracer<'a> {
 }
 
 /// A path between two surfaces.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Walk {
-    ray: Ray,
     throughput: Rgb,
     eta: f32,
     stage: Stage,
@@ -83,11 +82,31 @@ struct Walk {
 }
 
 /// A path at a surface that scatters it on.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Arrival {
     surface: Surface,
     closure: Closure,
     wi: Vec3,
+}
+
+/// Light on its way: rays, and what they bring to which path if they are free.
+#[derive(Debug, Default)]
+struct Shadows {
+    rays: Vec<Ray>,
+    values: Vec<(usize, Rgb)>,
+    occluded: Vec<bool>,
+}
+
+impl Walk {
+    const START: Self = Self {
+        throughput: Rgb::ONE,
+        eta: 1.0,
+        stage: Stage::Camera,
+        pdf: 0.0,
+        from: Vec3::ZERO,
+        depth: 0,
+        seen: false,
+    };
 }
 
 impl Integrator for PathTracer<'_> {
@@ -105,71 +124,78 @@ impl Integrator for PathTracer<'_> {
 }
 
 impl PathTracer<'_> {
-    /// All paths go one surface further together: what one of them waits for, another one computes.
+    /// All paths go one surface further together: rays are traced in bundles, and what one path waits
+    /// for another one computes.
     #[inline(always)]
     fn trace(&self, samples: &mut [CameraSample], scratch: &mut Scratch) {
-        let mut walks: Vec<Walk> = samples
-            .iter()
-            .map(|sample| Walk {
-                ray: sample.ray,
-                throughput: Rgb::ONE,
-                eta: 1.0,
-                stage: Stage::Camera,
-                pdf: 0.0,
-                from: Vec3::ZERO,
-                depth: 0,
-                seen: false,
-            })
-            .collect();
+        let mut rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
+        let mut walks = vec![Walk::START; samples.len()];
         let mut hits: Vec<Option<Hit>> = vec![None; samples.len()];
-        let mut arrivals: Vec<Option<Arrival>> = samples.iter().map(|_| None).collect();
+        let mut arrivals: Vec<Option<Arrival>> = vec![None; samples.len()];
+        let mut shadows = Shadows::default();
         let mut active: Vec<usize> = (0..samples.len()).collect();
-        let mut live = samples.len() * usize::from(self.max_depth > 0);
+        let mut live = if self.max_depth > 0 { samples.len() } else { 0 };
         while live > 0 {
             scratch.rays += live as u64;
-            for &i in &active[..live] {
-                hits[i] = self.scene.geometry.closest(&walks[i].ray);
-            }
+            self.scene.geometry.closest_each(&rays, &active[..live], &mut hits);
             // Loops rather than `retain`: closures are not compiled for the wider instructions.
             let mut kept = 0;
             for k in 0..live {
                 let i = active[k];
                 active[kept] = i;
-                kept += usize::from(self.arrive(
-                    &mut walks[i],
-                    hits[i].as_ref(),
-                    &mut arrivals[i],
-                    &mut samples[i].out,
-                ));
+                let (hit, out) = (hits[i].as_ref(), &mut samples[i].out);
+                kept += usize::from(self.arrive(&mut rays[i], &mut walks[i], hit, &mut arrivals[i], out));
             }
             live = kept;
-            for &i in &active[..live] {
-                let Some(at) = &arrivals[i] else { continue };
-                let walk = &walks[i];
-                let sample = &mut samples[i];
-                let direct = next_event(
-                    self.scene,
-                    self.plan,
-                    &at.surface,
-                    &at.closure,
-                    at.wi,
-                    true,
-                    self.max_depth - walk.depth,
-                    &mut sample.sampler,
-                    &mut scratch.rays,
-                );
-                sample.out.add(walk.stage.direct_layer(), walk.throughput * direct);
-            }
+            self.light(&active[..live], &walks, &arrivals, samples, &mut shadows, scratch);
             let mut kept = 0;
             for k in 0..live {
                 let i = active[k];
                 active[kept] = i;
                 kept += usize::from(match &arrivals[i] {
-                    Some(at) => self.leave(&mut walks[i], at, &mut samples[i].sampler),
+                    Some(at) => self.leave(&mut rays[i], &mut walks[i], at, &mut samples[i].sampler),
                     None => true,
                 });
             }
             live = kept;
+        }
+    }
+
+    /// Next event estimation of all paths that arrived somewhere.
+    #[inline(always)]
+    fn light(
+        &self,
+        active: &[usize],
+        walks: &[Walk],
+        arrivals: &[Option<Arrival>],
+        samples: &mut [CameraSample],
+        shadows: &mut Shadows,
+        scratch: &mut Scratch,
+    ) {
+        let (scene, plan) = (self.scene, self.plan);
+        shadows.rays.clear();
+        shadows.values.clear();
+        for &i in active {
+            let Some(Arrival { surface: s, closure, wi }) = &arrivals[i] else { continue };
+            let walk = &walks[i];
+            let left = self.max_depth - walk.depth;
+            let sampler = &mut samples[i].sampler;
+            let Some(p) = propose(scene, plan, s, closure, *wi, true, left, sampler) else { continue };
+            scratch.rays += 1;
+            let value = walk.throughput * p.value;
+            if plan.transparent_shadows {
+                let visible = scene.visibility(s, &p.light, true, left);
+                samples[i].out.add(walk.stage.direct_layer(), value * visible);
+            } else {
+                shadows.rays.push(shadow_ray(s, &p.light));
+                shadows.values.push((i, value));
+            }
+        }
+        scene.geometry.occluded_each(&shadows.rays, &mut shadows.occluded);
+        for (&(i, value), &occluded) in shadows.values.iter().zip(&shadows.occluded) {
+            if !occluded {
+                samples[i].out.add(walks[i].stage.direct_layer(), value);
+            }
         }
     }
 
@@ -178,6 +204,7 @@ impl PathTracer<'_> {
     #[inline(always)]
     fn arrive(
         &self,
+        ray: &mut Ray,
         walk: &mut Walk,
         hit: Option<&Hit>,
         arrival: &mut Option<Arrival>,
@@ -195,18 +222,18 @@ impl PathTracer<'_> {
             }
             return false;
         };
-        let s = scene.surface(&walk.ray, hit);
-        let back = -walk.ray.d;
+        let s = scene.surface(ray, hit);
+        let back = -ray.d;
         if !visible_lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
             walk.depth -= 1;
-            walk.ray = Ray { tmax: walk.ray.tmax - hit.t, ..s.leave(walk.ray.d) };
+            *ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
             return true;
         }
         out.alpha = 1.0;
         let emitted = scene.emitted(&s, back);
         if emitted.max_element() > 0.0 && visible_lamps {
             let weight = if walk.pdf > 0.0 {
-                power_heuristic(walk.pdf, scene.pdf_direct_surface(walk.from, walk.ray.d, &s))
+                power_heuristic(walk.pdf, scene.pdf_direct_surface(walk.from, ray.d, &s))
             } else {
                 1.0
             };
@@ -224,7 +251,7 @@ impl PathTracer<'_> {
 
     /// Scatters the path; false when that ends it.
     #[inline(always)]
-    fn leave(&self, walk: &mut Walk, at: &Arrival, sampler: &mut Sampler) -> bool {
+    fn leave(&self, ray: &mut Ray, walk: &mut Walk, at: &Arrival, sampler: &mut Sampler) -> bool {
         let u_lobe = if self.plan.many_lobes { sampler.next_1d() } else { 0.0 };
         let u = sampler.next_2d();
         let Some(sample) = at.closure.sample(at.wi, u_lobe, u, Transport::Radiance) else { return false };
@@ -234,7 +261,7 @@ impl PathTracer<'_> {
             (walk.pdf, walk.from) = (sample.pdf, at.surface.p);
         }
         walk.stage = walk.stage.after(sample.event);
-        walk.ray = at.surface.leave(at.surface.frame.to_world(sample.wo));
+        *ray = at.surface.leave(at.surface.frame.to_world(sample.wo));
         if walk.depth >= self.rr_depth {
             let survival = (walk.throughput.max_element() * walk.eta * walk.eta).min(0.95);
             if sampler.random() >= survival {
