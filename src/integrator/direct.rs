@@ -11,13 +11,10 @@ use crate::scene::{Plan, Scene, Surface};
 #[inline]
 pub fn power_heuristic(a: f32, b: f32) -> f32 {
     // Ratios first: squares of densities near a small lamp overflow f32.
-    if a >= b {
-        let r = b / a;
-        1.0 / (1.0 + r * r)
-    } else {
-        let r = a / b;
-        r * r / (1.0 + r * r)
-    }
+    // No branch: which one is larger cannot be predicted.
+    let r = a.min(b) / a.max(b);
+    let larger = 1.0 / (1.0 + r * r);
+    if a >= b { larger } else { r * r * larger }
 }
 
 /// Light that would arrive from a sampled emitter point if nothing were in its way.

@@ -21,6 +21,7 @@ use crate::sampling::Sampler;
 pub struct Scratch {
     pub rays: u64,
     pub gather: Gather,
+    pub wave: path::Wave,
 }
 
 /// What a pass prepared, as counted.

@@ -97,6 +97,32 @@ struct Shadows {
     occluded: Vec<bool>,
 }
 
+/// Paths that go together, and room for what each stage leaves to the next.
+#[derive(Debug, Default)]
+pub struct Wave {
+    rays: Vec<Ray>,
+    walks: Vec<Walk>,
+    hits: Vec<Option<Hit>>,
+    arrivals: Vec<Option<Arrival>>,
+    /// Paths that go on come first.
+    active: Vec<usize>,
+    shadows: Shadows,
+}
+
+impl Wave {
+    fn begin(&mut self, samples: &[CameraSample]) {
+        let n = samples.len();
+        self.rays.clear();
+        self.rays.extend(samples.iter().map(|sample| sample.ray));
+        self.walks.clear();
+        self.walks.resize(n, Walk::START);
+        self.hits.resize(n, None);
+        self.arrivals.resize(n, None);
+        self.active.clear();
+        self.active.extend(0..n);
+    }
+}
+
 impl Walk {
     const START: Self = Self {
         throughput: Rgb::ONE,
@@ -128,16 +154,13 @@ impl PathTracer<'_> {
     /// for another one computes.
     #[inline(always)]
     fn trace(&self, samples: &mut [CameraSample], scratch: &mut Scratch) {
-        let mut rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
-        let mut walks = vec![Walk::START; samples.len()];
-        let mut hits: Vec<Option<Hit>> = vec![None; samples.len()];
-        let mut arrivals: Vec<Option<Arrival>> = vec![None; samples.len()];
-        let mut shadows = Shadows::default();
-        let mut active: Vec<usize> = (0..samples.len()).collect();
+        let mut wave = std::mem::take(&mut scratch.wave);
+        wave.begin(samples);
+        let Wave { rays, walks, hits, arrivals, active, shadows } = &mut wave;
         let mut live = if self.max_depth > 0 { samples.len() } else { 0 };
         while live > 0 {
             scratch.rays += live as u64;
-            self.scene.geometry.closest_each(&rays, &active[..live], &mut hits);
+            self.scene.geometry.closest_each(rays, &active[..live], hits);
             // Loops rather than `retain`: closures are not compiled for the wider instructions.
             let mut kept = 0;
             for k in 0..live {
@@ -147,7 +170,7 @@ impl PathTracer<'_> {
                 kept += usize::from(self.arrive(&mut rays[i], &mut walks[i], hit, &mut arrivals[i], out));
             }
             live = kept;
-            self.light(&active[..live], &walks, &arrivals, samples, &mut shadows, scratch);
+            self.light(&active[..live], walks, arrivals, samples, shadows, &mut scratch.rays);
             let mut kept = 0;
             for k in 0..live {
                 let i = active[k];
@@ -159,6 +182,7 @@ impl PathTracer<'_> {
             }
             live = kept;
         }
+        scratch.wave = wave;
     }
 
     /// Next event estimation of all paths that arrived somewhere.
@@ -170,7 +194,7 @@ impl PathTracer<'_> {
         arrivals: &[Option<Arrival>],
         samples: &mut [CameraSample],
         shadows: &mut Shadows,
-        scratch: &mut Scratch,
+        count: &mut u64,
     ) {
         let (scene, plan) = (self.scene, self.plan);
         shadows.rays.clear();
@@ -181,7 +205,7 @@ impl PathTracer<'_> {
             let left = self.max_depth - walk.depth;
             let sampler = &mut samples[i].sampler;
             let Some(p) = propose(scene, plan, s, closure, *wi, true, left, sampler) else { continue };
-            scratch.rays += 1;
+            *count += 1;
             let value = walk.throughput * p.value;
             if plan.transparent_shadows {
                 let visible = scene.visibility(s, &p.light, true, left);

@@ -14,7 +14,8 @@ pub fn disk(u: Vec2) -> Vec2 {
         return Vec2::ZERO;
     }
     let (sin, cos) = small_sin_cos(FRAC_PI_4 * (other / r));
-    if steep { Vec2::new(r * sin, r * cos) } else { Vec2::new(r * cos, r * sin) }
+    let (near, far) = (r * cos, r * sin);
+    Vec2::new(if steep { far } else { near }, if steep { near } else { far })
 }
 
 /// Sine and cosine for |x| ≤ π/4 to an ulp (Cephes): the same bits on every machine, which the C
