@@ -240,8 +240,11 @@ impl PathTracer<'_> {
         let visible_lamps = !self.hide_emitters || walk.seen;
         let Some(hit) = hit else {
             if visible_lamps {
-                let weight =
-                    if walk.pdf > 0.0 { power_heuristic(walk.pdf, scene.pdf_direct_background()) } else { 1.0 };
+                let weight = if walk.pdf > 0.0 {
+                    power_heuristic(walk.pdf, scene.pdf_direct_background())
+                } else {
+                    1.0
+                };
                 out.add(walk.stage.layer(), walk.throughput * scene.background() * weight);
             }
             return false;

@@ -214,6 +214,15 @@ macro_rules! widest_wide {
             fn avx2($($name: $ty),*) -> $ret {
                 $type::$body::<crate::math::simd::Avx2>($($name),*)
             }
+            // The same eight lanes: masks are then registers of their own, and selecting is cheap.
+            #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+            fn avx512vl($($name: $ty),*) -> $ret {
+                $type::$body::<crate::math::simd::Avx2>($($name),*)
+            }
+            if crate::math::simd::has_avx512vl() {
+                // SAFETY: the features were just detected.
+                return unsafe { avx512vl($($value),*) };
+            }
             if crate::math::simd::has_avx2() {
                 // SAFETY: the feature was just detected.
                 return unsafe { avx2($($value),*) };
@@ -229,6 +238,13 @@ pub(crate) use widest_wide;
 #[inline(always)]
 pub fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2")
+}
+
+/// Whether 256-bit instructions with mask registers exist.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub fn has_avx512vl() -> bool {
+    is_x86_feature_detected!("avx512vl") && is_x86_feature_detected!("avx512dq")
 }
 
 /// `widest!(body(a: A = x, ...) -> R)` calls `body(x, ...)`, which must be `#[inline(always)]`, compiled
