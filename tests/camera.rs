@@ -99,3 +99,26 @@ fn nothing_is_seen_nearer_than_the_near_clip_or_beyond_the_far_clip() {
     assert_eq!(seen(1.1, 100.0), 5.0);
     assert_eq!(seen(1.1, 4.9), 0.0);
 }
+
+/// Two units of the world to either side, at any distance: a lamp of ±1 covers the middle half of the
+/// film, and one behind it of ±1.5 at the right edge of the view the rest of the right side. The camera
+/// looks along −z, so that +x is on the right.
+#[test]
+fn an_orthographic_camera_sees_all_distances_alike() {
+    let view = format!(
+        "<sensor type='orthographic'><transform name='to_world'><scale x='2' y='2'/>
+         <lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>{}</sensor>",
+        film(8, 4)
+    );
+    let lamps = format!("{}{}", panel(1.0, "", "1"), panel(1.5, "<translate x='1.5' z='-40'/>", "0.25"));
+    let seen = values(&render(&scene(&format!("{view}{lamps}")), EMISSION, 16));
+    for (i, v) in seen.iter().enumerate() {
+        // The film is twice as wide as high: y spans ±1.
+        let expected = match i % 8 {
+            0 | 1 => 0.0,
+            2..=5 => 1.0,
+            _ => 0.25,
+        };
+        assert!((v - expected).abs() < 1e-6, "pixel {i}: {v}");
+    }
+}

@@ -94,7 +94,15 @@ fn emission_samples_add_up_to_the_power_of_every_lamp() {
     // Lamps whose samples all carry the same power have no error but rounding; the falloff of a spot and
     // the checks are piecewise smooth in two stratified numbers (error below 2⁻⁸ of their spread); the
     // choice among lamps is stratified in one number (2⁻¹⁶ each).
-    let rows: [(&str, Vec<&str>, f32); 9] = [
+    let projector = "<emitter type='projector'><float name='fov' value='50'/><rgb name='irradiance' value='2,1,3'/></emitter>";
+    let beam = rectangle(
+        0.3,
+        DOWN,
+        "<emitter type='directionalarea'><rgb name='radiance' value='1,2,3'/></emitter>",
+    );
+    let rows: [(&str, Vec<&str>, f32); 11] = [
+        ("projector", vec![projector], 1e-5),
+        ("directionalarea", vec![&beam], 1e-5),
         ("point", vec![POINT], 1e-5),
         ("spot", vec![spot], 1e-3),
         ("directional", vec![sun], 1e-5),
@@ -116,4 +124,21 @@ fn emission_samples_add_up_to_the_power_of_every_lamp() {
         println!("{name}: {got} of {power}");
         assert!(((got - power) / power).abs().max_element() < bound, "{name}: {got} against {power}");
     }
+}
+
+/// A unit sphere stretched to twice its length: 2π(1 + 2·asin(e)/e) with e = √¾; facets lose 2.7e-4.
+#[test]
+fn a_stretched_sphere_shines_by_its_area() {
+    let stretched = format!(
+        "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform>{}</shape>",
+        area("3")
+    );
+    let scene = scene(&format!("{}{stretched}", camera("0,0,8", "0,0,0", 10.0, 4)));
+    let (e, pi) = (0.75f64.sqrt(), std::f64::consts::PI);
+    let power = 3.0 * pi * 2.0 * pi * (1.0 + 2.0 * e.asin() / e);
+    let ratio = f64::from(scene.power().y) / power;
+    assert!((ratio - 1.0).abs() < 3e-4, "{ratio}");
+    // Seen from outside it is bright.
+    let seen = crate::support::render(&scene, &[("max_depth", "1")], 4);
+    assert_eq!(seen.pixel(5)[0], 3.0);
 }

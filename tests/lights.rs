@@ -39,6 +39,17 @@ fn irradiance_of_delta_lights_is_exact() {
         2.0 * angle.tan()
     );
     check("spot", &spot, 10.0 * 0.5 / 4.0, 1024);
+    // Mitsuba's projector gives π·irradiance/z² on the plane at depth z, here 2.
+    let projector = "<emitter type='projector'><transform name='to_world'><lookat origin='0,0,2' target='0.3,0.2,0' up='0,1,0'/></transform>
+         <float name='fov' value='60'/><rgb name='irradiance' value='0.7'/></emitter>";
+    // The depth of the origin is 2·cosθ, cosθ = 2/√4.13; so is the cosine on the floor against the
+    // intensity π·E/cos³θ at distance 2, straight below.
+    let cos = 2.0 / 4.13f64.sqrt();
+    check("projector", projector, PI * 0.7 / cos.powi(3) / 4.0, 32);
+    // A beam of 0.7 W/m² straight down.
+    let beam = "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='180'/><translate z='11'/></transform>
+         <emitter type='directionalarea'><rgb name='radiance' value='0.7'/></emitter></shape>";
+    check("directionalarea", beam, 0.7, 32);
 }
 
 /// A Lambertian disc lamp of radius a at height h over the patch: E = πL·a²/(a² + h²). The narrow sky

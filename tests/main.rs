@@ -12,6 +12,7 @@ mod cli;
 mod convergence;
 mod depth;
 mod determinism;
+mod environment;
 mod flux;
 mod furnace;
 mod hostile;

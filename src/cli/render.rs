@@ -386,8 +386,13 @@ fn identity(loaded: &Loaded) -> Vec<(String, String)> {
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("scene hash".to_owned(), loaded.hash.clone()),
         ("film".to_owned(), format!("{}x{} crop {:?}", film.width, film.height, film.crop)),
-        ("filter".to_owned(), format!("{:?}", loaded.scene.filter.shape)),
+        ("filter".to_owned(), filter_name(&loaded.scene.filter)),
     ];
     rows.extend(loaded.settings.values().filter(|(n, _)| *n != "passes").map(|(n, v)| (n.to_owned(), v)));
     rows
+}
+
+fn filter_name(filter: &crate::film::Filter) -> String {
+    let [x, y] = filter.shapes();
+    if x == y { format!("{x:?}") } else { format!("{x:?} × {y:?}") }
 }

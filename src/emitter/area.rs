@@ -1,7 +1,8 @@
 use std::f32::consts::PI;
 
+use super::table::Table;
 use super::{DirectSample, Emission};
-use crate::math::{Frame, Ray, Rgb, Vec2, Vec3};
+use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::{Discrete, warp};
 use crate::shape::{Analytic, AreaSample, triangle};
 use crate::texture::{Param, Textures};
@@ -38,37 +39,71 @@ impl Surface {
     #[inline(always)]
     fn sample(&self, u: Vec2) -> AreaSample {
         match self {
-            Self::Mesh { triangles, by_area } => {
-                let (i, rest) = by_area.sample(u.x);
-                let t = &triangles[i];
-                let b = warp::triangle(Vec2::new(rest, u.y));
-                let b0 = 1.0 - b.x - b.y;
-                let (v0, v1, v2) = (Vec3::from(t.v[0]), Vec3::from(t.v[1]), Vec3::from(t.v[2]));
-                AreaSample {
-                    p: v0 * b0 + v1 * b.x + v2 * b.y,
-                    n: t.normal,
-                    uv: t.uv[0] * b0 + t.uv[1] * b.x + t.uv[2] * b.y,
-                }
-            }
+            Self::Mesh { triangles, by_area } => Self::sample_triangles(triangles, by_area, u),
             Self::Analytic(shape) => shape.sample_area(u),
+        }
+    }
+
+    /// Uniform over triangles that `by_area` weighs.
+    #[inline(always)]
+    pub(super) fn sample_triangles(triangles: &[MeshTriangle], by_area: &Discrete, u: Vec2) -> AreaSample {
+        let (i, rest) = by_area.sample(u.x);
+        let t = &triangles[i];
+        let b = warp::triangle(Vec2::new(rest, u.y));
+        let b0 = 1.0 - b.x - b.y;
+        let (v0, v1, v2) = (Vec3::from(t.v[0]), Vec3::from(t.v[1]), Vec3::from(t.v[2]));
+        AreaSample {
+            p: v0 * b0 + v1 * b.x + v2 * b.y,
+            n: t.normal,
+            uv: t.uv[0] * b0 + t.uv[1] * b.x + t.uv[2] * b.y,
         }
     }
 }
 
-/// A shape that emits from its front side with the same radiance in all directions.
+/// Which sides of a lamp shine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sides {
+    Front,
+    Both,
+}
+
+/// A shape that emits the same radiance in all directions of a side.
 #[derive(Clone, Debug)]
 pub struct Area {
     pub surface: Surface,
     pub radiance: Param,
+    pub sides: Sides,
     /// Lift off the surface that rounding needs (see `Scene::offset`).
     pub lift: f32,
     area: f32,
+    /// Where photons of a textured lamp start, in the square that [`Surface::sample`] maps to it.
+    places: Option<Places>,
+    /// Mean radiance over the surface.
+    mean: Rgb,
 }
 
+/// Cells of the sampling square by their light.
+#[derive(Clone, Debug)]
+struct Places {
+    table: Table,
+    weights: Vec<f32>,
+}
+
+/// Cells on a side of the sampling square, and places that are looked at in each, on a side.
+const CELLS: usize = 64;
+const LOOKS: usize = 2;
+/// Least weight of a cell against the mean: light that the looks missed costs noise, never bias.
+const FLOOR: f32 = 0.1;
+
 impl Area {
-    pub fn new(surface: Surface, radiance: Param, lift: f32) -> Self {
+    pub fn new(surface: Surface, radiance: Param, sides: Sides, lift: f32, textures: &Textures) -> Self {
         let area = surface.area();
-        Self { surface, radiance, lift, area }
+        let (mean, places) = match radiance {
+            Param::Constant(c) => (c, None),
+            Param::Texture(_) if area > 0.0 => survey(&surface, radiance, textures),
+            Param::Texture(_) => (Rgb::ZERO, None),
+        };
+        Self { surface, radiance, sides, lift, area, places, mean }
     }
 
     #[inline(always)]
@@ -80,20 +115,26 @@ impl Area {
         let d = s.p - p;
         let d2 = d.length_squared();
         let dir = d / d2.sqrt();
-        let cos = -dir.dot(s.n);
+        let mut cos = -dir.dot(s.n);
+        let mut n = s.n;
+        if self.sides == Sides::Both && cos < 0.0 {
+            (cos, n) = (-cos, -n);
+        }
         if !(cos > 0.0 && d2 > 0.0) {
             return None;
         }
         let pdf = d2 / (cos * self.area);
         let value = textures.eval(self.radiance, s.uv) / pdf;
-        Some(DirectSample { dir, target: Some(s.p + s.n * self.lift), value, pdf })
+        Some(DirectSample { dir, target: Some(s.p + n * self.lift), value, pdf })
     }
 
     /// A sphere seen from outside is sampled within its cone: no sample is wasted on its far side.
     #[inline]
     fn visible_cone(&self, p: Vec3) -> Option<(&crate::shape::Sphere, f32)> {
         match &self.surface {
-            Surface::Analytic(Analytic::Sphere(s)) if !s.inward => s.cone(p).map(|gap| (s, gap)),
+            Surface::Analytic(Analytic::Sphere(s)) if !s.inward || self.sides == Sides::Both => {
+                s.cone(p).map(|gap| (s, gap))
+            }
             _ => None,
         }
     }
@@ -115,7 +156,8 @@ impl Area {
         let local = sphere.local(ray.at(t));
         let pdf = 1.0 / (2.0 * PI * gap);
         let value = textures.eval(self.radiance, local.uv) / pdf;
-        Some(DirectSample { dir, target: Some(local.p + local.n * self.lift), value, pdf })
+        let n = if sphere.inward { -local.n } else { local.n };
+        Some(DirectSample { dir, target: Some(local.p + n * self.lift), value, pdf })
     }
 
     /// Density with which [`Area::sample_direct`] chooses the point `q` with geometric normal `n` seen
@@ -130,18 +172,59 @@ impl Area {
     }
 
     pub fn sample_emission(&self, textures: &Textures, place: Vec2, direction: Vec2) -> Option<Emission> {
+        let (place, density) = self.places.as_ref().map_or((place, 1.0), |p| p.choose(place));
         let s = self.surface.sample(place);
-        let d = Frame::from_normal(s.n).to_world(warp::cosine_hemisphere(direction));
-        let flux = textures.eval(self.radiance, s.uv) * (PI * self.area);
-        (flux.max_element() > 0.0).then_some(Emission { o: s.p + s.n * self.lift, d, flux })
+        let (mut n, mut u, mut sides) = (s.n, direction, 1.0);
+        if self.sides == Sides::Both {
+            sides = 2.0;
+            u.x *= 2.0;
+            if u.x >= 1.0 {
+                (u.x, n) = (u.x - 1.0, -n);
+            }
+        }
+        let d = Frame::from_normal(n).to_world(warp::cosine_hemisphere(u));
+        let flux = textures.eval(self.radiance, s.uv) * (sides * PI * self.area / density);
+        (flux.max_element() > 0.0).then_some(Emission { o: s.p + n * self.lift, d, flux })
     }
 
-    pub fn power(&self, textures: &Textures) -> Rgb {
-        textures.mean(self.radiance) * (PI * self.area)
+    /// Exact but for textures, whose mean over the surface is sampled.
+    pub fn power(&self) -> Rgb {
+        let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
+        self.mean * (sides * PI * self.area)
     }
 
     /// World area in square scene units.
     pub fn area(&self) -> f32 {
         self.area
     }
+}
+
+impl Places {
+    /// A place of the square and its density.
+    fn choose(&self, u: Vec2) -> (Vec2, f32) {
+        let (x, y, rest) = self.table.sample(u);
+        ((Vec2::new(x as f32, y as f32) + rest) / CELLS as f32, self.weights[y * CELLS + x])
+    }
+}
+
+/// Looks at the texture all over the lamp.
+fn survey(surface: &Surface, radiance: Param, textures: &Textures) -> (Rgb, Option<Places>) {
+    let mut cells = vec![Rgb::ZERO; CELLS * CELLS];
+    let side = CELLS * LOOKS;
+    for i in 0..side * side {
+        let (x, y) = (i % side, i / side);
+        let u = (Vec2::new(x as f32, y as f32) + 0.5) / side as f32;
+        let seen = textures.eval(radiance, surface.sample(u).uv).max(Rgb::ZERO);
+        cells[y / LOOKS * CELLS + x / LOOKS] += seen / (LOOKS * LOOKS) as f32;
+    }
+    let mean = cells.iter().copied().sum::<Rgb>() / cells.len() as f32;
+    if mean.max_element() <= 0.0 {
+        return (mean, None);
+    }
+    let least = FLOOR * luminance(mean);
+    let raw = |x: usize, y: usize| f64::from(luminance(cells[y * CELLS + x]).max(least));
+    let table = Table::new(CELLS, CELLS, raw);
+    let scale = (CELLS * CELLS) as f64 / table.total();
+    let weights = (0..CELLS * CELLS).map(|i| (raw(i % CELLS, i / CELLS) * scale) as f32).collect();
+    (mean, Some(Places { table, weights }))
 }

@@ -1,16 +1,32 @@
 //! Emitters: direct sampling (for next event estimation) and photon emission. One file per model.
 
 mod area;
+mod collimated;
 mod constant;
 mod directional;
+mod environment;
+mod equal_area;
+mod frustum;
+mod goniometric;
+mod picture;
 mod point;
+mod projection;
+mod projector;
 mod spot;
+mod table;
 
-pub use area::{Area, MeshTriangle, Surface};
+pub use area::{Area, MeshTriangle, Sides, Surface};
+pub use collimated::Collimated;
 pub use constant::Constant;
 pub use directional::Directional;
+pub use environment::{Environment, Mapping as EnvironmentMapping};
+pub use frustum::Frustum;
+pub use goniometric::Goniometric;
+pub use picture::Picture;
 pub use point::Point;
-pub use spot::Spot;
+pub use projection::Projection;
+pub use projector::Projector;
+pub use spot::{Falloff, Spot};
 
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::Textures;
@@ -45,6 +61,13 @@ pub struct SceneSphere {
     pub radius: f32,
 }
 
+impl SceneSphere {
+    /// Area of the disk it shows to light from infinity.
+    pub fn disk(&self) -> f32 {
+        std::f32::consts::PI * self.radius * self.radius
+    }
+}
+
 #[derive(Clone, Debug)]
 pub enum Emitter {
     Area(Area),
@@ -52,6 +75,11 @@ pub enum Emitter {
     Spot(Spot),
     Directional(Directional),
     Constant(Constant),
+    Environment(Box<Environment>),
+    Projector(Projector),
+    Projection(Box<Projection>),
+    Goniometric(Box<Goniometric>),
+    Collimated(Box<Collimated>),
 }
 
 impl Emitter {
@@ -64,6 +92,11 @@ impl Emitter {
             Self::Spot(e) => e.sample_direct(textures, p),
             Self::Directional(e) => e.sample_direct(),
             Self::Constant(e) => e.sample_direct(u),
+            Self::Environment(e) => e.sample_direct(u),
+            Self::Projector(e) => e.sample_direct(textures, p),
+            Self::Projection(e) => e.sample_direct(p),
+            Self::Goniometric(e) => e.sample_direct(p),
+            Self::Collimated(e) => e.sample_direct(textures, p, u),
         }
     }
 
@@ -82,6 +115,11 @@ impl Emitter {
             Self::Spot(e) => e.sample_emission(textures, direction),
             Self::Directional(e) => e.sample_emission(scene, place),
             Self::Constant(e) => e.sample_emission(scene, place, direction),
+            Self::Environment(e) => e.sample_emission(scene, place, direction),
+            Self::Projector(e) => e.sample_emission(textures, direction),
+            Self::Projection(e) => e.sample_emission(direction),
+            Self::Goniometric(e) => e.sample_emission(direction),
+            Self::Collimated(e) => e.sample_emission(textures, place),
         }
     }
 
@@ -89,16 +127,24 @@ impl Emitter {
     /// for textures, whose mean is sampled.
     pub fn power(&self, textures: &Textures, scene: &SceneSphere) -> Rgb {
         match self {
-            Self::Area(e) => e.power(textures),
+            Self::Area(e) => e.power(),
             Self::Point(e) => e.power(),
             Self::Spot(e) => e.power(),
             Self::Directional(e) => e.power(scene),
             Self::Constant(e) => e.power(scene),
+            Self::Environment(e) => e.power(scene),
+            Self::Projector(e) => e.power(textures),
+            Self::Projection(e) => e.power(),
+            Self::Goniometric(e) => e.power(),
+            Self::Collimated(e) => e.power(textures),
         }
     }
 
     /// True when no scattered ray can hit the light.
     pub fn is_delta(&self) -> bool {
-        matches!(self, Self::Point(_) | Self::Spot(_) | Self::Directional(_))
+        !matches!(self, Self::Area(_) | Self::Constant(_) | Self::Environment(_))
     }
 }
+
+#[cfg(test)]
+mod tests;

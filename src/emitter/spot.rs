@@ -5,8 +5,16 @@ use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::{Param, Textures};
 
-/// Point light with a cone: full intensity (W/sr) up to `beam`, then linear in the angle to zero at
-/// `cutoff` (radians; Mitsuba's falloff).
+/// How the intensity falls from `beam` to `cutoff`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Falloff {
+    /// Linear in the angle (Mitsuba).
+    Linear,
+    /// 3x² − 2x³ of the cosine's share of the way (pbrt).
+    Smoothstep,
+}
+
+/// Point light with a cone: full intensity (W/sr) up to the angle `beam`, none from `cutoff` on (radians).
 #[derive(Clone, Debug)]
 pub struct Spot {
     pub position: Vec3,
@@ -15,6 +23,7 @@ pub struct Spot {
     pub intensity: Rgb,
     pub cutoff: f32,
     pub beam: f32,
+    pub falloff: Falloff,
     pub texture: Option<Param>,
 }
 
@@ -26,8 +35,15 @@ impl Spot {
         if angle >= self.cutoff {
             return Rgb::ZERO;
         }
-        let falloff =
-            if angle <= self.beam { 1.0 } else { (self.cutoff - angle) / (self.cutoff - self.beam) };
+        let falloff = match self.falloff {
+            _ if angle <= self.beam => 1.0,
+            Falloff::Linear => (self.cutoff - angle) / (self.cutoff - self.beam),
+            Falloff::Smoothstep => {
+                let (edge, full) = (self.cutoff.cos(), self.beam.cos());
+                let x = ((d.z - edge) / (full - edge)).clamp(0.0, 1.0);
+                x * x * (3.0 - 2.0 * x)
+            }
+        };
         let color = self.texture.map_or(Rgb::ONE, |t| {
             let scale = 0.5 / (d.z * self.cutoff.tan());
             textures.eval(t, Vec2::new(0.5 + d.x * scale, 0.5 + d.y * scale))
@@ -58,7 +74,12 @@ impl Spot {
     /// Without the texture: 2π∫ falloff·sinθ dθ, in closed form.
     pub fn power(&self) -> Rgb {
         let (b, c) = (f64::from(self.beam), f64::from(self.cutoff));
-        let ramp = if c > b { b.cos() - (c.sin() - b.sin()) / (c - b) } else { 0.0 };
+        let ramp = match self.falloff {
+            Falloff::Linear if c > b => b.cos() - (c.sin() - b.sin()) / (c - b),
+            Falloff::Linear => 0.0,
+            // The step is symmetric: half of the rim's solid angle counts.
+            Falloff::Smoothstep => 0.5 * (b.cos() - c.cos()),
+        };
         self.intensity * (2.0 * std::f64::consts::PI * (1.0 - b.cos() + ramp)) as f32
     }
 }
@@ -74,6 +95,7 @@ mod tests {
             intensity: Rgb::ONE,
             cutoff: 20f32.to_radians(),
             beam: 15f32.to_radians(),
+            falloff: Falloff::Linear,
             texture: None,
         }
     }
@@ -91,7 +113,12 @@ mod tests {
     /// The mean of 64² stratified emissions of a piecewise linear integrand errs by less than 1/64².
     #[test]
     fn sampled_flux_adds_up_to_the_power() {
-        let s = spot();
+        for falloff in [Falloff::Linear, Falloff::Smoothstep] {
+            adds_up(&Spot { falloff, ..spot() });
+        }
+    }
+
+    fn adds_up(s: &Spot) {
         let n = 64;
         let mut sum = 0.0;
         for i in 0..n * n {

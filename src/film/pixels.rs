@@ -35,6 +35,12 @@ impl Radiance {
         self.layers[layer as usize] += value;
     }
 
+    /// Multiplies the light, not the coverage.
+    #[inline]
+    pub fn scale(&mut self, factor: f32) {
+        self.layers.iter_mut().for_each(|l| *l *= factor);
+    }
+
     pub fn sum(&self) -> Rgb {
         self.layers.iter().copied().sum()
     }

@@ -98,8 +98,8 @@ pub fn scattered_lamp(
         *rays += 1;
         let Some(hit) = scene.geometry.closest(&ray) else {
             return sample.weight
-                * scene.background()
-                * (through * power_heuristic(pdf, scene.pdf_direct_background()));
+                * scene.background(d)
+                * (through * power_heuristic(pdf, scene.pdf_direct_background(d)));
         };
         let at = scene.surface(&ray, &hit);
         let emitted = scene.emitted(&at, -d);

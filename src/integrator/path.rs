@@ -241,11 +241,11 @@ impl PathTracer<'_> {
         let Some(hit) = hit else {
             if visible_lamps {
                 let weight = if walk.pdf > 0.0 {
-                    power_heuristic(walk.pdf, scene.pdf_direct_background())
+                    power_heuristic(walk.pdf, scene.pdf_direct_background(ray.d))
                 } else {
                     1.0
                 };
-                out.add(walk.stage.layer(), walk.throughput * scene.background() * weight);
+                out.add(walk.stage.layer(), walk.throughput * scene.background(ray.d) * weight);
             }
             return false;
         };

@@ -133,7 +133,7 @@ impl<'a> PhotonMapper<'a> {
         let side = (radius::PLACES as f32).sqrt() as u32;
         let [x0, y0, w, h] = self.scene.film.crop.map(|v| v as f32);
         let full = Vec2::new(self.scene.film.width as f32, self.scene.film.height as f32);
-        let footprint = self.scene.sensor.pixel_footprint(self.scene.film.height);
+        let footprint = |length| self.scene.sensor.pixel_footprint(self.scene.film.height, length);
         let at = |i: u32| (i as f32 + 0.5) / side as f32;
         (0..side * side)
             .filter_map(|i| {
@@ -153,7 +153,7 @@ impl<'a> PhotonMapper<'a> {
                                 p: s.p,
                                 n,
                                 lift: s.lift,
-                                footprint: footprint * length,
+                                footprint: footprint(length),
                             });
                         }
                         Step::Follow { wo, .. } => ray = s.leave(s.frame.to_world(wo)),
@@ -337,7 +337,7 @@ impl PhotonMapper<'_> {
             let visible_lamps = seen || !self.settings.hide_emitters;
             let Some(hit) = scene.geometry.closest(&ray) else {
                 if visible_lamps {
-                    out.add(Layer::Emission, throughput * scene.background());
+                    out.add(Layer::Emission, throughput * scene.background(ray.d));
                 }
                 break;
             };

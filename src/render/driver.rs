@@ -210,7 +210,8 @@ fn sample_all<I: Integrator>(
                     }
                 }
                 integrator.sample(shared, &mut samples, &mut scratch);
-                for (sample, &(at, weight)) in samples.iter().zip(&places) {
+                for (sample, &(at, weight)) in samples.iter_mut().zip(&places) {
+                    sample.out.scale(scene.sensor.imaging_ratio);
                     if !accumulate(&mut sums[at], &sample.out, weight) {
                         rejected += 1;
                     }

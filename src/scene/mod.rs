@@ -9,7 +9,7 @@ pub use geometry::{Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement}
 pub use plan::Plan;
 
 use crate::bsdf::{Closure, Material};
-use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere};
+use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere, Sides};
 use crate::film::{FilmSize, Filter};
 use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::Discrete;
@@ -154,11 +154,13 @@ impl Scene {
     #[inline(always)]
     pub fn emitted(&self, s: &Surface, w: Vec3) -> Rgb {
         match self.shapes[s.shape as usize].emitter {
-            Some(e) if s.frame.n.dot(w) > 0.0 => match &self.emitters[e as usize] {
-                Emitter::Area(a) => self.textures.eval(a.radiance, s.uv),
+            Some(e) => match &self.emitters[e as usize] {
+                Emitter::Area(a) if s.frame.n.dot(w) > 0.0 || a.sides == Sides::Both => {
+                    self.textures.eval(a.radiance, s.uv)
+                }
                 _ => Rgb::ZERO,
             },
-            _ => Rgb::ZERO,
+            None => Rgb::ZERO,
         }
     }
 
@@ -168,11 +170,12 @@ impl Scene {
         self.shapes[s.shape as usize].emitter.is_some()
     }
 
-    /// Radiance from infinity.
+    /// Radiance from infinity, seen along the unit direction `d`.
     #[inline]
-    pub fn background(&self) -> Rgb {
+    pub fn background(&self, d: Vec3) -> Rgb {
         match self.environment.map(|e| &self.emitters[e as usize]) {
             Some(Emitter::Constant(c)) => c.radiance,
+            Some(Emitter::Environment(e)) => e.radiance(d),
             _ => Rgb::ZERO,
         }
     }
@@ -189,16 +192,16 @@ impl Scene {
         }
     }
 
-    /// The same for a ray that leaves the scene.
+    /// The same for a ray that leaves the scene along the unit direction `d`.
     #[inline]
-    pub fn pdf_direct_background(&self) -> f32 {
-        match self.environment {
-            Some(e) => match &self.emitters[e as usize] {
-                Emitter::Constant(c) => c.pdf_direct() * self.direct.probability(e as usize),
-                _ => 0.0,
-            },
-            None => 0.0,
-        }
+    pub fn pdf_direct_background(&self, d: Vec3) -> f32 {
+        let Some(e) = self.environment else { return 0.0 };
+        let pdf = match &self.emitters[e as usize] {
+            Emitter::Constant(c) => c.pdf_direct(),
+            Emitter::Environment(e) => e.pdf_direct(d),
+            _ => 0.0,
+        };
+        pdf * self.direct.probability(e as usize)
     }
 
     /// Light at `p` from one emitter, with the probability of choosing it divided out.

@@ -1,8 +1,10 @@
-//! Cameras. One file per lens model; [`Sensor`] holds what they share.
+//! Cameras. One file per projection, one for the lens before it; [`Sensor`] holds what they share.
 
+mod orthographic;
 mod perspective;
 mod thinlens;
 
+pub use orthographic::Orthographic;
 pub use perspective::{Axis, Perspective};
 pub use thinlens::ThinLens;
 
@@ -10,9 +12,9 @@ use crate::math::{Ray, Vec2, Vec3};
 
 /// How a film position becomes a ray in camera space.
 #[derive(Clone, Debug)]
-pub enum Lens {
+pub enum Projection {
     Perspective(Perspective),
-    ThinLens(ThinLens),
+    Orthographic(Orthographic),
 }
 
 /// A camera-space ray: looks along +Z, +Y up, +X to the left of the picture (Mitsuba's frame).
@@ -23,11 +25,39 @@ pub struct CameraRay {
     pub d: Vec3,
 }
 
+/// A rectangle across the optical axis, at distance 1 of a pinhole: what the film shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    pub center: Vec2,
+    pub half: Vec2,
+}
+
+impl Window {
+    /// From pbrt's [x0, x1, y0, y1], whose x grows to the right and whose y grows upwards.
+    pub fn from_screen([x0, x1, y0, y1]: [f64; 4]) -> Self {
+        let vec = |x: f64, y: f64| Vec2::new(x as f32, y as f32);
+        Self { center: vec(-0.5 * (x0 + x1), 0.5 * (y0 + y1)), half: vec(0.5 * (x1 - x0), 0.5 * (y1 - y0)) }
+    }
+
+    #[must_use]
+    pub fn scaled(self, factor: f32) -> Self {
+        Self { center: self.center * factor, half: self.half * factor }
+    }
+
+    /// The point of the window at film position `s` in [0, 1]².
+    fn at(&self, s: Vec2) -> Vec2 {
+        self.center + (Vec2::ONE - s * 2.0) * self.half
+    }
+}
+
 /// A camera in the world.
 #[derive(Clone, Debug)]
 pub struct Sensor {
-    pub lens: Lens,
-    /// Columns: images of the camera's X, Y and Z axes.
+    pub projection: Projection,
+    /// `None`: all is sharp.
+    pub lens: Option<ThinLens>,
+    /// Columns: images of the camera's X, Y and Z axes. Z has unit length; so have X and Y but for
+    /// orthographic cameras.
     pub axes: [Vec3; 3],
     pub position: Vec3,
     /// Nothing nearer or farther along the optical axis is seen.
@@ -35,16 +65,19 @@ pub struct Sensor {
     pub far: f32,
     /// Added to the film position, in fractions of the film.
     pub principal_point_offset: Vec2,
+    /// What the film stores of a radiance of 1.
+    pub imaging_ratio: f32,
 }
 
 impl Sensor {
     /// Ray through film position `s` in [0,1]² (x right, y down, over the full film).
     pub fn ray(&self, s: Vec2, aperture: Vec2) -> Ray {
         let s = s + self.principal_point_offset;
-        let local = match &self.lens {
-            Lens::Perspective(l) => l.ray(s),
-            Lens::ThinLens(l) => l.ray(s, aperture),
+        let sharp = match &self.projection {
+            Projection::Perspective(p) => p.ray(s),
+            Projection::Orthographic(p) => p.ray(s),
         };
+        let local = self.lens.as_ref().map_or(sharp, |lens| lens.refract(sharp, aperture));
         let world = |v: Vec3| self.axes[0] * v.x + self.axes[1] * v.y + self.axes[2] * v.z;
         let d = world(local.d);
         let per_z = 1.0 / local.d.z;
@@ -54,14 +87,15 @@ impl Sensor {
 
     /// Whether rays depend on where they cross an aperture.
     pub fn has_aperture(&self) -> bool {
-        matches!(self.lens, Lens::ThinLens(_))
+        self.lens.is_some()
     }
 
-    /// Length on a surface facing the camera at distance 1 that one pixel of a film `height` high covers.
-    pub fn pixel_footprint(&self, height: u32) -> f32 {
-        let tan = match &self.lens {
-            Lens::Perspective(l) | Lens::ThinLens(ThinLens { pinhole: l, .. }) => l.half_tangent.y,
+    /// Length on a surface facing the camera at `distance` that one pixel of a film `height` high covers.
+    pub fn pixel_footprint(&self, height: u32, distance: f32) -> f32 {
+        let size = match &self.projection {
+            Projection::Perspective(p) => p.window.half.y * distance,
+            Projection::Orthographic(p) => p.window.half.y * self.axes[1].length(),
         };
-        2.0 * tan / height as f32
+        2.0 * size / height as f32
     }
 }

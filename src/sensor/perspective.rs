@@ -1,11 +1,11 @@
-use super::CameraRay;
+use super::{CameraRay, Window};
 use crate::math::{Vec2, Vec3};
 
 /// Pinhole camera.
 #[derive(Clone, Debug)]
 pub struct Perspective {
-    /// Tangents of half the horizontal and vertical field of view.
-    pub half_tangent: Vec2,
+    /// At distance 1: half its size is the tangent of half the field of view.
+    pub window: Window,
 }
 
 /// Which extent a field-of-view angle spans.
@@ -29,11 +29,12 @@ impl Perspective {
             Axis::Smaller => t * aspect.max(1.0),
             Axis::Larger => t * aspect.min(1.0),
         };
-        Self { half_tangent: Vec2::new(x as f32, (x / aspect) as f32) }
+        let half = Vec2::new(x as f32, (x / aspect) as f32);
+        Self { window: Window { center: Vec2::ZERO, half } }
     }
 
     pub fn ray(&self, s: Vec2) -> CameraRay {
-        let p = (Vec2::ONE - s * 2.0) * self.half_tangent;
+        let p = self.window.at(s);
         CameraRay { o: Vec3::ZERO, d: Vec3::new(p.x, p.y, 1.0).normalize() }
     }
 }
@@ -54,7 +55,7 @@ mod tests {
         ];
         for (axis, wide, tall) in rows {
             for (aspect, expected) in [(2.0, wide), (0.5, tall)] {
-                let got = 2.0 * Perspective::new(40.0, axis, aspect).half_tangent.x.atan().to_degrees();
+                let got = 2.0 * Perspective::new(40.0, axis, aspect).window.half.x.atan().to_degrees();
                 assert!((got - expected).abs() < 1e-4, "{axis:?} {aspect}: {got}");
             }
         }
@@ -68,5 +69,20 @@ mod tests {
         let b = p.ray(Vec2::ONE).d;
         assert!((a - Vec3::new(2.0, 1.0, 2.0) / 3.0).length() < 1e-6);
         assert!((b - Vec3::new(-2.0, -1.0, 2.0) / 3.0).length() < 1e-6);
+    }
+
+    /// pbrt's window for a film of 2:1 is [-2, 2, -1, 1], the shorter side spanning the angle; half of it
+    /// shows the left half of the picture.
+    #[test]
+    fn a_screen_window_cuts_the_picture_out() {
+        let whole = Perspective::new(60.0, Axis::Smaller, 2.0);
+        let tan = 30f32.to_radians().tan();
+        let same = Window::from_screen([-2.0, 2.0, -1.0, 1.0]).scaled(tan);
+        assert!((same.half - whole.window.half).length() < 1e-6 && same.center == Vec2::ZERO);
+        let left = Perspective { window: Window::from_screen([-2.0, 0.0, -1.0, 1.0]).scaled(tan) };
+        for s in [Vec2::ZERO, Vec2::ONE, Vec2::new(0.3, 0.8)] {
+            let there = whole.ray(Vec2::new(0.5 * s.x, s.y)).d;
+            assert!((left.ray(s).d - there).length() < 1e-6);
+        }
     }
 }

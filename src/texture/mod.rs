@@ -2,9 +2,11 @@
 
 mod bitmap;
 mod checkerboard;
+mod patterns;
 
 pub use bitmap::{Bitmap, Wrap};
 pub use checkerboard::Checkerboard;
+pub use patterns::{Bilerp, Grid, Mix, UnitChecks};
 
 use crate::math::{Rgb, Vec2};
 
@@ -21,6 +23,13 @@ impl Param {
         Self::Constant(Rgb::splat(value))
     }
 
+    pub fn texture(self, textures: &Textures) -> Option<&Texture> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Texture(i) => textures.0.get(i as usize),
+        }
+    }
+
     pub fn constant(&self) -> Option<Rgb> {
         match self {
             Self::Constant(c) => Some(*c),
@@ -35,6 +44,11 @@ pub enum Texture {
     Checkerboard(Checkerboard),
     /// A parameter times a constant.
     Scaled(Param, Rgb),
+    Product(Param, Param),
+    Grid(Grid),
+    UnitChecks(UnitChecks),
+    Bilerp(Bilerp),
+    Mix(Mix),
 }
 
 /// Every texture of a scene. A texture may refer to earlier ones only.
@@ -50,6 +64,11 @@ impl Textures {
                 Texture::Bitmap(t) => t.eval(uv),
                 Texture::Checkerboard(t) => t.eval(self, uv),
                 Texture::Scaled(inner, factor) => self.eval(*inner, uv) * *factor,
+                Texture::Product(a, b) => self.eval(*a, uv) * self.eval(*b, uv),
+                Texture::Grid(t) => t.eval(self, uv),
+                Texture::UnitChecks(t) => t.eval(self, uv),
+                Texture::Bilerp(t) => t.eval(uv),
+                Texture::Mix(t) => t.eval(self, uv),
             },
         }
     }

@@ -20,16 +20,26 @@ pub fn scene(body: &str) -> Scene {
 
 /// The same with further files in memory.
 pub fn scene_with(body: &str, files: &[(&str, &str)]) -> Scene {
+    scene_with_bytes(body, files.iter().map(|(path, text)| (*path, text.as_bytes().to_vec())).collect())
+}
+
+/// The same with files that are no text.
+pub fn scene_with_bytes(body: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
     let text = format!("<scene version='3.0.0'>{body}</scene>");
-    let main = [("scene.xml", text.as_str())];
-    let all = files.iter().chain(&main);
-    let memory = Memory(all.map(|(path, text)| (PathBuf::from(path), text.as_bytes().to_vec())).collect());
+    let all = files.into_iter().chain([("scene.xml", text.into_bytes())]);
+    let memory = Memory(all.map(|(path, bytes)| (PathBuf::from(path), bytes)).collect());
     let read = read_scene(&memory, Path::new("scene.xml"), &ReadOptions::default())
         .unwrap_or_else(|failure| panic!("{failure}"));
     match build(&read.scene, &memory, BuildOptions::default()) {
         Ok(built) => built.scene,
         Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
     }
+}
+
+/// A picture of the given texels, rows from the top, as a float file.
+pub fn picture(width: usize, texel: impl Fn(usize, usize) -> [f32; 3], height: usize) -> Vec<u8> {
+    let data = (0..width * height).flat_map(|i| texel(i % width, i / width)).collect::<Vec<f32>>();
+    caustica_formats::image::encode_pfm(width, height, &data).unwrap()
 }
 
 /// A box-filtered film.

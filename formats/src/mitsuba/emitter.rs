@@ -1,12 +1,16 @@
 //! Emitters: those of the scene, and those of shapes.
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
+use super::plugin::{Plugin, read, unsupported, unsupported_but};
 use super::props::Props;
 use super::reader::Reader;
+use super::sensor::{AXES, fov};
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
-use crate::ir::{AreaEmission, ColorSlot, Emitter, EmitterKind, SpotFalloff};
+use crate::ir::{
+    AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage, SpotFalloff,
+    TextureEncoding,
+};
 
 type ReadEmitter = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<EmitterKind>;
 
@@ -16,21 +20,23 @@ const EMITTERS: &[Plugin<ReadEmitter>] = &[
     read("spot", spot),
     read("directional", directional),
     read("constant", constant),
-    unsupported("envmap"),
-    unsupported("projector"),
-    unsupported("sunsky"),
-    unsupported("timed_sunsky"),
-    unsupported("sky"),
-    unsupported("sun"),
-    unsupported("collimated"),
+    read("envmap", envmap),
+    read("projector", projector),
+    unsupported_but("sunsky", BAKED),
+    unsupported_but("timed_sunsky", BAKED),
+    unsupported_but("sky", BAKED),
+    unsupported_but("sun", "use a `directional` emitter"),
+    unsupported_but("collimated", "use a small rectangle with a `directionalarea` emitter"),
     // In the table for the sake of suggestions; `top_level_emitter` deals with them.
     unsupported("area"),
     unsupported("directionalarea"),
 ];
 
-/// Emitters that are a shape's surface.
-const AREA_EMITTERS: &[Plugin<()>] =
-    &[read("area", ()), unsupported("directionalarea"), unsupported("projector")];
+const BAKED: &str = "render it into a latitude-longitude picture and use an `envmap`";
+
+/// Emitters that are a shape's surface; true where they shine along the normal only.
+const AREA_EMITTERS: &[Plugin<bool>] =
+    &[read("area", false), read("directionalarea", true), unsupported("projector")];
 
 impl<'a> Reader<'a> {
     pub fn top_level_emitter(&mut self, index: ObjectIndex) {
@@ -61,7 +67,7 @@ impl<'a> Reader<'a> {
         if let Some(emission) = self.emissions.get(&index) {
             return emission.clone();
         }
-        let emission = self.plugin(AREA_EMITTERS, index, "the shape does not shine").map(|()| {
+        let emission = self.plugin(AREA_EMITTERS, index, "the shape does not shine").map(|collimated| {
             let mut props = self.props(index);
             if props.has("to_world") {
                 props.complain("to_world", "an area emitter takes no `to_world`; place the shape instead");
@@ -73,7 +79,7 @@ impl<'a> Reader<'a> {
             let radiance = self.color_input(&mut props, "radiance", ColorSlot::Emission, 1.0);
             let origin = props.origin();
             self.finish(props);
-            AreaEmission { origin, radiance, scale: 1.0, two_sided: false, collimated: false, power: None }
+            AreaEmission { origin, radiance, scale: 1.0, two_sided: false, collimated, power: None }
         });
         self.emissions.insert(index, emission.clone());
         emission
@@ -81,8 +87,9 @@ impl<'a> Reader<'a> {
 
     /// Rules about all emitters together.
     pub fn check_emitters(&mut self) {
-        let environments: Vec<_> =
-            self.scene.emitters.iter().filter(|e| matches!(e.kind, EmitterKind::Constant { .. })).collect();
+        let fills =
+            |e: &&Emitter| matches!(e.kind, EmitterKind::Constant { .. } | EmitterKind::Environment { .. });
+        let environments: Vec<_> = self.scene.emitters.iter().filter(fills).collect();
         if let [first, second, ..] = environments.as_slice() {
             let mut problem =
                 Diagnostic::error("a scene has one environment; this is a second one", second.origin.0);
@@ -155,4 +162,43 @@ fn directional<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Emi
 fn constant<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
     props.ignore(&["to_world"]);
     Some(EmitterKind::Constant { radiance: reader.color(props, "radiance", ColorSlot::Emission, 1.0) })
+}
+
+fn envmap<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
+    let path = reader.asset(props, "environment map");
+    let encoding = gamma(props);
+    let scale = props.float("scale", 1.0);
+    // How Mitsuba samples and stores it.
+    props.ignore(&["mis_compensation", "cache"]);
+    Some(EmitterKind::Environment {
+        to_world: props.transform("to_world"),
+        image: LightImage { path: path?, encoding, scale, illuminance: None },
+        mapping: EnvironmentMapping::LatLong,
+    })
+}
+
+/// 0.6: 0 is what the file says, −1 sRGB.
+pub(super) fn gamma(props: &mut Props<'_>) -> TextureEncoding {
+    match props.float("gamma", 0.0) {
+        0.0 => TextureEncoding::Auto,
+        1.0 => TextureEncoding::Linear,
+        -1.0 => TextureEncoding::Srgb,
+        gamma if gamma > 0.0 => TextureEncoding::Gamma(gamma),
+        gamma => {
+            props.complain("gamma", format!("`gamma` must be positive, 0 or -1, not {gamma}"));
+            TextureEncoding::Auto
+        }
+    }
+}
+
+fn projector<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
+    let irradiance = reader.color_input(props, "irradiance", ColorSlot::Emission, 1.0);
+    let fov = fov(props);
+    Some(EmitterKind::Projector {
+        to_world: props.transform("to_world"),
+        irradiance,
+        scale: props.float("scale", 1.0),
+        fov,
+        fov_axis: props.choice("fov_axis", FovAxis::X, AXES),
+    })
 }

@@ -126,8 +126,8 @@ impl<'a> Reader<'a> {
                 self.as_path(props)
             }
             Found::Reader(Kind::Wrapper) => return self.unwrapped(props),
-            Found::Unsupported => {
-                self.unsupported(index, "`path` is used");
+            Found::Unsupported(advice) => {
+                self.unsupported(index, advice, "`path` is used");
                 self.as_path(props)
             }
             Found::Unknown => {

@@ -12,8 +12,8 @@ pub(super) struct Plugin<F> {
 #[derive(Clone, Copy)]
 pub(super) enum Status<F> {
     Read(F),
-    /// Part of some Mitsuba, not rendered by us.
-    Unsupported,
+    /// Part of some Mitsuba, not rendered by us. What would do instead, or nothing.
+    Unsupported(&'static str),
 }
 
 pub(super) const fn read<F: Copy>(name: &'static str, reader: F) -> Plugin<F> {
@@ -21,20 +21,25 @@ pub(super) const fn read<F: Copy>(name: &'static str, reader: F) -> Plugin<F> {
 }
 
 pub(super) const fn unsupported<F: Copy>(name: &'static str) -> Plugin<F> {
-    Plugin { name, status: Status::Unsupported }
+    unsupported_but(name, "")
+}
+
+/// With advice to the author.
+pub(super) const fn unsupported_but<F: Copy>(name: &'static str, advice: &'static str) -> Plugin<F> {
+    Plugin { name, status: Status::Unsupported(advice) }
 }
 
 /// What the table says about an object.
 pub(super) enum Found<F> {
     Reader(F),
-    Unsupported,
+    Unsupported(&'static str),
     Unknown,
 }
 
 pub(super) fn find<F: Copy>(table: &[Plugin<F>], object: &Object) -> Found<F> {
     match table.iter().find(|row| row.name == object.plugin).map(|row| row.status) {
         Some(Status::Read(reader)) => Found::Reader(reader),
-        Some(Status::Unsupported) => Found::Unsupported,
+        Some(Status::Unsupported(advice)) => Found::Unsupported(advice),
         None => Found::Unknown,
     }
 }

@@ -122,8 +122,8 @@ impl<'a> Reader<'a> {
         }
         match plugin::find(table, object) {
             Found::Reader(reader) => Some(reader),
-            Found::Unsupported => {
-                self.unsupported(index, instead);
+            Found::Unsupported(advice) => {
+                self.unsupported(index, advice, instead);
                 None
             }
             Found::Unknown => {
@@ -134,7 +134,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reports an object that is known but not rendered.
-    pub fn unsupported(&mut self, index: ObjectIndex, instead: &str) {
+    pub fn unsupported(&mut self, index: ObjectIndex, advice: &str, instead: &str) {
         let object = &self.objects[index];
         let what = format!("{} plugin `{}` is not supported yet", object.class.name(), object.plugin);
         let problem = if !object.used {
@@ -142,7 +142,8 @@ impl<'a> Reader<'a> {
         } else if self.options.allow_unsupported {
             Diagnostic::warning(format!("{what}: {instead}"), Some(object.span))
         } else {
-            let help = format!("--allow-unsupported renders without it: {instead}");
+            let ours = format!("--allow-unsupported renders without it: {instead}");
+            let help = if advice.is_empty() { ours } else { format!("{advice}; {ours}") };
             Diagnostic::error(what, Some(object.span)).help(help)
         };
         self.problems.push(problem);
@@ -151,7 +152,7 @@ impl<'a> Reader<'a> {
     /// [`Self::unsupported`] for classes without a table.
     pub fn skip_unsupported(&mut self, index: ObjectIndex, instead: &str) {
         if !self.objects[index].plugin.is_empty() {
-            self.unsupported(index, instead);
+            self.unsupported(index, "", instead);
         }
     }
 

@@ -8,12 +8,13 @@ use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform};
 
-type ReadLens = fn(&mut Props<'_>, f64) -> Option<Lens>;
+/// What is special to a sensor; the number is `far_clip`.
+type ReadOptics = fn(&mut Props<'_>, f64) -> (Projection, Option<Lens>);
 
-const SENSORS: &[Plugin<ReadLens>] = &[
+const SENSORS: &[Plugin<ReadOptics>] = &[
     read("perspective", pinhole),
     read("thinlens", thin_lens),
-    unsupported("orthographic"),
+    read("orthographic", orthographic),
     unsupported("radiancemeter"),
     unsupported("irradiancemeter"),
     unsupported("distant"),
@@ -36,7 +37,7 @@ const SAMPLERS: &[Plugin<()>] = &[
     read("sobol", ()),
 ];
 
-const AXES: &[(&str, FovAxis)] = &[
+pub(super) const AXES: &[(&str, FovAxis)] = &[
     ("x", FovAxis::X),
     ("y", FovAxis::Y),
     ("diagonal", FovAxis::Diagonal),
@@ -47,7 +48,7 @@ const AXES: &[(&str, FovAxis)] = &[
 impl<'a> Reader<'a> {
     /// Reads a sensor of the scene.
     pub fn sensor(&mut self, index: ObjectIndex) {
-        let Some(lens) = self.plugin(SENSORS, index, "it is skipped") else { return };
+        let Some(optics) = self.plugin(SENSORS, index, "it is skipped") else { return };
         let mut props = self.props(index);
         let near_clip = props.positive("near_clip", 0.01);
         let far_clip = props.positive("far_clip", 10_000.0);
@@ -55,11 +56,11 @@ impl<'a> Reader<'a> {
             let text = format!("`near_clip` ({near_clip}) must be below `far_clip` ({far_clip})");
             props.complain("near_clip", text);
         }
-        let lens = lens(&mut props, far_clip);
-        let fov = fov(&mut props);
-        let axis = props.choice("fov_axis", FovAxis::X, AXES);
+        let (projection, lens) = optics(&mut props, far_clip);
         let to_world = props.transform("to_world");
-        check_rigid(&mut props, &to_world);
+        if projection != Projection::Orthographic {
+            check_rigid(&mut props, &to_world);
+        }
         let principal_point_offset =
             [props.float("principal_point_offset_x", 0.0), props.float("principal_point_offset_y", 0.0)];
         props.ignore(&["shutter_open", "shutter_close", "shutter_open_time", "focus_distance"]);
@@ -71,7 +72,7 @@ impl<'a> Reader<'a> {
             name: props.name(),
             origin: props.origin(),
             to_world,
-            projection: Projection::Perspective { fov, axis },
+            projection,
             screen_window: None,
             near_clip,
             far_clip,
@@ -105,28 +106,38 @@ impl<'a> Reader<'a> {
     }
 }
 
-fn pinhole(props: &mut Props<'_>, _: f64) -> Option<Lens> {
+fn pinhole(props: &mut Props<'_>, _: f64) -> (Projection, Option<Lens>) {
     props.ignore_with_warning(&["aperture_radius"], "a perspective sensor has no lens; thinlens has");
-    None
+    (perspective(props), None)
 }
 
-fn thin_lens(props: &mut Props<'_>, far_clip: f64) -> Option<Lens> {
+fn orthographic(_: &mut Props<'_>, _: f64) -> (Projection, Option<Lens>) {
+    (Projection::Orthographic, None)
+}
+
+fn thin_lens(props: &mut Props<'_>, far_clip: f64) -> (Projection, Option<Lens>) {
     let focus_distance = props.positive("focus_distance", far_clip);
-    if !props.has("aperture_radius") {
-        props.complain("aperture_radius", "thinlens needs the parameter `aperture_radius`");
-    }
-    let aperture_radius = props.optional_float("aperture_radius")?;
-    if aperture_radius < 0.0 {
-        props.complain(
-            "aperture_radius",
-            format!("`aperture_radius` must be positive, not {aperture_radius}"),
-        );
+    let radius = props.optional_float("aperture_radius");
+    match radius {
+        None if !props.has("aperture_radius") => {
+            props.complain("aperture_radius", "thinlens needs the parameter `aperture_radius`");
+        }
+        Some(r) if r < 0.0 => {
+            props.complain("aperture_radius", format!("`aperture_radius` must be positive, not {r}"));
+        }
+        _ => {}
     }
     // Mitsuba nudges a zero radius up; a pinhole is what it approaches.
-    (aperture_radius > 0.0).then_some(Lens { aperture_radius, focus_distance })
+    let lens = radius.filter(|r| *r > 0.0).map(|aperture_radius| Lens { aperture_radius, focus_distance });
+    (perspective(props), lens)
 }
 
-fn fov(props: &mut Props<'_>) -> Fov {
+fn perspective(props: &mut Props<'_>) -> Projection {
+    let fov = fov(props);
+    Projection::Perspective { fov, axis: props.choice("fov_axis", FovAxis::X, AXES) }
+}
+
+pub(super) fn fov(props: &mut Props<'_>) -> Fov {
     props.exclusive("fov", "focal_length");
     let length = props.optional_string("focal_length");
     if let Some(degrees) = props.optional_float("fov") {

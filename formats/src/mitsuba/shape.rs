@@ -21,7 +21,8 @@ const SHAPES: &[Plugin<ReadShape>] = &[
     read("instance", instance),
     // `shape` reads groups, which are no shapes by themselves.
     read("shapegroup", |_, _| None),
-    unsupported("merge"),
+    // So are the parts of `merge`.
+    read("merge", |_, _| None),
     unsupported("linearcurve"),
     unsupported("bsplinecurve"),
     unsupported("sdfgrid"),
@@ -43,12 +44,31 @@ const HARMLESS: &[&str] = &[
 
 impl<'a> Reader<'a> {
     pub fn top_level_shape(&mut self, index: ObjectIndex) {
-        if self.objects[index].plugin == "shapegroup" {
-            self.group(index);
-        } else {
-            let shape = self.shape(index);
-            self.scene.shapes.extend(shape);
+        match self.objects[index].plugin.as_str() {
+            "shapegroup" => {
+                self.group(index);
+            }
+            "merge" => {
+                for part in self.parts(index) {
+                    self.top_level_shape(part);
+                }
+            }
+            _ => {
+                let shape = self.shape(index);
+                self.scene.shapes.extend(shape);
+            }
         }
+    }
+
+    /// The shapes of a `merge`, which joins meshes for speed and changes no picture.
+    fn parts(&mut self, index: ObjectIndex) -> Vec<ObjectIndex> {
+        let mut props = self.props(index);
+        let mut parts = Vec::new();
+        while let Some(nested) = props.child(Class::Shape) {
+            parts.push(nested.index);
+        }
+        self.finish(props);
+        parts
     }
 
     fn shape(&mut self, index: ObjectIndex) -> Option<Shape> {
@@ -94,7 +114,7 @@ impl<'a> Reader<'a> {
         let mut shapes = Vec::new();
         while let Some(nested) = props.child(Class::Shape) {
             let inner = &self.objects[nested.index];
-            if matches!(inner.plugin.as_str(), "shapegroup" | "instance") {
+            if matches!(inner.plugin.as_str(), "shapegroup" | "instance" | "merge") {
                 let text = format!("a shapegroup may not contain a shape of type `{}`", inner.plugin);
                 props.problems.push(Diagnostic::error(text, Some(nested.span)));
                 continue;

@@ -1,6 +1,7 @@
 //! Textures.
 
 use super::color::is_texture;
+use super::emitter::gamma;
 use super::object::{Class, ObjectIndex};
 use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
@@ -19,7 +20,7 @@ const TEXTURES: &[Plugin<ReadTexture>] = &[
     read("scale", scale),
     unsupported("mesh_attribute"),
     unsupported("volume"),
-    unsupported("gridtexture"),
+    read("gridtexture", grid),
     unsupported("vertexcolors"),
     unsupported("wireframe"),
     unsupported("curvature"),
@@ -91,18 +92,8 @@ fn bitmap<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureK
     let wrap_u = props.choice("wrap_mode_u", wrap, WRAP_MODES);
     let wrap_v = props.choice("wrap_mode_v", wrap, WRAP_MODES);
     let raw = props.boolean("raw", false);
-    let gamma = props.float("gamma", 0.0);
-    let encoding = match gamma {
-        _ if raw => TextureEncoding::Linear,
-        0.0 => TextureEncoding::Auto,
-        1.0 => TextureEncoding::Linear,
-        -1.0 => TextureEncoding::Srgb,
-        _ if gamma > 0.0 => TextureEncoding::Gamma(gamma),
-        _ => {
-            props.complain("gamma", format!("`gamma` must be positive, 0 or -1, not {gamma}"));
-            TextureEncoding::Auto
-        }
-    };
+    let gamma = gamma(props);
+    let encoding = if raw { TextureEncoding::Linear } else { gamma };
     let channels = ["r", "g", "b", "a", "x", "y", "z"].map(|name| (name, name.chars().next()));
     let channel = props.optional_choice("channel", &channels).flatten();
     let to_uv = to_uv(props, reader.dialect);
@@ -137,4 +128,13 @@ fn scale<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKi
         return None;
     };
     Some(TextureKind::Scale { value, factor })
+}
+
+fn grid<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKind> {
+    Some(TextureKind::Grid {
+        color0: reader.color_input(props, "color0", ColorSlot::Reflectance, 0.2),
+        color1: reader.color_input(props, "color1", ColorSlot::Reflectance, 0.4),
+        line_width: props.positive("line_width", 0.01),
+        to_uv: to_uv(props, reader.dialect),
+    })
 }

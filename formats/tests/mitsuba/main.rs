@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod language;
+mod lights;
 mod messages;
 mod plugins;
 mod robust;

@@ -22,3 +22,16 @@ impl Cubic {
         }
     }
 }
+
+/// pbrt's: the two units of the cubic on each side stretched to `radius`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretched {
+    pub cubic: Cubic,
+    pub radius: f64,
+}
+
+impl Stretched {
+    pub fn weight(&self, x: f64) -> f64 {
+        self.cubic.weight(2.0 * x / self.radius)
+    }
+}

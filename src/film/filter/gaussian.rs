@@ -14,3 +14,17 @@ impl Gaussian {
         (g(x) - g(self.radius())).max(0.0)
     }
 }
+
+/// pbrt's Gaussian: cut at `radius` and lowered so that it ends at zero there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truncated {
+    pub sigma: f64,
+    pub radius: f64,
+}
+
+impl Truncated {
+    pub fn weight(&self, x: f64) -> f64 {
+        let g = |x: f64| (-x * x / (2.0 * self.sigma * self.sigma)).exp();
+        (g(x) - g(self.radius)).max(0.0)
+    }
+}

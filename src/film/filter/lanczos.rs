@@ -1,5 +1,9 @@
 use std::f64::consts::PI;
 
+fn sinc(x: f64) -> f64 {
+    if x.abs() < 1e-9 { 1.0 } else { (PI * x).sin() / (PI * x) }
+}
+
 /// Sinc windowed by a wider sinc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanczos {
@@ -8,7 +12,19 @@ pub struct Lanczos {
 
 impl Lanczos {
     pub fn weight(&self, x: f64) -> f64 {
-        let sinc = |x: f64| if x.abs() < 1e-9 { 1.0 } else { (PI * x).sin() / (PI * x) };
         if x.abs() < f64::from(self.lobes) { sinc(x) * sinc(x / f64::from(self.lobes)) } else { 0.0 }
+    }
+}
+
+/// pbrt's: the window has its zero at `tau`, the support ends at `radius`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sinc {
+    pub tau: f64,
+    pub radius: f64,
+}
+
+impl Sinc {
+    pub fn weight(&self, x: f64) -> f64 {
+        if x.abs() > self.radius { 0.0 } else { sinc(x) * sinc(x / self.tau) }
     }
 }

@@ -7,9 +7,9 @@ mod gaussian;
 mod lanczos;
 mod polynomial;
 
-pub use cubic::Cubic;
-pub use gaussian::Gaussian;
-pub use lanczos::Lanczos;
+pub use cubic::{Cubic, Stretched};
+pub use gaussian::{Gaussian, Truncated};
+pub use lanczos::{Lanczos, Sinc};
 pub use polynomial::{Box, Tent};
 
 use crate::math::Vec2;
@@ -22,6 +22,10 @@ pub enum Shape {
     Gaussian(Gaussian),
     Cubic(Cubic),
     Lanczos(Lanczos),
+    /// pbrt's, which may be wider on one axis.
+    Truncated(Truncated),
+    Stretched(Stretched),
+    Sinc(Sinc),
 }
 
 impl Shape {
@@ -32,6 +36,9 @@ impl Shape {
             Self::Gaussian(f) => f.radius(),
             Self::Cubic(_) => 2.0,
             Self::Lanczos(f) => f64::from(f.lobes),
+            Self::Truncated(f) => f.radius,
+            Self::Stretched(f) => f.radius,
+            Self::Sinc(f) => f.radius,
         }
     }
 
@@ -42,6 +49,9 @@ impl Shape {
             Self::Gaussian(f) => f.weight(x),
             Self::Cubic(f) => f.weight(x),
             Self::Lanczos(f) => f.weight(x),
+            Self::Truncated(f) => f.weight(x),
+            Self::Stretched(f) => f.weight(x),
+            Self::Sinc(f) => f.weight(x),
         }
     }
 }
@@ -63,7 +73,13 @@ const CELLS: usize = 512;
 /// A filter ready for sampling.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    pub shape: Shape,
+    axes: [Axis; 2],
+}
+
+/// One axis of a filter.
+#[derive(Clone, Debug)]
+struct Axis {
+    shape: Shape,
     cdf: Vec<f32>,
     signs: Vec<f32>,
     /// For each of [`CELLS`] equal parts of u, the cell it begins in: the search is a step or two.
@@ -72,6 +88,30 @@ pub struct Filter {
 
 impl Filter {
     pub fn new(shape: Shape) -> Self {
+        Self::separable(shape, shape)
+    }
+
+    /// The product of two filters.
+    pub fn separable(x: Shape, y: Shape) -> Self {
+        Self { axes: [Axis::new(x), Axis::new(y)] }
+    }
+
+    /// Along x and along y.
+    pub fn shapes(&self) -> [Shape; 2] {
+        [self.axes[0].shape, self.axes[1].shape]
+    }
+
+    /// Offset from the pixel's centre and the weight of the sample; the mean weight is 1.
+    #[inline]
+    pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
+        let (x, wx) = self.axes[0].sample(u.x);
+        let (y, wy) = self.axes[1].sample(u.y);
+        (Vec2::new(x, y), wx * wy)
+    }
+}
+
+impl Axis {
+    fn new(shape: Shape) -> Self {
         let radius = shape.radius();
         let weights: Vec<f64> = (0..CELLS)
             .map(|i| shape.weight(((i as f64 + 0.5) / CELLS as f64 * 2.0 - 1.0) * radius))
@@ -93,18 +133,11 @@ impl Filter {
         Self { shape, cdf, signs, guide }
     }
 
-    /// Offset from the pixel's centre and the weight of the sample; the mean weight is 1.
     #[inline]
-    pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
+    fn sample(&self, u: f32) -> (f32, f32) {
         if let Shape::Box(b) = self.shape {
-            return ((u * 2.0 - Vec2::ONE) * b.radius as f32, 1.0);
+            return ((u * 2.0 - 1.0) * b.radius as f32, 1.0);
         }
-        let (x, wx) = self.axis(u.x);
-        let (y, wy) = self.axis(u.y);
-        (Vec2::new(x, y), wx * wy)
-    }
-
-    fn axis(&self, u: f32) -> (f32, f32) {
         let mut i = usize::from(self.guide[((u * CELLS as f32) as usize).min(CELLS - 1)]);
         while i < CELLS - 1 && self.cdf[i + 1] <= u {
             i += 1;
@@ -124,12 +157,17 @@ mod tests {
     /// support into at least 512 cells, so they agree to (radius/512)².
     #[test]
     fn samples_have_the_filters_mean_weight_and_second_moment() {
-        for (name, shape) in NAMES {
-            let filter = Filter::new(shape);
+        let pbrt = [
+            ("truncated", Shape::Truncated(Truncated { sigma: 0.5, radius: 1.5 })),
+            ("stretched", Shape::Stretched(Stretched { cubic: Cubic { b: 0.3, c: 0.3 }, radius: 1.2 })),
+            ("sinc", Shape::Sinc(Sinc { tau: 3.0, radius: 4.0 })),
+        ];
+        for (name, shape) in NAMES.into_iter().chain(pbrt) {
+            let filter = Axis::new(shape);
             let n = 1 << 16;
             let (mut mass, mut square) = (0.0f64, 0.0f64);
             for i in 0..n {
-                let (x, w) = filter.axis((i as f32 + 0.5) / n as f32);
+                let (x, w) = filter.sample((i as f32 + 0.5) / n as f32);
                 mass += f64::from(w) / f64::from(n);
                 square += f64::from(w * x * x) / f64::from(n);
             }

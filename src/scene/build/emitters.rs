@@ -1,9 +1,11 @@
 //! Emitters that are not shapes.
 
+mod pictured;
+
 use caustica_formats::ir::{self, ColorSlot, EmitterKind};
 
-use super::Builder;
-use crate::emitter::{Constant, Directional, Emitter, Point, Spot};
+use super::{Builder, analytic};
+use crate::emitter::{Constant, Directional, Emitter, Environment, EnvironmentMapping, Falloff, Point, Spot};
 use crate::math::{Frame, Vec3};
 
 fn vec3(v: [f64; 3]) -> Vec3 {
@@ -26,24 +28,26 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
                 position: relative(*position),
                 intensity: b.color(intensity, ColorSlot::Emission, at),
             }),
-            EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, texture, .. } => {
-                let axes =
-                    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|a| unit(to_world.vector(a)));
-                let [Some(s), Some(t), Some(n)] = axes else {
-                    b.error("the spot's to_world is singular", at);
-                    continue;
-                };
-                if !(*cutoff_angle > 0.0 && *cutoff_angle < 90.0 && *beam_width >= 0.0) {
-                    b.error("a spot's cutoff angle must lie between 0 and 90 degrees", at);
+            EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, texture, falloff } => {
+                let Some(frame) = axes(b, to_world, "the spot", at) else { continue };
+                // A texture is thrown onto a plane.
+                let widest = if texture.is_some() { 90.0 } else { 180.0 };
+                if !(*cutoff_angle > 0.0 && *cutoff_angle < widest && *beam_width >= 0.0) {
+                    let text = format!("this spot's cutoff angle must lie between 0 and {widest} degrees");
+                    b.error(text, at);
                     continue;
                 }
                 let texture = texture.map(|t| b.param(&ir::ColorInput::Texture(t), ColorSlot::Emission, at));
                 Emitter::Spot(Spot {
                     position: relative(to_world.point([0.0; 3])),
-                    frame: Frame { s, t, n },
+                    frame,
                     intensity: b.color(intensity, ColorSlot::Emission, at),
                     cutoff: cutoff_angle.to_radians() as f32,
                     beam: beam_width.min(*cutoff_angle).to_radians() as f32,
+                    falloff: match falloff {
+                        ir::SpotFalloff::Linear => Falloff::Linear,
+                        ir::SpotFalloff::Smoothstep => Falloff::Smoothstep,
+                    },
                     texture,
                 })
             }
@@ -64,12 +68,64 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
                 environment = Some(emitters.len() as u32);
                 Emitter::Constant(Constant { radiance: b.color(radiance, ColorSlot::Emission, at) })
             }
-            _ => {
-                b.unsupported("this emitter", "nothing", at);
-                continue;
+            EmitterKind::Environment { to_world, image, mapping } => {
+                if environment.is_some() {
+                    b.error("a scene may have one environment light only", at);
+                }
+                let Some(light) = picture_environment(b, to_world, image, *mapping, at) else { continue };
+                environment = Some(emitters.len() as u32);
+                Emitter::Environment(Box::new(light))
+            }
+            kind => {
+                let position = |m: &ir::Transform| relative(m.point([0.0; 3]));
+                let Some(light) = pictured::build(b, kind, position, at) else { continue };
+                light
             }
         };
         emitters.push(emitter);
     }
     environment
+}
+
+/// The turned (and perhaps mirrored) axes of a light that has directions.
+fn axes(b: &mut Builder<'_>, to_world: &ir::Transform, what: &str, at: ir::Origin) -> Option<Frame> {
+    if !analytic::is_similarity(to_world) {
+        b.error(format!("the to_world of {what} may turn and mirror it, but not stretch it"), at);
+        return None;
+    }
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|a| unit(to_world.vector(a)));
+    let [Some(s), Some(t), Some(n)] = axes else {
+        b.error(format!("the to_world of {what} is singular"), at);
+        return None;
+    };
+    Some(Frame { s, t, n })
+}
+
+fn picture_environment(
+    b: &mut Builder<'_>,
+    to_world: &ir::Transform,
+    image: &ir::LightImage,
+    mapping: ir::EnvironmentMapping,
+    at: ir::Origin,
+) -> Option<Environment> {
+    let axes = axes(b, to_world, "the environment", at)?;
+    let picture = b.light_image(image, at)?;
+    let mapping = match mapping {
+        ir::EnvironmentMapping::LatLong => EnvironmentMapping::LatLong,
+        ir::EnvironmentMapping::EqualArea => EnvironmentMapping::EqualArea,
+    };
+    if mapping == EnvironmentMapping::EqualArea && picture.width != picture.height {
+        let size = format!("{}×{}", picture.width, picture.height);
+        b.error(
+            format!("an equal-area environment must be square, but `{}` is {size}", image.path.display()),
+            at,
+        );
+        return None;
+    }
+    let mut light = Environment::new(picture, mapping, axes);
+    if let Some(wanted) = image.illuminance {
+        // pbrt multiplies its illuminance by the scale.
+        light.set_illuminance((wanted * image.scale) as f32);
+    }
+    Some(light)
 }

@@ -1,11 +1,15 @@
 //! IR → [`Scene`]. Everything that can fail fails here, with the place in the author's file; all
 //! problems are listed at once.
 
+mod alpha;
 mod analytic;
 mod builtin;
 mod emitters;
 mod integrator;
+mod lamps;
+mod light_image;
 mod materials;
+mod partial;
 mod sensor;
 mod shapes;
 mod textures;
@@ -86,6 +90,8 @@ impl Builder<'_> {
 /// # Errors
 /// Every problem found: missing or broken meshes and textures, unsupported features, no sensor.
 pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result<Built, Vec<Diagnostic>> {
+    let masked = alpha::into_masks(ir);
+    let ir = masked.as_ref();
     let mut b = Builder {
         ir,
         files,

@@ -1,18 +1,21 @@
 //! Shapes → world-space primitives, instances and area emitters.
 
+mod extent;
+
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use caustica_formats::ir::{self, ColorSlot, ShapeKind, Transform};
+use caustica_formats::ir::{self, ShapeKind, Transform};
 use caustica_formats::mesh::{self, Mesh, MeshOptions};
 use rayon::prelude::*;
 
-use super::{Builder, analytic, builtin};
-use crate::emitter::{Area, Emitter, MeshTriangle, SceneSphere, Surface};
+use super::{Builder, analytic, builtin, partial};
+use crate::emitter::{Emitter, MeshTriangle, SceneSphere, Surface};
 use crate::math::{Bounds, Vec2, Vec3};
 use crate::scene::geometry::{Geometry, Instance, Level, MAX_INDEX, Placement, Primitive};
 use crate::scene::{LIFT, ShapeRecord};
 use crate::shape::{Analytic, triangle};
+use extent::middle;
 
 /// What the shapes of a scene become.
 pub struct Shapes {
@@ -69,9 +72,13 @@ pub fn build(b: &mut Builder<'_>) -> Shapes {
         let group = match &shape.kind {
             ShapeKind::Instance { group } => group.index() as u32,
             // A stretched quadric is the plain one seen through an instance.
-            kind if analytic::is_quadric(kind) && !analytic::is_similarity(&shape.to_world) => {
+            // A sphere that shines becomes a mesh instead, because instances cannot.
+            kind if analytic::is_quadric(kind)
+                && !analytic::is_similarity(&shape.to_world)
+                && !(shape.emission.is_some() && matches!(kind, ShapeKind::Sphere { .. })) =>
+            {
                 if let Some(e) = &shape.emission {
-                    b.error("a sphere or cylinder that is not scaled evenly cannot emit light", e.origin);
+                    b.error("a cylinder that is not scaled evenly cannot emit light", e.origin);
                 }
                 let mut g = LevelBuilder::default();
                 add_shape(b, &meshes, shape, &Transform::IDENTITY, &mut g, &mut records, None);
@@ -151,63 +158,6 @@ fn load_meshes(b: &mut Builder<'_>) -> Meshes {
     meshes
 }
 
-/// Middle of the scene's bounds in the author's coordinates, in f64.
-fn middle(b: &Builder<'_>, meshes: &Meshes) -> [f64; 3] {
-    let mut min = [f64::INFINITY; 3];
-    let mut max = [f64::NEG_INFINITY; 3];
-    let mut add = |p: [f64; 3]| {
-        for i in 0..3 {
-            min[i] = min[i].min(p[i]);
-            max[i] = max[i].max(p[i]);
-        }
-    };
-    for shape in &b.ir.shapes {
-        let m = &shape.to_world;
-        match &shape.kind {
-            ShapeKind::Mesh(file) => {
-                if let Some(Some(mesh)) = meshes.get(&cache_key(file)) {
-                    mesh.positions.iter().for_each(|p| add(m.point(p.map(f64::from))));
-                }
-            }
-            ShapeKind::Instance { group } => {
-                for inner in &b.ir.groups[*group].shapes {
-                    let both = m.after(&inner.to_world);
-                    corners(&inner.kind, meshes).into_iter().for_each(|p| add(both.point(p)));
-                }
-            }
-            kind => corners(kind, meshes).into_iter().for_each(|p| add(m.point(p))),
-        }
-    }
-    std::array::from_fn(|i| {
-        let c = 0.5 * (min[i] + max[i]);
-        if c.is_finite() { c } else { 0.0 }
-    })
-}
-
-/// Points whose hull contains the shape, in object space.
-fn corners(kind: &ShapeKind, meshes: &Meshes) -> Vec<[f64; 3]> {
-    let around = |lo: [f64; 3], hi: [f64; 3]| {
-        (0..8).map(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { lo[a] } else { hi[a] })).collect()
-    };
-    match kind {
-        ShapeKind::Mesh(file) => match meshes.get(&cache_key(file)) {
-            Some(Some(mesh)) => mesh.positions.iter().map(|p| p.map(f64::from)).collect(),
-            _ => Vec::new(),
-        },
-        ShapeKind::Sphere { center, radius } => {
-            around(center.map(|c| c - radius.abs()), center.map(|c| c + radius.abs()))
-        }
-        ShapeKind::Cylinder { p0, p1, radius } => around(
-            std::array::from_fn(|i| p0[i].min(p1[i]) - radius.abs()),
-            std::array::from_fn(|i| p0[i].max(p1[i]) + radius.abs()),
-        ),
-        ShapeKind::Rectangle | ShapeKind::Disk => around([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]),
-        ShapeKind::Cube => around([-1.0; 3], [1.0; 3]),
-        ShapeKind::Inline(mesh) => mesh.positions.iter().map(|p| p.map(f64::from)).collect(),
-        ShapeKind::Instance { .. } | ShapeKind::Partial(_) => Vec::new(),
-    }
-}
-
 #[derive(Default)]
 struct LevelBuilder {
     primitives: Vec<Primitive>,
@@ -253,9 +203,21 @@ fn add_shape(
             };
             Some(&built)
         }
-        ShapeKind::Partial(_) => {
-            b.unsupported("this kind of shape", "nothing", shape.origin);
-            return;
+        ShapeKind::Sphere { center, radius } if !analytic::is_similarity(to_level) => {
+            let Some(mesh) = partial::sphere(*center, *radius, to_level.determinant3() < 0.0) else {
+                b.error("the sphere has no radius", shape.origin);
+                return;
+            };
+            built = mesh;
+            Some(&built)
+        }
+        ShapeKind::Partial(quadric) => {
+            let Some(mesh) = partial::mesh(quadric, to_level.determinant3() < 0.0) else {
+                b.error("nothing is left of this shape: its cuts meet", shape.origin);
+                return;
+            };
+            built = mesh;
+            Some(&built)
         }
         ShapeKind::Rectangle => {
             built = builtin::rectangle(to_level.determinant3() < 0.0);
@@ -289,7 +251,6 @@ fn add_shape(
         }
     };
     if let (Some(emission), Some(surface), Some(emitters)) = (&shape.emission, surface, emitters) {
-        let radiance = b.param(&emission.radiance, ColorSlot::Emission, emission.origin);
         let extent = match &surface {
             Surface::Mesh { triangles, .. } => triangles
                 .iter()
@@ -298,10 +259,10 @@ fn add_shape(
                 .fold(0.0, f32::max),
             Surface::Analytic(a) => a.bounds().magnitude(),
         };
-        let area = Area::new(surface, radiance, extent * LIFT);
-        if area.area() > 0.0 {
-            record.emitter = Some(emitters.len() as u32);
-            emitters.push(Emitter::Area(area));
+        if surface.area() > 0.0 {
+            let lamp = b.lamp(emission, surface, extent * LIFT);
+            record.emitter = lamp.is_some().then_some(emitters.len() as u32);
+            emitters.extend(lamp);
         } else {
             b.warn("a lamp without area gives no light", shape.origin);
         }

@@ -7,7 +7,9 @@ use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
 use super::Builder;
 use crate::math::Rgb;
-use crate::texture::{Bitmap, Checkerboard, Param, Texture, Textures, UvTransform, Wrap};
+use crate::texture::{
+    Bilerp, Bitmap, Checkerboard, Grid, Mix, Param, Texture, Textures, UnitChecks, UvTransform, Wrap,
+};
 
 #[derive(Default)]
 pub struct TextureTable {
@@ -18,6 +20,11 @@ pub struct TextureTable {
 impl TextureTable {
     pub fn finish(self) -> Textures {
         self.textures
+    }
+
+    /// Those that were built already.
+    pub fn so_far(&self) -> &Textures {
+        &self.textures
     }
 
     fn push(&mut self, texture: Texture) -> Param {
@@ -37,7 +44,28 @@ impl Builder<'_> {
     pub(super) fn scalar_param(&mut self, input: &FloatInput) -> Param {
         match input {
             FloatInput::Value(v) => Param::gray(*v as f32),
-            FloatInput::Texture(id) => self.texture(*id, ColorSlot::Reflectance),
+            FloatInput::Texture(id) => match &self.ir.textures[*id].kind {
+                // Mitsuba 3.9.1 exchanges the colours of a checkerboard where it wants one number; its
+                // pictures are matched.
+                ir::TextureKind::Checkerboard { color0, color1, to_uv }
+                    if self.ir.spectrum_rule == ir::SpectrumRule::Mitsuba3 =>
+                {
+                    let origin = self.ir.textures[*id].origin;
+                    let colors = [color1, color0].map(|c| self.param(c, ColorSlot::Reflectance, origin));
+                    let to_uv = uv_transform(to_uv);
+                    self.textures.push(Texture::Checkerboard(Checkerboard { colors, to_uv }))
+                }
+                _ => self.texture(*id, ColorSlot::Reflectance),
+            },
+        }
+    }
+
+    /// `param` times `factor`.
+    pub(super) fn scaled(&mut self, param: Param, factor: f32) -> Param {
+        match param {
+            Param::Constant(c) => Param::Constant(c * factor),
+            Param::Texture(_) if factor == 1.0 => param,
+            Param::Texture(_) => self.textures.push(Texture::Scaled(param, Rgb::splat(factor))),
         }
     }
 
@@ -64,14 +92,29 @@ impl Builder<'_> {
                     (inner, Param::Constant(factor)) | (Param::Constant(factor), inner) => {
                         self.textures.push(Texture::Scaled(inner, factor))
                     }
-                    (inner, Param::Texture(_)) => {
-                        self.unsupported("a texture scaled by a texture", "the unscaled one", origin);
-                        inner
-                    }
+                    (a, b) => self.textures.push(Texture::Product(a, b)),
                 }
             }
-            _ => {
-                self.unsupported("this kind of texture", "gray 0.5", origin);
+            ir::TextureKind::Grid { color0, color1, line_width, to_uv } => {
+                let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
+                let (line, to_uv) = (*line_width as f32, uv_transform(to_uv));
+                self.textures.push(Texture::Grid(Grid { colors, line, to_uv }))
+            }
+            ir::TextureKind::Mix { first, second, amount: ir::MixAmount::Input(amount) } => {
+                let inputs = [self.param(first, slot, origin), self.param(second, slot, origin)];
+                let amount = self.scalar_param(amount);
+                self.textures.push(Texture::Mix(Mix { inputs, amount }))
+            }
+            ir::TextureKind::Bilerp { corners, mapping: ir::Mapping::Uv(to_uv) } => {
+                let corners = std::array::from_fn(|i| self.color(&corners[i], slot, origin));
+                self.textures.push(Texture::Bilerp(Bilerp { corners, to_uv: uv_transform(to_uv) }))
+            }
+            ir::TextureKind::MappedCheckerboard { color0, color1, mapping: ir::Mapping::Uv(to_uv) } => {
+                let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
+                self.textures.push(Texture::UnitChecks(UnitChecks { colors, to_uv: uv_transform(to_uv) }))
+            }
+            other => {
+                self.unsupported(unrendered(other), "gray 0.5", origin);
                 Param::gray(0.5)
             }
         };
@@ -106,10 +149,13 @@ impl Builder<'_> {
             self.unsupported("a texture mapped otherwise than by uv", "gray 0.5", origin);
             return None;
         };
+        let scale = b.scale as f32;
+        // pbrt scales before it inverts.
+        let adjust = |x: f32| if b.invert { (1.0 - x * scale).max(0.0) } else { x * scale };
         let texels = picture
             .data
             .chunks_exact(picture.channels.len())
-            .map(|p| channels.map(|c| decode(p[c])))
+            .map(|p| channels.map(|c| adjust(decode(p[c]))))
             .collect();
         Some(Bitmap {
             width: picture.width,
@@ -122,8 +168,19 @@ impl Builder<'_> {
     }
 }
 
+/// Names of what [`Builder::texture`] cannot build.
+fn unrendered(kind: &ir::TextureKind) -> &'static str {
+    match kind {
+        ir::TextureKind::MeshAttribute { .. } => "a texture from an attribute of the mesh",
+        ir::TextureKind::Mix { .. } => "a mixture of textures by direction",
+        ir::TextureKind::Dots { .. } => "the texture `dots`",
+        ir::TextureKind::Noise { .. } => "a noise texture",
+        _ => "a texture mapped otherwise than by uv",
+    }
+}
+
 /// Indices of the channels to use as RGB. Alpha is dropped without un-premultiplying, as Mitsuba does.
-fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]> {
+pub(super) fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]> {
     let find = |wanted: &str| names.iter().position(|n| n.eq_ignore_ascii_case(wanted));
     if let Some(c) = one {
         return find(&c.to_string()).map(|i| [i; 3]);
@@ -134,7 +191,7 @@ fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]> {
     }
 }
 
-fn decoder(wanted: ir::TextureEncoding, stored: Encoding) -> impl Fn(f32) -> f32 {
+pub(super) fn decoder(wanted: ir::TextureEncoding, stored: Encoding) -> impl Fn(f32) -> f32 {
     let srgb = |x: f32| caustica_formats::spectrum::srgb_to_linear(f64::from(x)) as f32;
     move |x| match (wanted, stored) {
         (ir::TextureEncoding::Auto, Encoding::Srgb) | (ir::TextureEncoding::Srgb, _) => srgb(x),

@@ -1,0 +1,57 @@
+use std::f32::consts::PI;
+
+use super::table::Table;
+use super::{DirectSample, Emission, Picture, equal_area};
+use crate::math::{Frame, Rgb, Vec2, Vec3};
+
+/// A point light whose intensity is scaled by the nearest pixel of an equal-area picture around it.
+#[derive(Clone, Debug)]
+pub struct Goniometric {
+    pub position: Vec3,
+    /// Orthonormal, possibly mirroring; `n` points to the middle of the picture.
+    axes: Frame,
+    /// W/sr where the picture is 1.
+    intensity: Rgb,
+    /// Gray.
+    picture: Picture,
+    table: Table,
+}
+
+impl Goniometric {
+    /// Of the picture, the mean of the channels counts.
+    pub fn new(position: Vec3, axes: Frame, intensity: Rgb, picture: &Picture) -> Self {
+        let (w, h) = (picture.width, picture.height);
+        let gray = |i: usize| [picture.texel(i % w, i / w).element_sum() / 3.0; 3];
+        let picture = Picture::new(w, h, (0..w * h).map(gray).collect());
+        let table = Table::new(w, h, |x, y| f64::from(picture.texel(x, y).x));
+        Self { position, axes, intensity, picture, table }
+    }
+
+    pub fn sample_direct(&self, p: Vec3) -> Option<DirectSample> {
+        let d = self.position - p;
+        let d2 = d.length_squared();
+        let dir = d / d2.sqrt();
+        let uv = equal_area::to_square(self.axes.to_local(-dir));
+        let [x, y] = self.picture.at(uv.x, uv.y);
+        let value = self.intensity * (self.picture.texel(x, y).x / d2);
+        (d2 > 0.0 && value.max_element() > 0.0).then_some(DirectSample {
+            dir,
+            target: Some(self.position),
+            value,
+            pdf: 0.0,
+        })
+    }
+
+    pub fn sample_emission(&self, direction: Vec2) -> Option<Emission> {
+        let (x, y, rest) = self.table.sample(direction);
+        let size = Vec2::new(self.picture.width as f32, self.picture.height as f32);
+        let local = equal_area::to_direction((Vec2::new(x as f32, y as f32) + rest) / size);
+        let flux = self.power();
+        (flux.max_element() > 0.0).then(|| Emission { o: self.position, d: self.axes.to_world(local), flux })
+    }
+
+    pub fn power(&self) -> Rgb {
+        let pixels = (self.picture.width * self.picture.height) as f64;
+        self.intensity * (4.0 * PI * (self.table.total() / pixels) as f32)
+    }
+}

@@ -1,0 +1,46 @@
+use crate::math::{Rgb, luminance};
+
+/// The picture of an emitter: linear, row 0 at the top.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    pub width: usize,
+    pub height: usize,
+    texels: Vec<[f32; 3]>,
+}
+
+impl Picture {
+    /// Light is neither negative nor infinite: such texels become black.
+    pub fn new(width: usize, height: usize, mut texels: Vec<[f32; 3]>) -> Self {
+        for value in texels.iter_mut().flatten() {
+            *value = if value.is_finite() { value.max(0.0) } else { 0.0 };
+        }
+        Self { width, height, texels }
+    }
+
+    #[inline]
+    pub fn texel(&self, x: usize, y: usize) -> Rgb {
+        Rgb::from(self.texels[y * self.width + x])
+    }
+
+    pub fn luminance(&self, x: usize, y: usize) -> f32 {
+        luminance(self.texel(x, y))
+    }
+
+    pub fn scale(&mut self, factor: f32) {
+        self.texels.iter_mut().flatten().for_each(|v| *v *= factor);
+    }
+
+    /// The texel that holds a point of the unit square, row 0 at v = 0.
+    #[inline]
+    pub fn at(&self, u: f32, v: f32) -> [usize; 2] {
+        // The cast saturates: negative and NaN give 0.
+        [
+            ((u * self.width as f32) as usize).min(self.width - 1),
+            ((v * self.height as f32) as usize).min(self.height - 1),
+        ]
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.texels.as_slice())
+    }
+}

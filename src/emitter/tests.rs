@@ -1,0 +1,108 @@
+//! Laws of the emitters that no Mitsuba scene can ask for.
+
+use super::*;
+use crate::math::Frame;
+use crate::sampling::warp;
+use crate::shape::{Analytic, Sphere};
+use crate::texture::Param;
+
+const SCENE: SceneSphere = SceneSphere { center: Vec3::ZERO, radius: 5.0 };
+
+fn picture(side: usize) -> Picture {
+    let texel = |i: usize| [(i % 3) as f32, 0.5, if i == 4 { 9.0 } else { 0.1 }];
+    Picture::new(side, side, (0..side * side).map(texel).collect())
+}
+
+fn axes() -> Frame {
+    let f = Frame::from_normal(Vec3::new(0.2, 0.9, -0.4).normalize());
+    Frame { s: -f.s, ..f }
+}
+
+fn frustum() -> Frustum {
+    Frustum { position: Vec3::new(0.3, 0.1, -0.2), axes: axes(), half: Vec2::new(0.8, 0.4) }
+}
+
+fn square(n: usize) -> impl Iterator<Item = Vec2> {
+    (0..n * n).map(move |i| (Vec2::new((i % n) as f32, (i / n) as f32) + 0.5) / n as f32)
+}
+
+/// Mean flux of the samples, over places and directions.
+fn emitted(e: &Emitter) -> Rgb {
+    let n = 256;
+    let mut sum = [0.0f64; 3];
+    for (i, u) in square(n).enumerate() {
+        let place = Vec2::new((i as f32 * 0.618_034).fract(), (i as f32 * 0.754_877_7).fract());
+        if let Some(s) = e.sample_emission(&Textures::default(), &SCENE, place, u) {
+            (0..3).for_each(|c| sum[c] += f64::from(s.flux[c]));
+        }
+    }
+    Rgb::from(sum.map(|s| (s / (n * n) as f64) as f32))
+}
+
+fn close(what: &str, a: Rgb, b: Rgb, bound: f32) {
+    assert!((a - b).abs().max_element() <= bound * b.max_element(), "{what}: {a} against {b}");
+}
+
+/// The power is what the samples carry (256² stratified ones, in pictures of a few texels: to a percent),
+/// and for a light at a place what it shines through a sphere around it. There 512² directions miss the
+/// edges of texels and of the frustum by one in 256.
+#[test]
+fn photons_and_direct_light_have_the_same_power() {
+    let sphere = |inward| {
+        let to_object = axes();
+        Surface::Analytic(Analytic::Sphere(Sphere { center: Vec3::X, radius: 0.5, to_object, inward }))
+    };
+    let radiance = Param::Constant(Rgb::new(1.0, 2.0, 3.0));
+    let lamp =
+        |inward, sides| Emitter::Area(Area::new(sphere(inward), radiance, sides, 1e-6, &Textures::default()));
+    let projector = Projector { frustum: frustum(), irradiance: radiance };
+    let projection = |power| Emitter::Projection(Box::new(Projection::new(frustum(), picture(3), power)));
+    let gonio = Goniometric::new(Vec3::new(0.0, 0.5, 0.0), axes(), Rgb::new(3.0, 2.0, 1.0), &picture(4));
+    let rows = [
+        ("projector", Emitter::Projector(projector), Some(frustum().position)),
+        ("projection", projection(None), Some(frustum().position)),
+        ("projection of 7 W", projection(Some(7.0)), Some(frustum().position)),
+        ("goniometric", Emitter::Goniometric(Box::new(gonio)), Some(Vec3::new(0.0, 0.5, 0.0))),
+        ("lamp", lamp(false, Sides::Front), None),
+        ("two-sided", lamp(true, Sides::Both), None),
+    ];
+    for (what, e, place) in rows {
+        let power = e.power(&Textures::default(), &SCENE);
+        close(what, emitted(&e), power, 0.01);
+        if what.ends_with("7 W") {
+            assert!((crate::math::luminance(power) - 7.0).abs() < 1e-4);
+        }
+        let Some(place) = place else { continue };
+        let n = 512;
+        let mut around = [0.0f64; 3];
+        for u in square(n) {
+            let p = place + warp::sphere(u) * 2.0;
+            if let Some(s) = e.sample_direct(&Textures::default(), p, Vec2::ZERO) {
+                (0..3).for_each(|c| around[c] += f64::from(s.value[c]) * 4.0);
+            }
+        }
+        let solid = 4.0 * std::f64::consts::PI / (n * n) as f64;
+        close(what, Rgb::from(around.map(|a| (a * solid) as f32)), power, 0.02);
+    }
+}
+
+/// A sphere that shines both ways sends the same light outside as one that faces outwards, and the
+/// inside of it sees radiance L all around: ∫L dω = 4πL.
+#[test]
+fn both_sides_of_a_lamp_are_sampled() {
+    let to_object = axes();
+    for inward in [false, true] {
+        let shape = Analytic::Sphere(Sphere { center: Vec3::ZERO, radius: 1.0, to_object, inward });
+        let radiance = Param::gray(2.0);
+        let lamp = Area::new(Surface::Analytic(shape), radiance, Sides::Both, 1e-6, &Textures::default());
+        for (p, solid) in [
+            (Vec3::new(0.2, -0.3, 0.1), 4.0 * std::f32::consts::PI),
+            // 1 − cos of the cone of a unit sphere at distance 2 is 1 − √3/2.
+            (Vec3::new(2.0, 0.0, 0.0), 2.0 * std::f32::consts::PI * (1.0 - 0.75f32.sqrt())),
+        ] {
+            let samples = square(64).map(|u| lamp.sample_direct(&Textures::default(), p, u));
+            let sum: f32 = samples.map(|s| s.map_or(0.0, |s| s.value.x)).sum();
+            assert!((sum / 4096.0 / (2.0 * solid) - 1.0).abs() < 0.005, "{inward} {p}: {}", sum / 4096.0);
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! How far the author's scene reaches, before anything is placed.
+
+use caustica_formats::ir::{PartialQuadric, ShapeKind};
+
+use super::super::Builder;
+use super::{Meshes, cache_key};
+
+/// Middle of the scene's bounds in the author's coordinates, in f64.
+pub fn middle(b: &Builder<'_>, meshes: &Meshes) -> [f64; 3] {
+    let mut min = [f64::INFINITY; 3];
+    let mut max = [f64::NEG_INFINITY; 3];
+    let mut add = |p: [f64; 3]| {
+        for i in 0..3 {
+            min[i] = min[i].min(p[i]);
+            max[i] = max[i].max(p[i]);
+        }
+    };
+    for shape in &b.ir.shapes {
+        let m = &shape.to_world;
+        match &shape.kind {
+            ShapeKind::Mesh(file) => {
+                if let Some(Some(mesh)) = meshes.get(&cache_key(file)) {
+                    mesh.positions.iter().for_each(|p| add(m.point(p.map(f64::from))));
+                }
+            }
+            ShapeKind::Instance { group } => {
+                for inner in &b.ir.groups[*group].shapes {
+                    let both = m.after(&inner.to_world);
+                    corners(&inner.kind, meshes).into_iter().for_each(|p| add(both.point(p)));
+                }
+            }
+            kind => corners(kind, meshes).into_iter().for_each(|p| add(m.point(p))),
+        }
+    }
+    std::array::from_fn(|i| {
+        let c = 0.5 * (min[i] + max[i]);
+        if c.is_finite() { c } else { 0.0 }
+    })
+}
+
+/// Points whose hull contains the shape, in object space.
+fn corners(kind: &ShapeKind, meshes: &Meshes) -> Vec<[f64; 3]> {
+    let around = |lo: [f64; 3], hi: [f64; 3]| {
+        (0..8).map(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { lo[a] } else { hi[a] })).collect()
+    };
+    match kind {
+        ShapeKind::Mesh(file) => match meshes.get(&cache_key(file)) {
+            Some(Some(mesh)) => mesh.positions.iter().map(|p| p.map(f64::from)).collect(),
+            _ => Vec::new(),
+        },
+        ShapeKind::Sphere { center, radius } => {
+            around(center.map(|c| c - radius.abs()), center.map(|c| c + radius.abs()))
+        }
+        ShapeKind::Cylinder { p0, p1, radius } => around(
+            std::array::from_fn(|i| p0[i].min(p1[i]) - radius.abs()),
+            std::array::from_fn(|i| p0[i].max(p1[i]) + radius.abs()),
+        ),
+        ShapeKind::Rectangle | ShapeKind::Disk => around([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]),
+        ShapeKind::Cube => around([-1.0; 3], [1.0; 3]),
+        ShapeKind::Inline(mesh) => mesh.positions.iter().map(|p| p.map(f64::from)).collect(),
+        ShapeKind::Partial(quadric) => {
+            let (radius, low, high) = match *quadric {
+                PartialQuadric::Sphere { radius, z_min, z_max, .. }
+                | PartialQuadric::Cylinder { radius, z_min, z_max, .. } => (radius, z_min, z_max),
+                PartialQuadric::Disk { height, radius, .. } => (radius, height, height),
+            };
+            around([-radius, -radius, low], [radius, radius, high])
+        }
+        ShapeKind::Instance { .. } => Vec::new(),
+    }
+}

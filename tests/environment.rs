@@ -1,0 +1,82 @@
+//! Light from infinity by a picture.
+
+use std::f64::consts::PI;
+
+use caustica::scene::Scene;
+
+use crate::support::{
+    ALL, Estimate, UP, assert_agree, camera, diffuse, picture, rectangle, render, scene_with_bytes, sphere,
+};
+
+fn lit(picture: Vec<u8>, turn: &str, body: &str) -> Scene {
+    let light = format!(
+        "<emitter type='envmap'><string name='filename' value='sky.pfm'/>
+         <transform name='to_world'>{turn}</transform></emitter>"
+    );
+    scene_with_bytes(&format!("{body}{light}"), vec![("sky.pfm", picture)])
+}
+
+/// A dim sky with a small sun, sixty degrees above the horizon.
+fn sky() -> Vec<u8> {
+    picture(
+        24,
+        |x, y| match (x, y) {
+            (5, 2) => [60.0, 50.0, 30.0],
+            (_, 0..=6) => [0.2, 0.3, 0.6],
+            _ => [0.1, 0.08, 0.05],
+        },
+        12,
+    )
+}
+
+/// The camera looks at the empty sky: +Z is the middle of the picture, and `to_world` turns it.
+#[test]
+fn the_background_is_the_picture() {
+    let columns = || picture(8, |x, _| [x as f32; 3], 5);
+    // Four columns either side of the middle of a wide view along ±z: the middle lies between 3 and 4.
+    for (turn, target, expected) in [
+        ("", "0,0,1", 3.5),
+        ("<rotate y='1' angle='90'/>", "1,0,0", 3.5),
+        ("", "1,0,0", 1.5),
+        ("", "-1,0,0", 5.5),
+    ] {
+        let scene = lit(columns(), turn, &camera("0,0,0", target, 0.5, 1));
+        // A quarter of a degree either way is 6e-3 of a column.
+        let seen = render(&scene, &[("integrator", "path")], 16).beauty(0);
+        assert_agree(&format!("{turn} {target}"), seen, Estimate::exact(expected), 0.005);
+    }
+}
+
+/// A diffuse plane under a sky of radiance 1 + y reflects ρ∫(1 + cosθ)cosθ dω/π = ρ(1 + 2/3). The
+/// picture has linear steps of v, so its 65 rows stand for the cosine to (π/64)²/8 = 3e-4.
+#[test]
+fn irradiance_of_a_gradient_is_exact() {
+    let gradient = picture(4, |_, y| [1.0 + (PI * y as f64 / 64.0).cos() as f32; 3], 65);
+    let floor = rectangle(50.0, UP, &diffuse("0.5"));
+    let scene = lit(gradient, "", &format!("{}{floor}", camera("0,10,0.0001", "0,0,0", 0.011, 1)));
+    let expected = Estimate::exact(0.5 * (1.0 + 2.0 / 3.0));
+    for (integrator, passes) in [("path", 4096), ("photonmap", 4096)] {
+        let got = render(&scene, &[("integrator", integrator), ("max_depth", "2")], passes);
+        assert_agree(integrator, got.beauty(0), expected, 0.004);
+    }
+}
+
+/// The sun's light between a sphere and a floor by photons, with and without next event estimation,
+/// against path tracing. The disc of the density estimate reaches over the rim of the contact shadow:
+/// what bias is left is within a fraction of a percent of the mean of a picture far larger than the discs.
+#[test]
+fn photons_and_paths_agree() {
+    let floor = rectangle(3.0, UP, &diffuse("0.6,0.5,0.4"));
+    let ball = sphere("0,1,0", 1.0, &diffuse("0.3,0.6,0.7"));
+    let view = camera("0,4,7", "0,0.5,0", 35.0, 24);
+    let scene = lit(sky(), "<rotate y='1' angle='30'/>", &format!("{view}{floor}{ball}"));
+    let path = render(&scene, &[("integrator", "path"), ("max_depth", "5")], 1024);
+    for nee in ["true", "false"] {
+        let settings = [("max_depth", "5"), ("nee", nee), ("photons", "40000"), ("radius", "0.06")];
+        let mapped = render(&scene, &settings, 512);
+        for c in 0..3 {
+            let what = format!("nee {nee}, channel {c}");
+            assert_agree(&what, mapped.estimate(ALL, c), path.estimate(ALL, c), 0.012);
+        }
+    }
+}
