@@ -53,6 +53,9 @@ pub struct CameraSample {
 pub trait Integrator: Sync {
     type Pass: Sync + Send;
 
+    /// Pairs of random numbers of a camera path that are worth low-discrepancy points.
+    const STRATIFIED_PAIRS: u32;
+
     fn begin_pass(&self, pass: u32) -> (Self::Pass, PassStats);
 
     /// Fills `out` of each sample. What a sample becomes does not depend on those it comes with.

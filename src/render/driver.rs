@@ -200,7 +200,8 @@ fn sample_all<I: Integrator>(
                         let (px, py) = (x0 + x, y0 + b * BLOCK + row);
                         // Keyed by the place on the full film: a crop shows the same noise.
                         let pixel = (py as u64) << 32 | px as u64;
-                        let mut sampler = Sampler::new(mix(seed ^ mix(pixel)), pass);
+                        let mut sampler =
+                            Sampler::new(mix(seed ^ mix(pixel)), pass).stratified(I::STRATIFIED_PAIRS);
                         let (offset, weight) = scene.filter.sample(sampler.next_2d());
                         let film = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * inverse;
                         let aperture = if has_aperture { sampler.next_2d() } else { Vec2::ZERO };
