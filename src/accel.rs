@@ -135,6 +135,11 @@ impl Bvh {
         index as u32
     }
 
+    /// Whether there is no tree because the elements are few.
+    pub fn is_flat(&self) -> bool {
+        self.flat.is_some()
+    }
+
     /// Bytes held by nodes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice())

@@ -29,7 +29,7 @@ fn assert_layers_sum(picture: &Picture) {
 #[test]
 fn layers_sum_to_the_beauty_and_agree_between_integrators() {
     let scene = glass_box();
-    let path = render(&scene, &[("integrator", "path")], 2048);
+    let path = render(&scene, &[("integrator", "path")], 4096);
     let photons = [("photons", "20000"), ("caustic_photons", "20000")];
     let mapped = render(&scene, &photons, 128);
     let off = render(&scene, &[&photons[..], &[("nee", "false")]].concat(), 128);

@@ -27,7 +27,7 @@ fn owners_box() -> Scene {
 fn roulette_policies_have_the_same_mean() {
     let scene = owners_box();
     let with = |policy: &str| {
-        render(&scene, &[("roulette", policy), ("photons", "8000"), ("caustic_photons", "8000")], 128)
+        render(&scene, &[("roulette", policy), ("photons", "8000"), ("caustic_photons", "8000")], 256)
     };
     let renormalise = with("renormalise");
     for policy in ["absorb", "retry"] {

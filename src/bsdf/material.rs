@@ -226,6 +226,12 @@ impl Material {
         self.nature
     }
 
+    /// Whether sampling has to choose: anything but an opaque diffuse surface.
+    pub fn chooses_lobes(&self) -> bool {
+        let plain = |side: &Prepared| matches!(side, Prepared::Diffuse(d) if d.opacity == 1.0);
+        self.diffuse.is_none() && !self.fixed.as_ref().is_some_and(|sides| sides.iter().all(plain))
+    }
+
     /// Whether a shadow ray may pass (in part) straight through.
     pub fn passes_shadow_rays(&self) -> bool {
         self.passes

@@ -2,6 +2,7 @@
 //! the power heuristic (Veach 1997, §9.2).
 
 use crate::bsdf::{Closure, Event, Range, Transport};
+use crate::emitter::DirectSample;
 use crate::math::{Rgb, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Plan, Scene, Surface};
@@ -16,8 +17,45 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
     if a >= b { larger } else { r * r * larger }
 }
 
+/// Light that would arrive from a sampled emitter point if nothing were in its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Proposal {
+    /// Scattered towards the viewer.
+    pub value: Rgb,
+    pub light: DirectSample,
+}
+
 /// Light from one sampled emitter point, scattered by `lobes` towards `wi` (local). With `mis` the sample
 /// shares its weight with scattered rays. `segments` is how many path segments may follow.
+#[inline(always)]
+pub fn propose(
+    scene: &Scene,
+    plan: &Plan,
+    s: &Surface,
+    closure: &Closure<'_>,
+    lobes: Range,
+    wi: Vec3,
+    mis: bool,
+    segments: u32,
+    sampler: &mut Sampler,
+) -> Option<Proposal> {
+    let pick = if plan.many_lamps { sampler.next_1d() } else { 0.0 };
+    let u = sampler.next_2d();
+    if segments == 0 || !closure.has_smooth(wi, lobes) {
+        return None;
+    }
+    let light = scene.sample_direct(s.p, pick, u)?;
+    let wo = s.frame.to_local(light.dir);
+    let f = closure.eval(wi, wo, Transport::Radiance, lobes) * wo.z.abs();
+    if f.max_element() <= 0.0 {
+        return None;
+    }
+    let weight =
+        if mis && light.pdf > 0.0 { power_heuristic(light.pdf, closure.pdf(wi, wo, lobes)) } else { 1.0 };
+    Some(Proposal { value: f * light.value * weight, light })
+}
+
+/// [`propose`], and what is visible of it.
 #[inline(always)]
 pub fn next_event(
     scene: &Scene,
@@ -31,24 +69,11 @@ pub fn next_event(
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Rgb {
-    let (pick, u) = (sampler.next_1d(), sampler.next_2d());
-    if segments == 0 || !closure.has_smooth(wi, lobes) {
+    let Some(p) = propose(scene, plan, s, closure, lobes, wi, mis, segments, sampler) else {
         return Rgb::ZERO;
-    }
-    let Some(light) = scene.sample_direct(s.p, pick, u) else { return Rgb::ZERO };
-    let wo = s.frame.to_local(light.dir);
-    let f = closure.eval(wi, wo, Transport::Radiance, lobes) * wo.z.abs();
-    if f.max_element() <= 0.0 {
-        return Rgb::ZERO;
-    }
+    };
     *rays += 1;
-    let visible = scene.visibility(s, &light, plan.transparent_shadows, segments);
-    if visible == 0.0 {
-        return Rgb::ZERO;
-    }
-    let weight =
-        if mis && light.pdf > 0.0 { power_heuristic(light.pdf, closure.pdf(wi, wo, lobes)) } else { 1.0 };
-    f * light.value * (weight * visible)
+    p.value * scene.visibility(s, &p.light, plan.transparent_shadows, segments)
 }
 
 /// The other half of multiple importance sampling: a direction from `lobes` of the BSDF, and the lamp it

@@ -21,6 +21,7 @@ use crate::sampling::Sampler;
 pub struct Scratch {
     pub rays: u64,
     pub gather: Gather,
+    pub wave: path::Wave,
 }
 
 /// What a pass prepared, as counted.
@@ -40,11 +41,23 @@ pub struct PassStats {
     pub first_radii: [f32; 2],
 }
 
+/// A camera ray, the numbers of its path, and what came of it.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraSample {
+    pub ray: Ray,
+    pub sampler: Sampler,
+    pub out: Radiance,
+}
+
 /// See the module's contract.
 pub trait Integrator: Sync {
     type Pass: Sync + Send;
 
+    /// Pairs of random numbers of a camera path that are worth low-discrepancy points.
+    const STRATIFIED_PAIRS: u32;
+
     fn begin_pass(&self, pass: u32) -> (Self::Pass, PassStats);
 
-    fn sample(&self, pass: &Self::Pass, ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance;
+    /// Fills `out` of each sample. What a sample becomes does not depend on those it comes with.
+    fn sample(&self, pass: &Self::Pass, samples: &mut [CameraSample], scratch: &mut Scratch);
 }

@@ -1,13 +1,13 @@
 //! Path tracing with next event estimation: the unbiased oracle, in the conventions of Mitsuba's `path`.
 
-use super::direct::{keeps_density, next_event, power_heuristic};
-use super::{Integrator, PassStats, Scratch};
-use crate::bsdf::{Event, Range, Transport};
+use super::direct::{keeps_density, power_heuristic, propose};
+use super::{CameraSample, Integrator, PassStats, Scratch};
+use crate::bsdf::{Closure, Event, Range, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::simd::widest;
 use crate::math::{Ray, Rgb, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Plan, Scene, Settings};
+use crate::scene::{Hit, Plan, Scene, Settings, Surface, shadow_ray};
 
 #[derive(Debug)]
 pub struct PathTracer<'a> {
@@ -21,7 +21,7 @@ pub struct PathTracer<'a> {
 }
 
 /// Which layer light met from here on belongs to.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     /// Specular and glossy surfaces only since the camera.
     Camera,
@@ -71,101 +71,244 @@ impl<'a> PathTracer<'a> {
     }
 }
 
+/// A path between two surfaces.
+#[derive(Clone, Copy, Debug)]
+struct Walk {
+    throughput: Rgb,
+    eta: f32,
+    stage: Stage,
+    /// Density and place of the last rough scattering; 0 where lamps count in full.
+    pdf: f32,
+    from: Vec3,
+    depth: u32,
+    seen: bool,
+}
+
+/// A path at a surface that scatters it on.
+#[derive(Debug)]
+struct Arrival<'a> {
+    surface: Surface,
+    closure: Closure<'a>,
+    wi: Vec3,
+}
+
+/// Light on its way: rays, and what they bring to which path if they are free.
+#[derive(Debug, Default)]
+struct Shadows {
+    rays: Vec<Ray>,
+    values: Vec<(usize, Layer, Rgb)>,
+    occluded: Vec<bool>,
+}
+
+/// Paths that go together, and room for what each stage leaves to the next.
+#[derive(Debug, Default)]
+pub struct Wave {
+    rays: Vec<Ray>,
+    walks: Vec<Walk>,
+    hits: Vec<Option<Hit>>,
+    /// Paths that go on come first.
+    active: Vec<usize>,
+    shadows: Shadows,
+}
+
+impl Wave {
+    fn begin(&mut self, samples: &[CameraSample]) {
+        let n = samples.len();
+        self.rays.clear();
+        self.rays.extend(samples.iter().map(|sample| sample.ray));
+        self.walks.clear();
+        self.walks.resize(n, Walk::START);
+        self.hits.resize(n, None);
+        self.active.clear();
+        self.active.extend(0..n);
+    }
+}
+
+impl Walk {
+    const START: Self = Self {
+        throughput: Rgb::ONE,
+        eta: 1.0,
+        stage: Stage::Camera,
+        pdf: 0.0,
+        from: Vec3::ZERO,
+        depth: 0,
+        seen: false,
+    };
+}
+
 impl Integrator for PathTracer<'_> {
     type Pass = ();
+
+    /// More do not help (Cornell box, 64 samples: RMSE 0.00897 with 8, 0.00894 with 16).
+    const STRATIFIED_PAIRS: u32 = 8;
 
     fn begin_pass(&self, _: u32) -> ((), PassStats) {
         ((), PassStats::default())
     }
 
-    fn sample(&self, _: &(), ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance {
+    fn sample(&self, _: &(), samples: &mut [CameraSample], scratch: &mut Scratch) {
         widest!(PathTracer::trace;
-            tracer: &PathTracer<'_> = self, ray: Ray = ray, sampler: &mut Sampler = sampler,
-            scratch: &mut Scratch = scratch => Radiance)
+            tracer: &PathTracer<'_> = self, samples: &mut [CameraSample] = samples,
+            scratch: &mut Scratch = scratch => ())
     }
 }
 
 impl PathTracer<'_> {
+    /// All paths go one surface further together: rays are traced in bundles, and what one path waits
+    /// for another one computes.
     #[inline(always)]
-    fn trace(&self, mut ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance {
-        let scene = self.scene;
-        let mut out = Radiance::default();
-        let mut throughput = Rgb::ONE;
-        let mut eta = 1.0f32;
-        let mut stage = Stage::Camera;
-        // Density and place of the last rough scattering; 0 where lamps count in full.
-        let (mut pdf, mut from) = (0.0f32, Vec3::ZERO);
-        let mut depth = 0u32;
-        let mut seen = false;
-        while depth < self.max_depth {
-            depth += 1;
-            scratch.rays += 1;
-            let visible_lamps = !self.hide_emitters || seen;
-            let Some(hit) = scene.geometry.closest(&ray) else {
-                if visible_lamps {
-                    let weight = if pdf > 0.0 {
-                        power_heuristic(pdf, scene.pdf_direct_background(ray.d))
-                    } else {
-                        1.0
-                    };
-                    out.add(stage.layer(), throughput * scene.background(ray.d) * weight);
-                }
-                break;
-            };
-            let s = scene.surface(&ray, &hit);
-            let back = -ray.d;
-            if !visible_lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
-                depth -= 1;
-                ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
-                continue;
+    fn trace(&self, samples: &mut [CameraSample], scratch: &mut Scratch) {
+        let mut wave = std::mem::take(&mut scratch.wave);
+        wave.begin(samples);
+        let Wave { rays, walks, hits, active, shadows } = &mut wave;
+        let mut arrivals: Vec<Option<Arrival<'_>>> = Vec::new();
+        arrivals.resize_with(samples.len(), || None);
+        let mut live = if self.max_depth > 0 { samples.len() } else { 0 };
+        while live > 0 {
+            scratch.rays += live as u64;
+            self.scene.geometry.closest_each(rays, &active[..live], hits);
+            // Loops rather than `retain`: closures are not compiled for the wider instructions.
+            let mut kept = 0;
+            for k in 0..live {
+                let i = active[k];
+                active[kept] = i;
+                let (hit, out) = (hits[i].as_ref(), &mut samples[i].out);
+                kept += usize::from(self.arrive(&mut rays[i], &mut walks[i], hit, &mut arrivals[i], out));
             }
-            out.alpha = 1.0;
-            let emitted = scene.emitted(&s, back);
-            if emitted.max_element() > 0.0 && visible_lamps {
-                let weight = if pdf > 0.0 {
-                    power_heuristic(pdf, scene.pdf_direct_surface(from, ray.d, &s))
+            live = kept;
+            self.light(&active[..live], walks, &arrivals, samples, shadows, &mut scratch.rays);
+            let mut kept = 0;
+            for k in 0..live {
+                let i = active[k];
+                active[kept] = i;
+                kept += usize::from(match &arrivals[i] {
+                    Some(at) => self.leave(&mut rays[i], &mut walks[i], at, &mut samples[i].sampler),
+                    None => true,
+                });
+            }
+            live = kept;
+        }
+        scratch.wave = wave;
+    }
+
+    /// Next event estimation of all paths that arrived somewhere.
+    #[inline(always)]
+    fn light(
+        &self,
+        active: &[usize],
+        walks: &[Walk],
+        arrivals: &[Option<Arrival<'_>>],
+        samples: &mut [CameraSample],
+        shadows: &mut Shadows,
+        count: &mut u64,
+    ) {
+        let (scene, plan) = (self.scene, self.plan);
+        shadows.rays.clear();
+        shadows.values.clear();
+        for &i in active {
+            let Some(Arrival { surface: s, closure, wi }) = &arrivals[i] else { continue };
+            let walk = &walks[i];
+            let left = self.max_depth - walk.depth;
+            let rough = (Range::rough(self.glossy), walk.stage.direct_layer());
+            let glossy = (Range::glossy(self.glossy), walk.stage.after(Event::Glossy).layer());
+            let lobes = if closure.has_smooth(*wi, glossy.0) { &[rough, glossy][..] } else { &[rough] };
+            for &(range, layer) in lobes {
+                let CameraSample { sampler, out, .. } = &mut samples[i];
+                let Some(p) = propose(scene, plan, s, closure, range, *wi, true, left, sampler) else {
+                    continue;
+                };
+                *count += 1;
+                let value = walk.throughput * p.value;
+                if plan.transparent_shadows {
+                    out.add(layer, value * scene.visibility(s, &p.light, true, left));
+                } else {
+                    shadows.rays.push(shadow_ray(s, &p.light));
+                    shadows.values.push((i, layer, value));
+                }
+            }
+        }
+        scene.geometry.occluded_each(&shadows.rays, &mut shadows.occluded);
+        for (&(i, layer, value), &occluded) in shadows.values.iter().zip(&shadows.occluded) {
+            if !occluded {
+                samples[i].out.add(layer, value);
+            }
+        }
+    }
+
+    /// Adds what shines where the ray ends. False when the path is over; without an arrival it goes on
+    /// straight.
+    #[inline(always)]
+    fn arrive<'s>(
+        &'s self,
+        ray: &mut Ray,
+        walk: &mut Walk,
+        hit: Option<&Hit>,
+        arrival: &mut Option<Arrival<'s>>,
+        out: &mut Radiance,
+    ) -> bool {
+        let scene = self.scene;
+        *arrival = None;
+        walk.depth += 1;
+        let visible_lamps = !self.hide_emitters || walk.seen;
+        let Some(hit) = hit else {
+            if visible_lamps {
+                let weight = if walk.pdf > 0.0 {
+                    power_heuristic(walk.pdf, scene.pdf_direct_background(ray.d))
                 } else {
                     1.0
                 };
-                out.add(stage.layer(), throughput * emitted * weight);
+                out.add(walk.stage.layer(), walk.throughput * scene.background(ray.d) * weight);
             }
-            seen = true;
-            if depth >= self.max_depth {
-                break;
-            }
-            let wi = s.frame.to_local(back);
-            let closure = scene.closure(&s, wi);
-            let left = self.max_depth - depth;
-            let direct = |lobes, sampler: &mut Sampler, rays: &mut u64| {
-                next_event(scene, self.plan, &s, &closure, lobes, wi, true, left, sampler, rays)
-            };
-            let light = direct(Range::rough(self.glossy), sampler, &mut scratch.rays);
-            out.add(stage.direct_layer(), throughput * light);
-            if closure.has_smooth(wi, Range::glossy(self.glossy)) {
-                let light = direct(Range::glossy(self.glossy), sampler, &mut scratch.rays);
-                out.add(stage.after(Event::Glossy).layer(), throughput * light);
-            }
-
-            let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-            let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Radiance, self.glossy) else { break };
-            throughput *= sample.weight;
-            if throughput == Rgb::ZERO {
-                break;
-            }
-            eta *= sample.eta;
-            if !keeps_density(sample.event) {
-                (pdf, from) = (sample.pdf, s.p);
-            }
-            stage = stage.after(sample.event);
-            ray = s.leave(s.frame.to_world(sample.wo));
-            if depth >= self.rr_depth {
-                let survival = (throughput.max_element() * eta * eta).min(0.95);
-                if sampler.random() >= survival {
-                    break;
-                }
-                throughput /= survival;
-            }
+            return false;
+        };
+        let s = scene.surface(ray, hit);
+        let back = -ray.d;
+        if !visible_lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
+            walk.depth -= 1;
+            *ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
+            return true;
         }
-        out
+        out.alpha = 1.0;
+        let emitted = scene.emitted(&s, back);
+        if emitted.max_element() > 0.0 && visible_lamps {
+            let weight = if walk.pdf > 0.0 {
+                power_heuristic(walk.pdf, scene.pdf_direct_surface(walk.from, ray.d, &s))
+            } else {
+                1.0
+            };
+            out.add(walk.stage.layer(), walk.throughput * emitted * weight);
+        }
+        walk.seen = true;
+        if walk.depth >= self.max_depth {
+            return false;
+        }
+        let wi = s.frame.to_local(back);
+        let closure = scene.closure(&s, wi);
+        *arrival = Some(Arrival { surface: s, closure, wi });
+        true
+    }
+
+    /// Scatters the path; false when that ends it.
+    #[inline(always)]
+    fn leave(&self, ray: &mut Ray, walk: &mut Walk, at: &Arrival<'_>, sampler: &mut Sampler) -> bool {
+        let u_lobe = if self.plan.many_lobes { sampler.next_1d() } else { 0.0 };
+        let u = sampler.next_2d();
+        let sample = at.closure.sample(at.wi, u_lobe, u, Transport::Radiance, self.glossy);
+        let Some(sample) = sample else { return false };
+        walk.throughput *= sample.weight;
+        walk.eta *= sample.eta;
+        if !keeps_density(sample.event) {
+            (walk.pdf, walk.from) = (sample.pdf, at.surface.p);
+        }
+        walk.stage = walk.stage.after(sample.event);
+        *ray = at.surface.leave(at.surface.frame.to_world(sample.wo));
+        if walk.depth >= self.rr_depth {
+            let survival = (walk.throughput.max_element() * walk.eta * walk.eta).min(0.95);
+            if sampler.random() >= survival {
+                return false;
+            }
+            walk.throughput /= survival;
+        }
+        true
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::direct::{next_event, power_heuristic, scattered_lamp};
-use super::{Integrator, PassStats, Scratch};
+use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::{Ray, Rgb, Vec2, Vec3};
@@ -335,6 +335,8 @@ impl<'a> PhotonMapper<'a> {
 impl Integrator for PhotonMapper<'_> {
     type Pass = Arc<Maps>;
 
+    const STRATIFIED_PAIRS: u32 = 16;
+
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {
         let mut stats = PassStats { first_radii: self.radii, ..PassStats::default() };
         let mut make = |pass| {
@@ -350,13 +352,15 @@ impl Integrator for PhotonMapper<'_> {
         (maps, stats)
     }
 
-    fn sample(
-        &self,
-        maps: &Arc<Maps>,
-        mut ray: Ray,
-        sampler: &mut Sampler,
-        scratch: &mut Scratch,
-    ) -> Radiance {
+    fn sample(&self, maps: &Arc<Maps>, samples: &mut [CameraSample], scratch: &mut Scratch) {
+        for sample in samples {
+            sample.out = self.trace(maps, sample.ray, &mut sample.sampler, scratch);
+        }
+    }
+}
+
+impl PhotonMapper<'_> {
+    fn trace(&self, maps: &Maps, mut ray: Ray, sampler: &mut Sampler, scratch: &mut Scratch) -> Radiance {
         let scene = self.scene;
         let max_depth = self.settings.max_depth.0;
         let mut out = Radiance::default();

@@ -14,6 +14,11 @@ pub trait Wide:
 {
     /// A truth value for each lane.
     type Mask: Copy;
+    /// A number 0..4 for each lane.
+    type Index: Copy;
+    fn index(x: &[u32; WIDTH]) -> Self::Index;
+    /// Lane l is `x[index[l]]`.
+    fn pick(x: &[f32; 4], index: Self::Index) -> Self;
     fn splat(x: f32) -> Self;
     fn load(x: &[f32; WIDTH]) -> Self;
     fn array(self) -> [f32; WIDTH];
@@ -63,6 +68,13 @@ operator! { Portable:
 
 impl Wide for Portable {
     type Mask = [bool; WIDTH];
+    type Index = [u32; WIDTH];
+    fn index(x: &[u32; WIDTH]) -> Self::Index {
+        *x
+    }
+    fn pick(x: &[f32; 4], index: Self::Index) -> Self {
+        Self(index.map(|i| x[i as usize % 4]))
+    }
     fn splat(x: f32) -> Self {
         Self([x; WIDTH])
     }
@@ -139,6 +151,17 @@ mod avx {
 
     impl Wide for Avx2 {
         type Mask = __m256;
+        type Index = __m256i;
+        #[inline(always)]
+        fn index(x: &[u32; WIDTH]) -> __m256i {
+            // SAFETY: see the module; the load reads the eight integers of `x`.
+            unsafe { _mm256_loadu_si256(x.as_ptr().cast()) }
+        }
+        #[inline(always)]
+        fn pick(x: &[f32; 4], index: __m256i) -> Self {
+            // SAFETY: see the module; the broadcast reads the four floats of `x`.
+            Self(unsafe { _mm256_permutevar_ps(_mm256_broadcast_ps(&*x.as_ptr().cast()), index) })
+        }
         methods! {
             fn splat(x: f32) -> Self = Self(_mm256_set1_ps(x));
             fn load(x: &[f32; WIDTH]) -> Self = Self(_mm256_loadu_ps(x.as_ptr()));

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::film::{Pixels, accumulate};
-use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch};
+use crate::film::{Pixels, Radiance, accumulate};
+use crate::integrator::{CameraSample, Integrator, PassStats, PathTracer, PhotonMapper, Scratch};
 use crate::math::Vec2;
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Plan, Scene, Settings};
@@ -181,6 +181,7 @@ fn sample_all<I: Integrator>(
     let [x0, y0, width, height] = scene.film.crop.map(|v| v as usize);
     let inverse = Vec2::new(1.0 / scene.film.width as f32, 1.0 / scene.film.height as f32);
     let band = width * BLOCK;
+    let has_aperture = scene.sensor.has_aperture();
     let counted: Vec<(Scratch, u64)> = pixels
         .as_mut_slice()
         .par_chunks_mut(band)
@@ -189,21 +190,31 @@ fn sample_all<I: Integrator>(
             let mut scratch = Scratch::default();
             let mut rejected = 0;
             let rows = (height - b * BLOCK).min(BLOCK);
+            let mut samples = Vec::with_capacity(BLOCK * BLOCK);
+            let mut places = Vec::with_capacity(BLOCK * BLOCK);
             for column in (0..width).step_by(BLOCK) {
+                samples.clear();
+                places.clear();
                 for row in 0..rows {
                     for x in column..(column + BLOCK).min(width) {
                         let (px, py) = (x0 + x, y0 + b * BLOCK + row);
                         // Keyed by the place on the full film: a crop shows the same noise.
                         let pixel = (py as u64) << 32 | px as u64;
-                        let mut sampler = Sampler::new(mix(seed ^ mix(pixel)), pass);
+                        let mut sampler =
+                            Sampler::new(mix(seed ^ mix(pixel)), pass).stratified(I::STRATIFIED_PAIRS);
                         let (offset, weight) = scene.filter.sample(sampler.next_2d());
                         let film = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * inverse;
-                        let ray = scene.sensor.ray(film, sampler.next_2d());
-                        let mut sample = integrator.sample(shared, ray, &mut sampler, &mut scratch);
-                        sample.scale(scene.sensor.imaging_ratio);
-                        if !accumulate(&mut sums[row * width + x], &sample, weight) {
-                            rejected += 1;
-                        }
+                        let aperture = if has_aperture { sampler.next_2d() } else { Vec2::ZERO };
+                        let ray = scene.sensor.ray(film, aperture);
+                        samples.push(CameraSample { ray, sampler, out: Radiance::default() });
+                        places.push((row * width + x, weight));
+                    }
+                }
+                integrator.sample(shared, &mut samples, &mut scratch);
+                for (sample, &(at, weight)) in samples.iter_mut().zip(&places) {
+                    sample.out.scale(scene.sensor.imaging_ratio);
+                    if !accumulate(&mut sums[at], &sample.out, weight) {
+                        rejected += 1;
                     }
                 }
             }

@@ -4,6 +4,8 @@ pub struct Discrete {
     /// Normalised cumulative sums, first 0 and last 1; f64 because thousands of weights may span
     /// nine orders of magnitude.
     cdf: Vec<f64>,
+    /// 1/probability of each item: sampling then needs no division.
+    inverse: Vec<f64>,
     total: f64,
 }
 
@@ -20,7 +22,8 @@ impl Discrete {
         for (i, c) in cdf.iter_mut().enumerate() {
             *c = if sum > 0.0 { *c / sum } else { i as f64 / n.max(1) as f64 };
         }
-        Self { cdf, total: sum }
+        let inverse = cdf.windows(2).map(|w| 1.0 / (w[1] - w[0])).collect();
+        Self { cdf, inverse, total: sum }
     }
 
     pub fn len(&self) -> usize {
@@ -54,7 +57,7 @@ impl Discrete {
         };
         let upper = upper.min(self.len());
         let i = upper.saturating_sub(1);
-        let rest = (u - self.cdf[i]) / (self.cdf[i + 1] - self.cdf[i]);
+        let rest = (u - self.cdf[i]) * self.inverse[i];
         (i, (rest as f32).clamp(0.0, 1.0 - f32::EPSILON))
     }
 }

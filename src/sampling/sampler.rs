@@ -11,6 +11,7 @@ pub struct Sampler {
     key: u64,
     index: u32,
     pair: u32,
+    pairs: u32,
     /// Pairs made together; those before `pair` are used up.
     ready: [[f32; BATCH]; 2],
     rng: CounterRng,
@@ -21,7 +22,13 @@ impl Sampler {
     #[inline]
     pub fn new(key: u64, index: u32) -> Self {
         let rng = CounterRng::new(key, u64::from(index));
-        Self { key, index, pair: 0, ready: [[0.0; BATCH]; 2], rng }
+        Self { key, index, pair: 0, pairs: SOBOL_PAIRS, ready: [[0.0; BATCH]; 2], rng }
+    }
+
+    /// With low-discrepancy points in the first `pairs` only: those that are never made cost nothing.
+    #[inline]
+    pub fn stratified(self, pairs: u32) -> Self {
+        Self { pairs, ..self }
     }
 
     /// The next pair is low-discrepancy and ready at the place returned.
@@ -29,7 +36,7 @@ impl Sampler {
     fn advance(&mut self) -> Option<usize> {
         let pair = self.pair;
         self.pair += 1;
-        if pair >= SOBOL_PAIRS {
+        if pair >= self.pairs {
             return None;
         }
         let place = pair as usize % BATCH;

@@ -7,7 +7,7 @@ use crate::accel::{Bvh, Visitor};
 use crate::math::simd::{Wide, widest_wide};
 use crate::math::{Bounds, Ray, Vec3};
 use crate::shape::Analytic;
-use crate::shape::triangle::{Block, Nearest, Shear, WIDTH};
+use crate::shape::triangle::{Block, Bundle, Corners, Nearest, Shear, WIDTH};
 
 /// A triangle, or the number of something else, as the builder lists them.
 #[derive(Clone, Copy, Debug)]
@@ -122,6 +122,8 @@ pub struct Instance {
 #[derive(Debug)]
 pub struct Level {
     packets: Vec<Packet>,
+    /// All triangles in the order of the packets, when there is no tree and nothing else.
+    flat: Vec<Corners>,
     pub primitives: usize,
     pub analytic: Vec<Analytic>,
     bvh: Bvh,
@@ -154,7 +156,15 @@ impl Level {
             }
             (first as u32, (packets.len() - first) as u32)
         });
-        Self { packets, primitives: primitives.len(), analytic, bvh, bounds }
+        let flat = if bvh.is_flat() && packets.iter().all(|p| p.others == 0) {
+            let corner = |p: &Packet, v, lane| p.triangles.corner(v, lane).extend(0.0).to_array();
+            (0..primitives.len())
+                .map(|i| std::array::from_fn(|v| corner(&packets[i / WIDTH], v, i % WIDTH)))
+                .collect()
+        } else {
+            Vec::new()
+        };
+        Self { packets, flat, primitives: primitives.len(), analytic, bvh, bounds }
     }
 
     pub fn bytes(&self) -> usize {
@@ -300,6 +310,62 @@ impl Geometry {
         let mut best = None;
         self.closest_in::<W>(&self.groups[group as usize], ray, instance, &mut best);
         best
+    }
+
+    /// [`Geometry::closest`] of `rays[i]` into `hits[i]` for all `i` of `which`.
+    pub fn closest_each(&self, rays: &[Ray], which: &[usize], hits: &mut [Option<Hit>]) {
+        if self.world.flat.is_empty() {
+            which.iter().for_each(|&i| hits[i] = self.closest(&rays[i]));
+            return;
+        }
+        widest_wide!(Geometry::closest_flat; geometry: &Geometry = self, rays: &[Ray] = rays,
+            which: &[usize] = which, hits: &mut [Option<Hit>] = hits => ())
+    }
+
+    #[inline(always)]
+    fn closest_flat<W: Wide>(&self, rays: &[Ray], which: &[usize], hits: &mut [Option<Hit>]) {
+        for some in which.chunks(WIDTH) {
+            let mut bundle = Bundle::<W>::new(std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]));
+            for (corners, i) in self.world.flat.iter().zip(0..) {
+                bundle.add(corners, i);
+            }
+            let (triangle, [t, b1, b2]) = bundle.found();
+            for (l, &i) in some.iter().enumerate() {
+                hits[i] = (triangle[l] != u32::MAX).then(|| Hit {
+                    t: t[l],
+                    b1: b1[l],
+                    b2: b2[l],
+                    packet: triangle[l] / WIDTH as u32,
+                    lane: triangle[l] % WIDTH as u32,
+                    instance: NO_INSTANCE,
+                });
+            }
+        }
+    }
+
+    /// [`Geometry::occluded`] of each ray.
+    pub fn occluded_each(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        occluded.clear();
+        if self.world.flat.is_empty() {
+            occluded.extend(rays.iter().map(|ray| self.occluded(ray)));
+            return;
+        }
+        widest_wide!(Geometry::occluded_flat; geometry: &Geometry = self, rays: &[Ray] = rays,
+            occluded: &mut Vec<bool> = occluded => ())
+    }
+
+    #[inline(always)]
+    fn occluded_flat<W: Wide>(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        for some in rays.chunks(WIDTH) {
+            let bundle = Bundle::<W>::new(std::array::from_fn(|l| &some[l.min(some.len() - 1)]));
+            let mut blocked = 0;
+            for corners in &self.world.flat {
+                blocked |= bundle.blocked(corners);
+            }
+            for l in 0..some.len() {
+                occluded.push(blocked >> l & 1 == 1);
+            }
+        }
     }
 
     /// Whether anything lies in (0, tmax).

@@ -241,6 +241,9 @@ impl Scene {
         if self.emitters.is_empty() {
             return None;
         }
+        if let [only] = self.emitters.as_slice() {
+            return only.sample_direct(&self.textures, p, u);
+        }
         let (i, _) = self.direct.sample(pick);
         let probability = self.direct.probability(i);
         let mut s = self.emitters[i].sample_direct(&self.textures, p, u)?;
@@ -265,11 +268,7 @@ impl Scene {
     /// is passed costs one.
     #[inline(always)]
     pub fn visibility(&self, s: &Surface, sample: &DirectSample, transparent: bool, segments: u32) -> f32 {
-        let o = s.origin(sample.dir);
-        let ray = match sample.target {
-            Some(target) => Ray { o, d: target - o, tmax: 1.0 },
-            None => Ray::new(o, sample.dir),
-        };
+        let ray = shadow_ray(s, sample);
         if !transparent {
             return if self.geometry.occluded(&ray) { 0.0 } else { 1.0 };
         }
@@ -302,6 +301,16 @@ impl Scene {
     /// Total emitted power, W per channel.
     pub fn power(&self) -> Rgb {
         self.emitters.iter().map(|e| e.power(&self.textures, &self.sphere)).sum()
+    }
+}
+
+/// The ray that decides whether a direct sample is visible from `s`.
+#[inline(always)]
+pub fn shadow_ray(s: &Surface, sample: &DirectSample) -> Ray {
+    let o = s.origin(sample.dir);
+    match sample.target {
+        Some(target) => Ray { o, d: target - o, tmax: 1.0 },
+        None => Ray::new(o, sample.dir),
     }
 }
 

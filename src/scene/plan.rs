@@ -19,6 +19,10 @@ pub struct Plan {
     pub direct_mis: bool,
     /// Shadow rays look through masks and index-matched boundaries.
     pub transparent_shadows: bool,
+    /// A number decides which lamp is sampled; with one there is nothing to decide.
+    pub many_lamps: bool,
+    /// A number decides which lobe of a material scatters; all are plain diffuse otherwise.
+    pub many_lobes: bool,
     pub environment: bool,
     pub textured: bool,
     pub instances: bool,
@@ -72,6 +76,8 @@ impl Plan {
             caustics,
             direct_mis: environment || large_lamp,
             transparent_shadows: scene.materials.iter().any(|m| m.passes_shadow_rays()),
+            many_lamps: scene.emitters.len() > 1,
+            many_lobes: scene.materials.iter().any(|m| m.chooses_lobes()),
             environment,
             textured: !scene.textures.0.is_empty(),
             instances: !scene.geometry.instances.is_empty(),

@@ -85,6 +85,11 @@ impl Sensor {
         Ray { o: o + d * (self.near * per_z), d, tmax: (self.far - self.near) * per_z }
     }
 
+    /// Whether rays depend on where they cross an aperture.
+    pub fn has_aperture(&self) -> bool {
+        self.lens.is_some()
+    }
+
     /// Length on a surface facing the camera at `distance` that one pixel of a film `height` high covers.
     pub fn pixel_footprint(&self, height: u32, distance: f32) -> f32 {
         let size = match &self.projection {

@@ -45,29 +45,113 @@ impl Shear {
     fn test<W: Wide>(&self, b: &Block, tmax: W) -> Lanes<W> {
         let o = [W::splat(self.o[0]), W::splat(self.o[1]), W::splat(self.o[2])];
         let s = [W::splat(self.s[0]), W::splat(self.s[1]), W::splat(self.s[2])];
-        let (x0, y0, z0) = self.sheared(&b.v[0], o, s);
-        let (x1, y1, z1) = self.sheared(&b.v[1], o, s);
-        let (x2, y2, z2) = self.sheared(&b.v[2], o, s);
-        let e = [x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0];
-        let z = [z0, z1, z2];
-        // The product may also underflow to zero; what follows is right for any triangle.
-        if W::bits((e[0] * e[1] * e[2]).equal(W::splat(0.0))) != 0 {
-            let (x, y) = ([x0.array(), x1.array(), x2.array()], [y0.array(), y1.array(), y2.array()]);
-            let mut exact = [e[0].array(), e[1].array(), e[2].array()];
-            on_edges(&x, &y, &mut exact);
-            return decide([W::load(&exact[0]), W::load(&exact[1]), W::load(&exact[2])], z, s[2], tmax);
-        }
-        decide(e, z, s[2], tmax)
+        let corners = [0, 1, 2].map(|v| self.sheared(&b.v[v], o, s));
+        test_sheared(&corners, s[2], tmax)
     }
 
     /// Vertices relative to the ray, which becomes +Z.
     #[inline(always)]
-    fn sheared<W: Wide>(&self, v: &[[f32; WIDTH]; 3], o: [W; 3], s: [W; 3]) -> (W, W, W) {
+    fn sheared<W: Wide>(&self, v: &[[f32; WIDTH]; 3], o: [W; 3], s: [W; 3]) -> [W; 3] {
         let [kx, ky, kz] = self.k;
         // SAFETY: `k` is a permutation of 0, 1, 2. Nine checks would cost a quarter of the whole test.
         let (x, y, z) = unsafe { (v.get_unchecked(kx), v.get_unchecked(ky), v.get_unchecked(kz)) };
-        let z = W::load(z) - o[2];
-        (W::load(x) - o[0] - s[0] * z, W::load(y) - o[1] - s[1] * z, z)
+        shear([W::load(x), W::load(y), W::load(z)], o, s)
+    }
+}
+
+/// A point with permuted axes, relative to a ray that becomes +Z.
+#[inline(always)]
+fn shear<W: Wide>(p: [W; 3], o: [W; 3], s: [W; 3]) -> [W; 3] {
+    let z = p[2] - o[2];
+    [p[0] - o[0] - s[0] * z, p[1] - o[1] - s[1] * z, z]
+}
+
+/// The test proper, on sheared corners.
+#[inline(always)]
+fn test_sheared<W: Wide>(corners: &[[W; 3]; 3], sz: W, tmax: W) -> Lanes<W> {
+    let [[x0, y0, z0], [x1, y1, z1], [x2, y2, z2]] = *corners;
+    let e = [x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0];
+    let z = [z0, z1, z2];
+    // The product may also underflow to zero; what follows is right for any triangle.
+    if W::bits((e[0] * e[1] * e[2]).equal(W::splat(0.0))) != 0 {
+        let (x, y) = ([x0.array(), x1.array(), x2.array()], [y0.array(), y1.array(), y2.array()]);
+        let mut exact = [e[0].array(), e[1].array(), e[2].array()];
+        on_edges(&x, &y, &mut exact);
+        return decide([W::load(&exact[0]), W::load(&exact[1]), W::load(&exact[2])], z, sz, tmax);
+    }
+    decide(e, z, sz, tmax)
+}
+
+/// Eight rays that are tested against one triangle after the other: where there is no tree, that saves
+/// finding the best of several lanes. A triangle gives each ray the same bits as [`Shear`] does.
+#[derive(Clone, Copy, Debug)]
+pub struct Bundle<W: Wide> {
+    k: [W::Index; 3],
+    o: [W; 3],
+    s: [W; 3],
+    t: W,
+    b1: W,
+    b2: W,
+    /// Triangle numbers, as bits.
+    triangle: W,
+}
+
+/// Corners with a lane to spare, as [`Bundle`] reads them.
+pub type Corners = [[f32; 4]; 3];
+
+impl<W: Wide> Bundle<W> {
+    /// Unused lanes must repeat a ray.
+    #[inline(always)]
+    pub fn new(rays: [&Ray; WIDTH]) -> Self {
+        let (mut k, mut o, mut s) = ([[0; WIDTH]; 3], [[0.0; WIDTH]; 3], [[0.0; WIDTH]; 3]);
+        let mut tmax = [0.0; WIDTH];
+        for (lane, ray) in rays.into_iter().enumerate() {
+            let shear = Shear::new(ray);
+            for axis in 0..3 {
+                k[axis][lane] = shear.k[axis] as u32;
+                o[axis][lane] = shear.o[axis];
+                s[axis][lane] = shear.s[axis];
+            }
+            tmax[lane] = ray.tmax;
+        }
+        let zero = W::splat(0.0);
+        Self {
+            k: [W::index(&k[0]), W::index(&k[1]), W::index(&k[2])],
+            o: [W::load(&o[0]), W::load(&o[1]), W::load(&o[2])],
+            s: [W::load(&s[0]), W::load(&s[1]), W::load(&s[2])],
+            t: W::load(&tmax),
+            b1: zero,
+            b2: zero,
+            triangle: W::splat(f32::from_bits(u32::MAX)),
+        }
+    }
+
+    #[inline(always)]
+    fn test(&self, corners: &Corners) -> Lanes<W> {
+        let at = |v: usize| shear(self.k.map(|k| W::pick(&corners[v], k)), self.o, self.s);
+        test_sheared(&[at(0), at(1), at(2)], self.s[2], self.t)
+    }
+
+    /// Shortens the rays that meet triangle number `index`.
+    #[inline(always)]
+    pub fn add(&mut self, corners: &Corners, index: u32) {
+        let h = self.test(corners);
+        self.t = h.t.select(h.hit, self.t);
+        self.b1 = h.b1.select(h.hit, self.b1);
+        self.b2 = h.b2.select(h.hit, self.b2);
+        self.triangle = W::splat(f32::from_bits(index)).select(h.hit, self.triangle);
+    }
+
+    /// The rays, as bits, that meet the triangle.
+    #[inline(always)]
+    pub fn blocked(&self, corners: &Corners) -> u32 {
+        W::bits(self.test(corners).hit)
+    }
+
+    /// For each ray: triangle (`u32::MAX` for none), distance, weights of the second and third corner.
+    #[inline(always)]
+    pub fn found(&self) -> ([u32; WIDTH], [[f32; WIDTH]; 3]) {
+        (self.triangle.array().map(f32::to_bits), [self.t.array(), self.b1.array(), self.b2.array()])
     }
 }
 
