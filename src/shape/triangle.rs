@@ -45,7 +45,9 @@ impl Shear {
     fn test<W: Wide>(&self, b: &Block, tmax: W) -> Lanes<W> {
         let o = [W::splat(self.o[0]), W::splat(self.o[1]), W::splat(self.o[2])];
         let s = [W::splat(self.s[0]), W::splat(self.s[1]), W::splat(self.s[2])];
-        let corners = [0, 1, 2].map(|v| self.sheared(&b.v[v], o, s));
+        // No closure: it would not be compiled for the wider instructions.
+        let corners =
+            [self.sheared(&b.v[0], o, s), self.sheared(&b.v[1], o, s), self.sheared(&b.v[2], o, s)];
         test_sheared(&corners, s[2], tmax)
     }
 
@@ -128,8 +130,14 @@ impl<W: Wide> Bundle<W> {
 
     #[inline(always)]
     fn test(&self, corners: &Corners) -> Lanes<W> {
-        let at = |v: usize| shear(self.k.map(|k| W::pick(&corners[v], k)), self.o, self.s);
-        test_sheared(&[at(0), at(1), at(2)], self.s[2], self.t)
+        let corners = [self.corner(&corners[0]), self.corner(&corners[1]), self.corner(&corners[2])];
+        test_sheared(&corners, self.s[2], self.t)
+    }
+
+    #[inline(always)]
+    fn corner(&self, corner: &[f32; 4]) -> [W; 3] {
+        let [x, y, z] = self.k;
+        shear([W::pick(corner, x), W::pick(corner, y), W::pick(corner, z)], self.o, self.s)
     }
 
     /// Shortens the rays that meet triangle number `index`.
