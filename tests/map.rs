@@ -160,7 +160,8 @@ fn white() -> caustica::bsdf::Closure<'static> {
     static WHITE: LazyLock<Material> = LazyLock::new(|| {
         Material::new(Model::Diffuse(DiffuseModel { reflectance: caustica::texture::Param::gray(1.0) }))
     });
-    let point = Point { textures: &Textures::default(), uv: Vec2::ZERO, tangents: [Vec2::X, Vec2::Y] };
+    let textures = Textures::default();
+    let point = Point::flat(&textures, Vec2::ZERO);
     WHITE.closure(&point, Vec3::Z)
 }
 

@@ -178,8 +178,8 @@ impl Material {
     pub fn new(root: impl Into<Node>) -> Self {
         let root = root.into();
         let fixed = (!root.varies()).then(|| {
-            let point =
-                Point { textures: &Textures::default(), uv: Vec2::ZERO, tangents: [Vec2::X, Vec2::Y] };
+            let textures = Textures::default();
+            let point = Point::flat(&textures, Vec2::ZERO);
             [Vec3::Z, -Vec3::Z].map(|wi| prepared(flat(&root, &point, wi)))
         });
         let of = |node: &Node| match node {

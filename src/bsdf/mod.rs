@@ -60,21 +60,35 @@ pub use transmittance::Transmittance;
 pub use ward::{WardModel, WardVariant};
 
 use crate::math::{Rgb, Vec2, Vec3, luminance};
-use crate::texture::{Param, Textures};
+use crate::texture::{Param, Site, Textures};
 
 /// Where parameters are looked up.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<'a> {
     pub textures: &'a Textures,
-    pub uv: Vec2,
+    pub site: Site,
     /// ∂p/∂u and ∂p/∂v along the shading frame's s and t.
     pub tangents: [Vec2; 2],
+    /// The shading frame's s and t.
+    pub axes: [Vec3; 2],
 }
 
-impl Point<'_> {
+impl<'a> Point<'a> {
+    /// At `uv` of the plane z = 0.
+    pub fn flat(textures: &'a Textures, uv: Vec2) -> Self {
+        Self { textures, site: Site::flat(uv), tangents: [Vec2::X, Vec2::Y], axes: [Vec3::X, Vec3::Y] }
+    }
+
+    /// Moved by `d` in uv, along the tangent plane.
+    fn shifted(&self, d: Vec2) -> Self {
+        let along = self.tangents[0] * d.x + self.tangents[1] * d.y;
+        let p = self.site.p + self.axes[0] * along.x + self.axes[1] * along.y;
+        Self { site: Site { uv: self.site.uv + d, p, ..self.site }, ..*self }
+    }
+
     #[inline]
     pub fn color(&self, param: Param) -> Rgb {
-        self.textures.eval(param, self.uv)
+        self.textures.eval(param, &self.site)
     }
 
     /// Scalars are the luminance of the linear colour.

@@ -32,7 +32,7 @@ impl Perturbation {
         let n = match self.relief {
             Relief::Normal(param) => point.color(param) * 2.0 - Vec3::ONE,
             Relief::Bump { height, scale } => {
-                let h = |d: Vec2| Point { uv: point.uv + d, ..*point }.scalar(height);
+                let h = |d: Vec2| point.shifted(d).scalar(height);
                 let slope = |d: Vec2| (h(d) - h(-d)) * (scale / (2.0 * STEP));
                 let (gu, gv) = (slope(Vec2::new(STEP, 0.0)), slope(Vec2::new(0.0, STEP)));
                 let [u, v] = point.tangents;

@@ -5,7 +5,7 @@ use super::{DirectSample, Emission};
 use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::{Discrete, warp};
 use crate::shape::{Analytic, AreaSample, triangle};
-use crate::texture::{Param, Textures};
+use crate::texture::{Param, Site, Textures};
 
 /// The lamp's own copy of its geometry, for sampling.
 #[derive(Clone, Debug)]
@@ -124,7 +124,7 @@ impl Area {
             return None;
         }
         let pdf = d2 / (cos * self.area);
-        let value = textures.eval(self.radiance, s.uv) / pdf;
+        let value = textures.eval(self.radiance, &s.site()) / pdf;
         Some(DirectSample { dir, target: Some(s.p + n * self.lift), value, pdf })
     }
 
@@ -155,7 +155,7 @@ impl Area {
         let t = sphere.intersect(&ray, f32::INFINITY).unwrap_or_else(|| (sphere.center - p).dot(dir));
         let local = sphere.local(ray.at(t));
         let pdf = 1.0 / (2.0 * PI * gap);
-        let value = textures.eval(self.radiance, local.uv) / pdf;
+        let value = textures.eval(self.radiance, &Site { uv: local.uv, p: local.p, n: local.n }) / pdf;
         let n = if sphere.inward { -local.n } else { local.n };
         Some(DirectSample { dir, target: Some(local.p + n * self.lift), value, pdf })
     }
@@ -183,7 +183,7 @@ impl Area {
             }
         }
         let d = Frame::from_normal(n).to_world(warp::cosine_hemisphere(u));
-        let flux = textures.eval(self.radiance, s.uv) * (sides * PI * self.area / density);
+        let flux = textures.eval(self.radiance, &s.site()) * (sides * PI * self.area / density);
         (flux.max_element() > 0.0).then_some(Emission { o: s.p + n * self.lift, d, flux })
     }
 
@@ -214,7 +214,7 @@ fn survey(surface: &Surface, radiance: Param, textures: &Textures) -> (Rgb, Opti
     for i in 0..side * side {
         let (x, y) = (i % side, i / side);
         let u = (Vec2::new(x as f32, y as f32) + 0.5) / side as f32;
-        let seen = textures.eval(radiance, surface.sample(u).uv).max(Rgb::ZERO);
+        let seen = textures.eval(radiance, &surface.sample(u).site()).max(Rgb::ZERO);
         cells[y / LOOKS * CELLS + x / LOOKS] += seen / (LOOKS * LOOKS) as f32;
     }
     let mean = cells.iter().copied().sum::<Rgb>() / cells.len() as f32;

@@ -4,7 +4,7 @@ use super::{DirectSample, Emission, MeshTriangle, Surface};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::sampling::Discrete;
 use crate::shape::triangle;
-use crate::texture::{Param, Textures};
+use crate::texture::{Param, Site, Textures};
 
 /// A flat-faced lamp that shines along its normals only (Mitsuba's `directionalarea`): each face sends
 /// `radiance` W/m² straight ahead. No scattered ray can find that direction, but a point within a face's
@@ -46,14 +46,15 @@ impl Collimated {
         let b0 = 1.0 - b.x - b.y;
         let [v0, v1, v2] = t.v.map(Vec3::from);
         let uv = t.uv[0] * b0 + t.uv[1] * b.x + t.uv[2] * b.y;
-        let value = textures.eval(self.radiance, uv) / self.faces_by_area.probability(i);
-        let target = Some(v0 * b0 + v1 * b.x + v2 * b.y + t.normal * self.lift);
+        let at = Site { uv, p: v0 * b0 + v1 * b.x + v2 * b.y, n: t.normal };
+        let value = textures.eval(self.radiance, &at) / self.faces_by_area.probability(i);
+        let target = Some(at.p + t.normal * self.lift);
         (value.max_element() > 0.0).then_some(DirectSample { dir: -t.normal, target, value, pdf: 0.0 })
     }
 
     pub fn sample_emission(&self, textures: &Textures, place: Vec2) -> Option<Emission> {
         let s = Surface::sample_triangles(&self.triangles, &self.by_area, place);
-        let flux = textures.eval(self.radiance, s.uv) * self.area();
+        let flux = textures.eval(self.radiance, &s.site()) * self.area();
         (flux.max_element() > 0.0).then_some(Emission { o: s.p + s.n * self.lift, d: s.n, flux })
     }
 

@@ -3,7 +3,7 @@ use std::f32::consts::PI;
 use super::frustum::Frustum;
 use super::{DirectSample, Emission};
 use crate::math::{Rgb, Vec2, Vec3};
-use crate::texture::{Param, Textures};
+use crate::texture::{Param, Site, Textures};
 
 /// Mitsuba's projector: the plane at distance 1 across the axis receives the irradiance π·texture.
 #[derive(Clone, Debug)]
@@ -16,14 +16,15 @@ impl Projector {
     pub fn sample_direct(&self, textures: &Textures, p: Vec3) -> Option<DirectSample> {
         let beam = self.frustum.toward(p)?;
         // Intensity π·T/cos³: on the plane at depth z it gives π·T/z².
-        let value = textures.eval(self.irradiance, beam.uv) * (PI / (beam.cos.powi(3) * beam.d2));
+        let value =
+            textures.eval(self.irradiance, &Site::flat(beam.uv)) * (PI / (beam.cos.powi(3) * beam.d2));
         let target = Some(self.frustum.position);
         (value.max_element() > 0.0).then_some(DirectSample { dir: beam.dir, target, value, pdf: 0.0 })
     }
 
     pub fn sample_emission(&self, textures: &Textures, direction: Vec2) -> Option<Emission> {
         let (d, _) = self.frustum.through(direction);
-        let flux = textures.eval(self.irradiance, direction) * (PI * self.frustum.area());
+        let flux = textures.eval(self.irradiance, &Site::flat(direction)) * (PI * self.frustum.area());
         (flux.max_element() > 0.0).then_some(Emission { o: self.frustum.position, d, flux })
     }
 

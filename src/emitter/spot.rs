@@ -3,7 +3,7 @@ use std::f32::consts::PI;
 use super::{DirectSample, Emission};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::sampling::warp;
-use crate::texture::{Param, Textures};
+use crate::texture::{Param, Site, Textures};
 
 /// How the intensity falls from `beam` to `cutoff`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Spot {
         };
         let color = self.texture.map_or(Rgb::ONE, |t| {
             let scale = 0.5 / (d.z * self.cutoff.tan());
-            textures.eval(t, Vec2::new(0.5 + d.x * scale, 0.5 + d.y * scale))
+            textures.eval(t, &Site::flat(Vec2::new(0.5 + d.x * scale, 0.5 + d.y * scale)))
         });
         self.intensity * color * falloff
     }

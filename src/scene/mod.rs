@@ -14,7 +14,7 @@ use crate::film::{FilmSize, Filter};
 use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::Discrete;
 use crate::sensor::Sensor;
-use crate::texture::Textures;
+use crate::texture::{Site, Textures};
 
 /// A shape's material and what its mesh carries per vertex.
 #[derive(Debug)]
@@ -59,6 +59,12 @@ impl Surface {
     #[inline(always)]
     pub fn leave(&self, d: Vec3) -> Ray {
         Ray::new(self.origin(d), d)
+    }
+
+    /// For textures.
+    #[inline(always)]
+    fn site(&self) -> Site {
+        Site { uv: self.uv, p: self.p, n: self.ng }
     }
 
     /// Turns the frame around `n` so that s follows the first of the partial derivatives of the position.
@@ -177,7 +183,8 @@ impl Scene {
     #[inline(always)]
     pub fn closure(&self, s: &Surface, wi: Vec3) -> Closure<'_> {
         let material = self.shapes[s.shape as usize].material;
-        let point = Point { textures: &self.textures, uv: s.uv, tangents: s.tangents };
+        let axes = [s.frame.s, s.frame.t];
+        let point = Point { textures: &self.textures, site: s.site(), tangents: s.tangents, axes };
         self.materials[material as usize].closure(&point, wi)
     }
 
@@ -187,7 +194,7 @@ impl Scene {
         match self.shapes[s.shape as usize].emitter {
             Some(e) => match &self.emitters[e as usize] {
                 Emitter::Area(a) if s.frame.n.dot(w) > 0.0 || a.sides == Sides::Both => {
-                    self.textures.eval(a.radiance, s.uv)
+                    self.textures.eval(a.radiance, &s.site())
                 }
                 _ => Rgb::ZERO,
             },

@@ -46,8 +46,7 @@ impl Shear {
         let o = [W::splat(self.o[0]), W::splat(self.o[1]), W::splat(self.o[2])];
         let s = [W::splat(self.s[0]), W::splat(self.s[1]), W::splat(self.s[2])];
         // No closure: it would not be compiled for the wider instructions.
-        let corners =
-            [self.sheared(&b.v[0], o, s), self.sheared(&b.v[1], o, s), self.sheared(&b.v[2], o, s)];
+        let corners = [self.sheared(&b.v[0], o, s), self.sheared(&b.v[1], o, s), self.sheared(&b.v[2], o, s)];
         test_sheared(&corners, s[2], tmax)
     }
 

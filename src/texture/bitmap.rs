@@ -1,5 +1,5 @@
-use super::UvTransform;
-use crate::math::{Rgb, Vec2};
+use super::{Mapping, Site};
+use crate::math::Rgb;
 
 /// What lies outside the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub struct Bitmap {
     pub texels: Vec<[f32; 3]>,
     pub bilinear: bool,
     pub wrap: [Wrap; 2],
-    pub to_uv: UvTransform,
+    pub mapping: Mapping,
 }
 
 enum Texel {
@@ -52,8 +52,8 @@ impl Bitmap {
         }
     }
 
-    pub fn eval(&self, uv: Vec2) -> Rgb {
-        let uv = self.to_uv.apply(uv);
+    pub fn eval(&self, at: &Site) -> Rgb {
+        let uv = self.mapping.apply(at);
         // uv of a degenerate or hostile mesh may be huge or NaN; the cast saturates, NaN becomes 0.
         let (x, y) = (uv.x * self.width as f32, uv.y * self.height as f32);
         if !self.bilinear {
@@ -75,7 +75,9 @@ impl Bitmap {
 
 #[cfg(test)]
 mod tests {
+    use super::super::UvTransform;
     use super::*;
+    use crate::math::Vec2;
 
     fn ramp(wrap: Wrap, bilinear: bool) -> Bitmap {
         Bitmap {
@@ -84,13 +86,13 @@ mod tests {
             texels: (0..4).map(|i| [i as f32; 3]).collect(),
             bilinear,
             wrap: [wrap, Wrap::Clamp],
-            to_uv: UvTransform { u: [1.0, 0.0, 0.0], v: [0.0, 1.0, 0.0] },
+            mapping: Mapping::Uv(UvTransform { u: [1.0, 0.0, 0.0], v: [0.0, 1.0, 0.0] }),
         }
     }
 
     #[test]
     fn wrap_modes_continue_the_ramp_as_named() {
-        let at = |w, u| ramp(w, false).eval(Vec2::new(u, 0.5)).x;
+        let at = |w, u| ramp(w, false).eval(&Site::flat(Vec2::new(u, 0.5))).x;
         assert_eq!(at(Wrap::Repeat, 1.1), 0.0);
         assert_eq!(at(Wrap::Mirror, 1.1), 3.0);
         assert_eq!(at(Wrap::Mirror, -0.3), 1.0);
@@ -102,9 +104,9 @@ mod tests {
     #[test]
     fn bilinear_reproduces_texel_centres_and_interpolates_between() {
         let b = ramp(Wrap::Repeat, true);
-        assert_eq!(b.eval(Vec2::new(0.375, 0.5)).x, 1.0);
-        assert_eq!(b.eval(Vec2::new(0.5, 0.5)).x, 1.5);
-        assert_eq!(b.eval(Vec2::new(0.0, 0.5)).x, 1.5);
-        assert!(b.eval(Vec2::new(f32::NAN, f32::INFINITY)).is_finite() || b.bilinear);
+        assert_eq!(b.eval(&Site::flat(Vec2::new(0.375, 0.5))).x, 1.0);
+        assert_eq!(b.eval(&Site::flat(Vec2::new(0.5, 0.5))).x, 1.5);
+        assert_eq!(b.eval(&Site::flat(Vec2::new(0.0, 0.5))).x, 1.5);
+        assert!(b.eval(&Site::flat(Vec2::new(f32::NAN, f32::INFINITY))).is_finite() || b.bilinear);
     }
 }

@@ -1,12 +1,20 @@
-//! Textures: functions of uv giving linear RGB. One file per model.
+//! Textures: functions of a surface point giving linear RGB. One file per model.
 
 mod bitmap;
 mod checkerboard;
+mod mapping;
+mod noise;
 mod patterns;
+mod site;
+mod solid;
 
 pub use bitmap::{Bitmap, Wrap};
 pub use checkerboard::Checkerboard;
+pub use mapping::{Mapping, ToTexture, UvTransform};
+pub use noise::{Noise, NoiseKind};
 pub use patterns::{Bilerp, Grid, Mix, UnitChecks};
+pub use site::Site;
+pub use solid::{DirectionMix, Dots, SolidChecks};
 
 use crate::math::{Rgb, Vec2};
 
@@ -49,6 +57,10 @@ pub enum Texture {
     UnitChecks(UnitChecks),
     Bilerp(Bilerp),
     Mix(Mix),
+    DirectionMix(DirectionMix),
+    SolidChecks(SolidChecks),
+    Dots(Dots),
+    Noise(Noise),
 }
 
 /// Every texture of a scene. A texture may refer to earlier ones only.
@@ -57,23 +69,27 @@ pub struct Textures(pub Vec<Texture>);
 
 impl Textures {
     #[inline]
-    pub fn eval(&self, param: Param, uv: Vec2) -> Rgb {
+    pub fn eval(&self, param: Param, at: &Site) -> Rgb {
         match param {
             Param::Constant(c) => c,
             Param::Texture(i) => match &self.0[i as usize] {
-                Texture::Bitmap(t) => t.eval(uv),
-                Texture::Checkerboard(t) => t.eval(self, uv),
-                Texture::Scaled(inner, factor) => self.eval(*inner, uv) * *factor,
-                Texture::Product(a, b) => self.eval(*a, uv) * self.eval(*b, uv),
-                Texture::Grid(t) => t.eval(self, uv),
-                Texture::UnitChecks(t) => t.eval(self, uv),
-                Texture::Bilerp(t) => t.eval(uv),
-                Texture::Mix(t) => t.eval(self, uv),
+                Texture::Bitmap(t) => t.eval(at),
+                Texture::Checkerboard(t) => t.eval(self, at),
+                Texture::Scaled(inner, factor) => self.eval(*inner, at) * *factor,
+                Texture::Product(a, b) => self.eval(*a, at) * self.eval(*b, at),
+                Texture::Grid(t) => t.eval(self, at),
+                Texture::UnitChecks(t) => t.eval(self, at),
+                Texture::Bilerp(t) => t.eval(at),
+                Texture::Mix(t) => t.eval(self, at),
+                Texture::DirectionMix(t) => t.eval(self, at),
+                Texture::SolidChecks(t) => t.eval(self, at),
+                Texture::Dots(t) => t.eval(self, at),
+                Texture::Noise(t) => t.eval(at.p),
             },
         }
     }
 
-    /// Average over the unit square of uv, for choosing lamps by power. Exact for constants; textures
+    /// Average over the unit square of a picture that lies on no surface, for choosing lamps by power. Exact for constants; textures
     /// are read on a 64 × 64 grid, which is enough for a sampling weight.
     pub fn mean(&self, param: Param) -> Rgb {
         match param {
@@ -81,8 +97,9 @@ impl Textures {
             Param::Texture(_) => {
                 let n = 64;
                 let at = |i: u32| (i as f32 + 0.5) / n as f32;
-                let sum =
-                    (0..n * n).fold(Rgb::ZERO, |s, i| s + self.eval(param, Vec2::new(at(i % n), at(i / n))));
+                let sum = (0..n * n).fold(Rgb::ZERO, |s, i| {
+                    s + self.eval(param, &Site::flat(Vec2::new(at(i % n), at(i / n))))
+                });
                 sum / (n * n) as f32
             }
         }
@@ -91,20 +108,5 @@ impl Textures {
     /// Bytes held by pixels.
     pub fn bytes(&self) -> usize {
         self.0.iter().map(|t| if let Texture::Bitmap(b) = t { b.bytes() } else { 0 }).sum()
-    }
-}
-
-/// Affine map of uv.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UvTransform {
-    pub u: [f32; 3],
-    pub v: [f32; 3],
-}
-
-impl UvTransform {
-    #[inline]
-    pub fn apply(&self, uv: Vec2) -> Vec2 {
-        let row = |r: &[f32; 3]| r[0] * uv.x + r[1] * uv.y + r[2];
-        Vec2::new(row(&self.u), row(&self.v))
     }
 }

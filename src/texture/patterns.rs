@@ -1,5 +1,5 @@
-use super::{Param, Textures, UvTransform};
-use crate::math::{Rgb, Vec2, luminance};
+use super::{Mapping, Param, Site, Textures, UvTransform};
+use crate::math::{Rgb, luminance};
 
 /// Lines of half-width `line` (in uv) along the borders of unit cells (Mitsuba 0.6 `gridtexture`).
 #[derive(Clone, Debug)]
@@ -11,10 +11,10 @@ pub struct Grid {
 }
 
 impl Grid {
-    pub fn eval(&self, textures: &Textures, uv: Vec2) -> Rgb {
-        let t = self.to_uv.apply(uv);
+    pub fn eval(&self, textures: &Textures, at: &Site) -> Rgb {
+        let t = self.to_uv.apply(at.uv);
         let near = |x: f32| (x - x.round()).abs() < self.line;
-        textures.eval(self.colors[usize::from(near(t.x) || near(t.y))], uv)
+        textures.eval(self.colors[usize::from(near(t.x) || near(t.y))], at)
     }
 }
 
@@ -22,14 +22,14 @@ impl Grid {
 #[derive(Clone, Debug)]
 pub struct UnitChecks {
     pub colors: [Param; 2],
-    pub to_uv: UvTransform,
+    pub mapping: Mapping,
 }
 
 impl UnitChecks {
-    pub fn eval(&self, textures: &Textures, uv: Vec2) -> Rgb {
-        let t = self.to_uv.apply(uv).floor();
+    pub fn eval(&self, textures: &Textures, at: &Site) -> Rgb {
+        let t = self.mapping.apply(at).floor();
         let odd = (t.x + t.y).rem_euclid(2.0) >= 1.0;
-        textures.eval(self.colors[usize::from(odd)], uv)
+        textures.eval(self.colors[usize::from(odd)], at)
     }
 }
 
@@ -38,12 +38,12 @@ impl UnitChecks {
 pub struct Bilerp {
     /// At (u, v) = 00, 01, 10, 11.
     pub corners: [Rgb; 4],
-    pub to_uv: UvTransform,
+    pub mapping: Mapping,
 }
 
 impl Bilerp {
-    pub fn eval(&self, uv: Vec2) -> Rgb {
-        let t = self.to_uv.apply(uv);
+    pub fn eval(&self, at: &Site) -> Rgb {
+        let t = self.mapping.apply(at);
         let along = |a: Rgb, b: Rgb| a * (1.0 - t.y) + b * t.y;
         let [c00, c01, c10, c11] = self.corners;
         along(c00, c01) * (1.0 - t.x) + along(c10, c11) * t.x
@@ -58,9 +58,9 @@ pub struct Mix {
 }
 
 impl Mix {
-    pub fn eval(&self, textures: &Textures, uv: Vec2) -> Rgb {
-        let amount = luminance(textures.eval(self.amount, uv));
-        let [first, second] = self.inputs.map(|p| textures.eval(p, uv));
+    pub fn eval(&self, textures: &Textures, at: &Site) -> Rgb {
+        let amount = luminance(textures.eval(self.amount, at));
+        let [first, second] = self.inputs.map(|p| textures.eval(p, at));
         first * (1.0 - amount) + second * amount
     }
 }
@@ -68,6 +68,7 @@ impl Mix {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vec2;
 
     const IDENTITY: UvTransform = UvTransform { u: [1.0, 0.0, 0.0], v: [0.0, 1.0, 0.0] };
 
@@ -81,28 +82,32 @@ mod tests {
         for (u, v, expected) in
             [(0.5, 0.5, 0.2), (0.05, 0.5, 0.8), (0.95, 0.5, 0.8), (3.5, -2.04, 0.8), (1.2, 1.2, 0.2)]
         {
-            assert_eq!(grid.eval(&Textures::default(), Vec2::new(u, v)).x, expected, "{u} {v}");
+            assert_eq!(grid.eval(&Textures::default(), &Site::flat(Vec2::new(u, v))).x, expected, "{u} {v}");
         }
     }
 
     #[test]
     fn unit_checks_alternate_on_both_sides_of_zero() {
-        let checks = UnitChecks { colors: colors(), to_uv: IDENTITY };
+        let checks = UnitChecks { colors: colors(), mapping: Mapping::Uv(IDENTITY) };
         for (u, v, expected) in [(0.5, 0.5, 0.2), (1.5, 0.5, 0.8), (-0.5, 0.5, 0.8), (-0.5, -0.5, 0.2)] {
-            assert_eq!(checks.eval(&Textures::default(), Vec2::new(u, v)).x, expected, "{u} {v}");
+            assert_eq!(
+                checks.eval(&Textures::default(), &Site::flat(Vec2::new(u, v))).x,
+                expected,
+                "{u} {v}"
+            );
         }
     }
 
     #[test]
     fn corners_and_amounts_are_met() {
         let corners = [1.0, 2.0, 3.0, 4.0].map(Rgb::splat);
-        let b = Bilerp { corners, to_uv: IDENTITY };
+        let b = Bilerp { corners, mapping: Mapping::Uv(IDENTITY) };
         for (u, v, expected) in
             [(0.0, 0.0, 1.0), (0.0, 1.0, 2.0), (1.0, 0.0, 3.0), (1.0, 1.0, 4.0), (0.5, 0.5, 2.5)]
         {
-            assert_eq!(b.eval(Vec2::new(u, v)).x, expected);
+            assert_eq!(b.eval(&Site::flat(Vec2::new(u, v))).x, expected);
         }
         let mix = Mix { inputs: colors(), amount: Param::gray(0.25) };
-        assert!((mix.eval(&Textures::default(), Vec2::ZERO).x - 0.35).abs() < 1e-6);
+        assert!((mix.eval(&Textures::default(), &Site::flat(Vec2::ZERO)).x - 0.35).abs() < 1e-6);
     }
 }

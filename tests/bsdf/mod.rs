@@ -20,7 +20,7 @@ fn material(bsdf: &str) -> Scene {
 
 fn closure(scene: &Scene, wi: Vec3) -> Closure<'_> {
     // Off the middle, where textures of the examples vary.
-    let point = Point { textures: &scene.textures, uv: Vec2::new(0.3, 0.6), tangents: [Vec2::X, Vec2::Y] };
+    let point = Point::flat(&scene.textures, Vec2::new(0.3, 0.6));
     scene.materials[scene.shapes[0].material as usize].closure(&point, wi)
 }
 

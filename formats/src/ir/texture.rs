@@ -72,7 +72,7 @@ pub enum TextureKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MixAmount {
     Input(FloatInput),
-    /// |n·direction| of the shading normal, in the world.
+    /// |n·direction| of the geometric normal, in the world.
     Direction([f64; 3]),
 }
 

@@ -50,6 +50,8 @@ struct Builder<'a> {
     diagnostics: Vec<Diagnostic>,
     textures: textures::TextureTable,
     materials: materials::MaterialTable,
+    /// The author's coordinates of the compiled scene's (0, 0, 0).
+    origin: [f64; 3],
 }
 
 impl Builder<'_> {
@@ -101,6 +103,7 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
         diagnostics: Vec::new(),
         textures: textures::TextureTable::default(),
         materials: materials::MaterialTable::default(),
+        origin: [0.0; 3],
     };
     let sensor = sensor::choose(&mut b);
     let shapes = shapes::build(&mut b);

@@ -46,6 +46,7 @@ fn cache_key(m: &ir::MeshFile) -> (PathBuf, String) {
 pub fn build(b: &mut Builder<'_>) -> Shapes {
     let meshes = load_meshes(b);
     let origin = middle(b, &meshes);
+    b.origin = origin;
     let mut level = LevelBuilder::default();
     let mut records = Vec::new();
     let mut emitters = Vec::new();

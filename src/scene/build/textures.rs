@@ -1,15 +1,19 @@
 //! Textures and textured parameters. Only what is used is loaded, once per use as colour or emission.
 
+mod mappings;
+
 use std::collections::HashMap;
 
 use caustica_formats::image::{self, Encoding};
 use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
 use super::Builder;
-use crate::math::Rgb;
+use crate::math::{Rgb, Vec3};
 use crate::texture::{
-    Bilerp, Bitmap, Checkerboard, Grid, Mix, Param, Texture, Textures, UnitChecks, UvTransform, Wrap,
+    Bilerp, Bitmap, Checkerboard, DirectionMix, Dots, Grid, Mix, Noise, Param, SolidChecks, Texture,
+    Textures, UnitChecks, Wrap,
 };
+use mappings::{noise, uv_transform};
 
 #[derive(Default)]
 pub struct TextureTable {
@@ -105,16 +109,47 @@ impl Builder<'_> {
                 let amount = self.scalar_param(amount);
                 self.textures.push(Texture::Mix(Mix { inputs, amount }))
             }
-            ir::TextureKind::Bilerp { corners, mapping: ir::Mapping::Uv(to_uv) } => {
+            ir::TextureKind::Mix { first, second, amount: ir::MixAmount::Direction(direction) } => {
+                let inputs = [self.param(first, slot, origin), self.param(second, slot, origin)];
+                let direction = Vec3::from(direction.map(|x| x as f32));
+                self.textures.push(Texture::DirectionMix(DirectionMix { inputs, direction }))
+            }
+            ir::TextureKind::Bilerp { corners, mapping } => {
                 let corners = std::array::from_fn(|i| self.color(&corners[i], slot, origin));
-                self.textures.push(Texture::Bilerp(Bilerp { corners, to_uv: uv_transform(to_uv) }))
+                match self.mapping(mapping, origin) {
+                    Some(mapping) => self.textures.push(Texture::Bilerp(Bilerp { corners, mapping })),
+                    None => Param::gray(0.5),
+                }
             }
-            ir::TextureKind::MappedCheckerboard { color0, color1, mapping: ir::Mapping::Uv(to_uv) } => {
+            ir::TextureKind::MappedCheckerboard {
+                color0,
+                color1,
+                mapping: ir::Mapping::Solid { to_texture },
+            } => {
                 let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
-                self.textures.push(Texture::UnitChecks(UnitChecks { colors, to_uv: uv_transform(to_uv) }))
+                let to_texture = self.to_texture(to_texture);
+                self.textures.push(Texture::SolidChecks(SolidChecks { colors, to_texture }))
             }
-            other => {
-                self.unsupported(unrendered(other), "gray 0.5", origin);
+            ir::TextureKind::MappedCheckerboard { color0, color1, mapping } => {
+                let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
+                match self.mapping(mapping, origin) {
+                    Some(mapping) => self.textures.push(Texture::UnitChecks(UnitChecks { colors, mapping })),
+                    None => Param::gray(0.5),
+                }
+            }
+            ir::TextureKind::Dots { inside, outside, mapping } => {
+                let colors = [self.param(outside, slot, origin), self.param(inside, slot, origin)];
+                match self.mapping(mapping, origin) {
+                    Some(mapping) => self.textures.push(Texture::Dots(Dots { colors, mapping })),
+                    None => Param::gray(0.5),
+                }
+            }
+            ir::TextureKind::Noise { kind, to_texture } => {
+                let (kind, to_texture) = (noise(*kind), self.to_texture(to_texture));
+                self.textures.push(Texture::Noise(Noise { kind, to_texture }))
+            }
+            ir::TextureKind::MeshAttribute { .. } => {
+                self.unsupported("a texture from an attribute of the mesh", "gray 0.5", origin);
                 Param::gray(0.5)
             }
         };
@@ -145,10 +180,7 @@ impl Builder<'_> {
             return None;
         };
         let decode = decoder(b.encoding, picture.encoding);
-        let ir::Mapping::Uv(to_uv) = b.mapping else {
-            self.unsupported("a texture mapped otherwise than by uv", "gray 0.5", origin);
-            return None;
-        };
+        let mapping = self.mapping(&b.mapping, origin)?;
         let scale = b.scale as f32;
         // pbrt scales before it inverts.
         let adjust = |x: f32| if b.invert { (1.0 - x * scale).max(0.0) } else { x * scale };
@@ -163,19 +195,8 @@ impl Builder<'_> {
             texels,
             bilinear: b.filter == ir::TextureFilter::Bilinear,
             wrap: [wrap(b.wrap_u), wrap(b.wrap_v)],
-            to_uv: uv_transform(&to_uv),
+            mapping,
         })
-    }
-}
-
-/// Names of what [`Builder::texture`] cannot build.
-fn unrendered(kind: &ir::TextureKind) -> &'static str {
-    match kind {
-        ir::TextureKind::MeshAttribute { .. } => "a texture from an attribute of the mesh",
-        ir::TextureKind::Mix { .. } => "a mixture of textures by direction",
-        ir::TextureKind::Dots { .. } => "the texture `dots`",
-        ir::TextureKind::Noise { .. } => "a noise texture",
-        _ => "a texture mapped otherwise than by uv",
     }
 }
 
@@ -208,12 +229,6 @@ fn wrap(mode: ir::WrapMode) -> Wrap {
         ir::WrapMode::Zero => Wrap::Zero,
         ir::WrapMode::One => Wrap::One,
     }
-}
-
-fn uv_transform(m: &ir::Transform) -> UvTransform {
-    // uv is the point (u, v, 0, 1): Mitsuba reads the upper-left 2×2 part and the translation.
-    let row = |r: usize| [m.0[r][0] as f32, m.0[r][1] as f32, m.0[r][3] as f32];
-    UvTransform { u: row(0), v: row(1) }
 }
 
 /// A gray of 0.5: Mitsuba's default reflectance.
