@@ -60,6 +60,11 @@ impl Surface {
     }
 }
 
+/// What textures want to know of a sample.
+pub(super) fn site(s: &AreaSample) -> Site {
+    Site { uv: s.uv, p: s.p, n: s.n }
+}
+
 /// Which sides of a lamp shine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
@@ -124,7 +129,7 @@ impl Area {
             return None;
         }
         let pdf = d2 / (cos * self.area);
-        let value = textures.eval(self.radiance, &s.site()) / pdf;
+        let value = textures.eval(self.radiance, &site(&s)) / pdf;
         Some(DirectSample { dir, target: Some(s.p + n * self.lift), value, pdf })
     }
 
@@ -183,7 +188,7 @@ impl Area {
             }
         }
         let d = Frame::from_normal(n).to_world(warp::cosine_hemisphere(u));
-        let flux = textures.eval(self.radiance, &s.site()) * (sides * PI * self.area / density);
+        let flux = textures.eval(self.radiance, &site(&s)) * (sides * PI * self.area / density);
         (flux.max_element() > 0.0).then_some(Emission { o: s.p + n * self.lift, d, flux })
     }
 
@@ -214,7 +219,7 @@ fn survey(surface: &Surface, radiance: Param, textures: &Textures) -> (Rgb, Opti
     for i in 0..side * side {
         let (x, y) = (i % side, i / side);
         let u = (Vec2::new(x as f32, y as f32) + 0.5) / side as f32;
-        let seen = textures.eval(radiance, &surface.sample(u).site()).max(Rgb::ZERO);
+        let seen = textures.eval(radiance, &site(&surface.sample(u))).max(Rgb::ZERO);
         cells[y / LOOKS * CELLS + x / LOOKS] += seen / (LOOKS * LOOKS) as f32;
     }
     let mean = cells.iter().copied().sum::<Rgb>() / cells.len() as f32;

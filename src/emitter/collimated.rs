@@ -1,5 +1,6 @@
 use std::ops::Range;
 
+use super::area::site;
 use super::{DirectSample, Emission, MeshTriangle, Surface};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::sampling::Discrete;
@@ -54,7 +55,7 @@ impl Collimated {
 
     pub fn sample_emission(&self, textures: &Textures, place: Vec2) -> Option<Emission> {
         let s = Surface::sample_triangles(&self.triangles, &self.by_area, place);
-        let flux = textures.eval(self.radiance, &s.site()) * self.area();
+        let flux = textures.eval(self.radiance, &site(&s)) * self.area();
         (flux.max_element() > 0.0).then_some(Emission { o: s.p + s.n * self.lift, d: s.n, flux })
     }
 

@@ -13,7 +13,6 @@ pub use disk::Disk;
 pub use sphere::Sphere;
 
 use crate::math::{Bounds, Ray, Vec2, Vec3};
-use crate::texture::Site;
 
 /// A point on an analytic shape.
 #[derive(Clone, Copy, Debug)]
@@ -31,13 +30,6 @@ pub struct AreaSample {
     pub p: Vec3,
     pub n: Vec3,
     pub uv: Vec2,
-}
-
-impl AreaSample {
-    /// For textures.
-    pub fn site(&self) -> Site {
-        Site { uv: self.uv, p: self.p, n: self.n }
-    }
 }
 
 /// The shapes that are not meshes.
