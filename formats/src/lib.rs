@@ -12,5 +12,7 @@ pub mod mitsuba;
 pub mod pbrt;
 mod read;
 pub mod spectrum;
+mod write;
 
 pub use read::{Failure, Read, ReadOptions, read_scene};
+pub use write::{Asset, Content, Loss, WriteError, Written, write_scene};

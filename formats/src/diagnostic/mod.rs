@@ -103,6 +103,11 @@ impl SourceMap {
         &self.files[file as usize].0
     }
 
+    /// Of all files, the main one first.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(|(path, _)| path.as_path())
+    }
+
     pub fn text(&self, file: u32) -> &str {
         &self.files[file as usize].1
     }

@@ -8,6 +8,7 @@ mod bsdf;
 mod color;
 mod emitter;
 mod integrator;
+mod references;
 mod sensor;
 mod shape;
 mod texture;
@@ -24,6 +25,7 @@ pub use bsdf::{
 pub use color::{Color, ColorInput, ColorSlot, FloatInput, SpectrumRule};
 pub use emitter::{Emitter, EmitterKind, EnvironmentMapping, LightImage, SpotFalloff};
 pub use integrator::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
+pub use references::{References, Uses, canonical};
 pub use sensor::{
     ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Projection, Sampler, Sensor,
     Tonemap,

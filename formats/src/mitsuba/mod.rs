@@ -24,6 +24,7 @@ mod texture;
 mod tree;
 mod upgrade;
 mod version;
+pub(crate) mod write;
 mod xml;
 
 use std::path::{Path, PathBuf};

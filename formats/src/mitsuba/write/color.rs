@@ -1,0 +1,114 @@
+//! Colour and number parameters.
+
+use super::Writer;
+use super::element::{Element, number, numbers};
+use crate::ir::{Color, ColorInput, ColorSlot, FloatInput, Origin, SpectrumRule};
+use crate::spectrum::to_linear_rgb;
+use crate::write::WriteError;
+
+impl Writer<'_, '_> {
+    /// The linear triple the scene's own rule gives a colour; out of range ones are clamped and lost.
+    pub fn rgb(&mut self, color: &Color, slot: ColorSlot, origin: Origin) -> [f64; 3] {
+        // A rule that refuses nothing.
+        match to_linear_rgb(color, slot, self.scene.spectrum_rule) {
+            Ok(rgb) => rgb,
+            Err(error) => {
+                let raw = match color {
+                    Color::Rgb(rgb) | Color::BoundedRgb(rgb) => *rgb,
+                    _ => [0.0; 3],
+                };
+                let clamped = raw.map(|v| if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 });
+                self.out.lose(origin, error.to_string(), format!("rgb {}", numbers(&clamped)));
+                clamped
+            }
+        }
+    }
+
+    pub fn color(&mut self, name: &str, color: &Color, slot: ColorSlot, origin: Origin) -> Element {
+        let rule = self.scene.spectrum_rule;
+        let same = to_linear_rgb(color, slot, rule) == to_linear_rgb(color, slot, SpectrumRule::Mitsuba3);
+        let named = |tag: &'static str| Element::new(tag).with("name", name);
+        let plugin = |kind: &str| Element::plugin("spectrum", kind).with("name", name);
+        match color {
+            Color::Gray(v) => named("float").with("value", number(*v)),
+            Color::UniformSpectrum(v) if same => named("spectrum").with("value", number(*v)),
+            Color::Samples(samples) if same => {
+                let pair = |[nm, v]: &[f64; 2]| format!("{}:{}", number(*nm), number(*v));
+                named("spectrum").with("value", samples.iter().map(pair).collect::<Vec<_>>().join(", "))
+            }
+            Color::UniformPlugin(v) => plugin("uniform").float("value", *v),
+            Color::BoundedRgb(rgb) => plugin("srgb").child(rgb_element("color", *rgb)),
+            Color::D65 { scale, color } => plugin("d65")
+                .float_unless("scale", *scale, 1.0)
+                .children(color.map(|rgb| rgb_element("color", rgb))),
+            _ => {
+                let mut rgb = self.rgb(color, slot, origin);
+                if slot == ColorSlot::Reflectance && rgb.iter().any(|v| !(0.0..=1.0).contains(v)) {
+                    let clamped = rgb.map(|v| v.clamp(0.0, 1.0));
+                    let what = format!("reflectance {} outside 0..1", numbers(&rgb));
+                    self.out.lose(origin, what, format!("rgb {}", numbers(&clamped)));
+                    rgb = clamped;
+                }
+                rgb_element(name, rgb)
+            }
+        }
+    }
+
+    /// Nothing when the reader assumes `default` anyway.
+    pub fn color_input(
+        &mut self,
+        name: &str,
+        input: &ColorInput,
+        slot: ColorSlot,
+        default: Option<f64>,
+        origin: Origin,
+    ) -> Result<Option<Element>, WriteError> {
+        match input {
+            ColorInput::Color(Color::Gray(v)) if Some(*v) == default => Ok(None),
+            ColorInput::Color(color) => Ok(Some(self.color(name, color, slot, origin))),
+            ColorInput::Texture(id) => self.texture(name, *id).map(Some),
+        }
+    }
+
+    pub fn float_input(
+        &mut self,
+        name: &str,
+        input: &FloatInput,
+        default: Option<f64>,
+    ) -> Result<Option<Element>, WriteError> {
+        match input {
+            FloatInput::Value(v) if Some(*v) == default => Ok(None),
+            FloatInput::Value(v) => {
+                Ok(Some(Element::new("float").with("name", name).with("value", number(*v))))
+            }
+            FloatInput::Texture(id) => self.float_texture(name, *id).map(Some),
+        }
+    }
+
+    /// A colour of light, brighter by `factor`.
+    pub fn light(&mut self, name: &str, color: &Color, factor: f64, origin: Origin) -> Element {
+        let factor = factor * self.light;
+        self.color(name, &scaled(color, factor), ColorSlot::Emission, origin)
+    }
+}
+
+pub(super) fn rgb_element(name: &str, rgb: [f64; 3]) -> Element {
+    let value = if rgb[0] == rgb[1] && rgb[1] == rgb[2] { number(rgb[0]) } else { numbers(&rgb) };
+    Element::new("rgb").with("name", name).with("value", value)
+}
+
+pub(super) fn scaled(color: &Color, factor: f64) -> Color {
+    if factor == 1.0 {
+        return color.clone();
+    }
+    match color {
+        Color::Gray(v) => Color::Gray(v * factor),
+        Color::UniformSpectrum(v) => Color::UniformSpectrum(v * factor),
+        Color::UniformPlugin(v) => Color::UniformPlugin(v * factor),
+        Color::Rgb(rgb) | Color::BoundedRgb(rgb) => Color::Rgb(rgb.map(|v| v * factor)),
+        Color::Srgb(encoded) => Color::Rgb(encoded.map(|v| crate::spectrum::srgb_to_linear(v) * factor)),
+        Color::Samples(samples) => Color::Samples(samples.iter().map(|[nm, v]| [*nm, v * factor]).collect()),
+        Color::D65 { scale, color } => Color::D65 { scale: scale * factor, color: *color },
+        Color::Blackbody { kelvin, scale } => Color::Blackbody { kelvin: *kelvin, scale: scale * factor },
+    }
+}

@@ -1,0 +1,137 @@
+//! Emitters of the scene.
+
+use super::Writer;
+use super::element::{Element, number};
+use super::sensor::fov;
+use crate::ir::{
+    ColorInput, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, Origin, SpotFalloff,
+    TextureEncoding,
+};
+use crate::write::WriteError;
+
+impl Writer<'_, '_> {
+    pub fn emitter(&mut self, e: &Emitter) -> Result<Option<Element>, WriteError> {
+        let origin = e.origin;
+        let plugin = |name: &str| Element::plugin("emitter", name).id(e.name.as_deref());
+        Ok(Some(match &e.kind {
+            EmitterKind::Point { position, intensity } => plugin("point")
+                .triple("point", "position", *position)
+                .child(self.light("intensity", intensity, 1.0, origin)),
+            EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, falloff, texture } => {
+                if *falloff == SpotFalloff::Smoothstep {
+                    self.out.lose(
+                        origin,
+                        "a spot that falls off by a smooth step of the cosine",
+                        "one that falls off linearly in the angle",
+                    );
+                }
+                let texture = texture.map(|id| self.texture("texture", id)).transpose()?;
+                plugin("spot")
+                    .transform("to_world", to_world)
+                    .child(self.light("intensity", intensity, 1.0, origin))
+                    .float("cutoff_angle", *cutoff_angle)
+                    .float_unless("beam_width", *beam_width, cutoff_angle * 0.75)
+                    .children(texture)
+            }
+            EmitterKind::Directional { direction, irradiance } => plugin("directional")
+                .triple("vector", "direction", *direction)
+                .child(self.light("irradiance", irradiance, 1.0, origin)),
+            EmitterKind::Constant { radiance } => {
+                plugin("constant").child(self.light("radiance", radiance, 1.0, origin))
+            }
+            EmitterKind::Environment { to_world, image, mapping } => {
+                let name = self.environment(image, *mapping, origin)?;
+                plugin("envmap")
+                    .string("filename", &name)
+                    .float_unless("scale", image.scale * self.light, 1.0)
+                    .transform("to_world", to_world)
+            }
+            EmitterKind::Projector { to_world, irradiance, scale, fov: angle, fov_axis } => {
+                let texture = match irradiance {
+                    ColorInput::Color(color) => self.light("irradiance", color, 1.0, origin),
+                    ColorInput::Texture(id) => self.texture("irradiance", *id)?,
+                };
+                let factor = match irradiance {
+                    ColorInput::Color(_) => *scale,
+                    ColorInput::Texture(_) => scale * self.light,
+                };
+                fov(plugin("projector").transform("to_world", to_world), *angle, *fov_axis)
+                    .child(texture)
+                    .float_unless("scale", factor, 1.0)
+            }
+            EmitterKind::Projection { to_world, image, fov: angle, power } => {
+                self.out.lose(
+                    origin,
+                    "a projection whose intensity is constant over its pixels",
+                    "a projector whose irradiance is, brighter towards its corners",
+                );
+                self.power(*power, origin);
+                let name = self.out.carry(&image.path, "textures");
+                let texture = Element::plugin("texture", "bitmap")
+                    .with("name", "irradiance")
+                    .string("filename", &name)
+                    .boolean_unless("raw", image.encoding == TextureEncoding::Linear, false);
+                // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
+                let scale = image.scale * self.light / std::f64::consts::PI;
+                fov(
+                    plugin("projector").transform("to_world", to_world),
+                    Fov::Degrees(*angle),
+                    FovAxis::Smaller,
+                )
+                .child(texture)
+                .float("scale", scale)
+            }
+            EmitterKind::Goniometric { to_world, intensity, image, power } => {
+                let mut factor = 1.0;
+                if let Some(image) = image {
+                    self.out.lose(
+                        origin,
+                        "an intensity that depends on the direction",
+                        "its mean everywhere",
+                    );
+                    factor = image.scale * self.out.mean_light(image)?;
+                }
+                self.power(*power, origin);
+                plugin("point").triple("point", "position", to_world.point([0.0; 3])).child(self.light(
+                    "intensity",
+                    intensity,
+                    factor,
+                    origin,
+                ))
+            }
+        }))
+    }
+
+    fn power(&mut self, power: Option<f64>, origin: Origin) {
+        if let Some(power) = power {
+            let what = format!("the power of a light, {} W", number(power));
+            self.out.lose(origin, what, "its intensity as written");
+        }
+    }
+
+    fn environment(
+        &mut self,
+        image: &LightImage,
+        mapping: EnvironmentMapping,
+        origin: Origin,
+    ) -> Result<String, WriteError> {
+        if let Some(lux) = image.illuminance {
+            let what = format!("the illuminance of an environment, {} lux", number(lux));
+            self.out.lose(origin, what, "its radiance as written");
+        }
+        match (mapping, image.encoding) {
+            (EnvironmentMapping::LatLong, TextureEncoding::Auto) => {
+                Ok(self.out.carry(&image.path, "textures"))
+            }
+            (EnvironmentMapping::LatLong, _) => self.out.decode(image),
+            (EnvironmentMapping::EqualArea, _) => {
+                self.out.lose(
+                    origin,
+                    "an equal-area environment picture",
+                    "the same light resampled by latitude and longitude",
+                );
+                self.out.remap(image, EnvironmentMapping::LatLong)
+            }
+        }
+    }
+}

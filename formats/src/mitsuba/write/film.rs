@@ -1,0 +1,108 @@
+//! Films and reconstruction filters.
+
+use super::Writer;
+use super::element::Element;
+use crate::ir::{ComponentFormat, Film, Filter, PixelFormat};
+
+impl Writer<'_, '_> {
+    pub fn film(&mut self, f: &Film) -> Element {
+        let mut element = Element::plugin("film", "hdrfilm")
+            .integer("width", i64::from(f.width))
+            .integer("height", i64::from(f.height));
+        if let Some(crop) = f.crop {
+            for (name, value) in [
+                ("crop_offset_x", crop.x),
+                ("crop_offset_y", crop.y),
+                ("crop_width", crop.width),
+                ("crop_height", crop.height),
+            ] {
+                element = element.integer(name, i64::from(value));
+            }
+        }
+        let pixels = match f.pixel_format {
+            PixelFormat::Rgb => "rgb",
+            PixelFormat::Rgba => "rgba",
+            PixelFormat::Luminance => "luminance",
+            PixelFormat::LuminanceAlpha => "luminance_alpha",
+            PixelFormat::Xyz => "xyz",
+            PixelFormat::Xyza => "xyza",
+        };
+        let components = match f.component_format {
+            ComponentFormat::Float16 => "float16",
+            ComponentFormat::Float32 => "float32",
+            ComponentFormat::Uint32 => "uint32",
+        };
+        element = element.string("pixel_format", pixels).string("component_format", components);
+        match f.file_format.as_str() {
+            "openexr" => {}
+            "rgbe" | "pfm" => element = element.string("file_format", &f.file_format),
+            other => {
+                self.out.lose(f.origin, format!("pictures as `{other}`"), "openexr");
+            }
+        }
+        if let Some(tonemap) = f.tonemap
+            && (tonemap.exposure != 0.0 || tonemap.gamma.is_some())
+        {
+            self.out.lose(f.origin, "exposure and gamma of the film", "linear values");
+        }
+        if f.imaging_ratio != 1.0 {
+            let what = format!("the film's imaging ratio {}", f.imaging_ratio);
+            self.out.lose(f.origin, what, "lights brighter by the ratio of the sensor that renders");
+        }
+        element = element.boolean_unless("sample_border", f.sample_border, false);
+        element.child(self.filter(f))
+    }
+
+    fn filter(&mut self, f: &Film) -> Element {
+        let plugin = |name: &str| Element::plugin("rfilter", name);
+        let filter = match &f.filter {
+            Filter::Box { radius } => plugin("box").float_unless("radius", *radius, 0.5),
+            Filter::Tent { radius } => plugin("tent").float_unless("radius", *radius, 1.0),
+            Filter::Gaussian { stddev } => plugin("gaussian").float_unless("stddev", *stddev, 0.5),
+            Filter::Mitchell { b, c } => mitchell(*b, *c),
+            Filter::CatmullRom => plugin("catmullrom"),
+            Filter::Lanczos { lobes } => plugin("lanczos").integer("lobes", i64::from(*lobes)),
+            Filter::TruncatedGaussian { sigma, radius } => {
+                if radius.iter().any(|r| (r / sigma - 4.0).abs() > 1e-9) {
+                    self.lose_radius(f, "a gaussian filter", *radius, "the cut at four standard deviations");
+                }
+                plugin("gaussian").float_unless("stddev", *sigma, 0.5)
+            }
+            Filter::ScaledMitchell { b, c, radius } => {
+                if *radius != [2.0; 2] {
+                    self.lose_radius(f, "a mitchell filter", *radius, "radius 2");
+                }
+                mitchell(*b, *c)
+            }
+            Filter::WideBox { radius } => {
+                if radius[0] != radius[1] {
+                    self.lose_radius(f, "a box filter", *radius, "the first of them");
+                }
+                plugin("box").float_unless("radius", radius[0], 0.5)
+            }
+            Filter::WideTent { radius } => {
+                if radius[0] != radius[1] {
+                    self.lose_radius(f, "a triangle filter", *radius, "the first of them");
+                }
+                plugin("tent").float_unless("radius", radius[0], 1.0)
+            }
+            Filter::WindowedSinc { tau, radius } => {
+                let lobes = tau.round().clamp(1.0, 64.0);
+                if radius.iter().any(|r| *r != *tau) || lobes != *tau {
+                    self.lose_radius(f, "a sinc filter", *radius, "lanczos with as many lobes as tau");
+                }
+                plugin("lanczos").integer("lobes", lobes as i64)
+            }
+        };
+        filter
+    }
+
+    fn lose_radius(&mut self, f: &Film, what: &str, [x, y]: [f64; 2], instead: &str) {
+        self.out.lose(f.origin, format!("{what} of radius {x} × {y}"), instead);
+    }
+}
+
+fn mitchell(b: f64, c: f64) -> Element {
+    let third = 1.0 / 3.0;
+    Element::plugin("rfilter", "mitchell").float_unless("B", b, third).float_unless("C", c, third)
+}

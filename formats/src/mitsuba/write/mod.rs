@@ -1,0 +1,145 @@
+//! The scene as a Mitsuba 3 file: one file per concept, as the readers beside them.
+//!
+//! Objects that have a name, or that several others refer to, stand at the top level with an id;
+//! the rest is nested where it is used.
+
+mod bsdf;
+mod color;
+mod element;
+mod emitter;
+mod film;
+mod integrator;
+mod sensor;
+mod shape;
+mod substitute;
+mod texture;
+
+use std::collections::HashSet;
+
+use element::{Element, print};
+
+use crate::ir::{Origin, Scene, Uses};
+use crate::write::{Output, WriteError};
+
+/// What the written files claim to be.
+const VERSION: &str = "3.0.0";
+
+pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
+    let scene = output.scene;
+    let ids = Ids::new(scene);
+    let film = scene.sensors.get(scene.default_sensor).map(|sensor| sensor.film.imaging_ratio);
+    Writer { out: output, scene, ids, light: film.unwrap_or(1.0) }.document()
+}
+
+struct Writer<'o, 'a> {
+    out: &'o mut Output<'a>,
+    scene: &'a Scene,
+    ids: Ids,
+    /// Factor on all light, in place of the film's imaging ratio.
+    light: f64,
+}
+
+/// Names of the objects of the top level, by arena index.
+struct Ids {
+    bsdfs: Vec<Option<String>>,
+    textures: Vec<Option<String>>,
+    groups: Vec<Option<String>>,
+    taken: HashSet<String>,
+}
+
+impl Ids {
+    fn new(scene: &Scene) -> Self {
+        let uses = Uses::of(scene);
+        let mut ids =
+            Self { bsdfs: Vec::new(), textures: Vec::new(), groups: Vec::new(), taken: HashSet::new() };
+        let sensors = scene.sensors.iter().filter_map(|sensor| sensor.name.clone());
+        let shapes = scene.shapes.iter().filter_map(|shape| shape.name.clone());
+        ids.taken.extend(sensors.chain(shapes));
+        ids.taken.extend(scene.emitters.iter().filter_map(|emitter| emitter.name.clone()));
+        let shared = |name: &Option<String>, uses: usize| name.is_some() || uses > 1;
+        for (id, bsdf) in scene.bsdfs.iter() {
+            let id = shared(&bsdf.name, uses.bsdfs[id.index()]).then(|| ids.free(&bsdf.name, "material"));
+            ids.bsdfs.push(id);
+        }
+        for (id, texture) in scene.textures.iter() {
+            let id =
+                shared(&texture.name, uses.textures[id.index()]).then(|| ids.free(&texture.name, "texture"));
+            ids.textures.push(id);
+        }
+        for (_, group) in scene.groups.iter() {
+            let id = ids.free(&group.name, "group");
+            ids.groups.push(Some(id));
+        }
+        ids
+    }
+
+    /// `name`, or one made from it or from `kind` that is not taken. pbrt has a name space for each
+    /// kind of thing; Mitsuba has one for all.
+    fn free(&mut self, name: &Option<String>, kind: &str) -> String {
+        let plain = name.as_deref().filter(|name| !name.is_empty());
+        let candidates = plain.map(str::to_owned).into_iter();
+        let base = plain.unwrap_or(kind).to_owned();
+        let numbered = (1..).map(|n| format!("{base}-{n}"));
+        let taken = &mut self.taken;
+        candidates.chain(numbered).find(|name| taken.insert(name.clone())).unwrap_or(base)
+    }
+}
+
+impl<'a> Writer<'_, 'a> {
+    fn document(mut self) -> Result<String, WriteError> {
+        let scene = self.scene;
+        let mut root = Element::new("scene").with("version", VERSION);
+        if let Some(title) = self.out.title() {
+            root = root.comment(format!("Converted from {title} by caustica {}.", env!("CARGO_PKG_VERSION")));
+        }
+        let integrator = scene.integrator.as_ref();
+        if let Some(integrator) = integrator {
+            root = root.children(self.commented(integrator.origin, |w| Ok(Some(w.integrator(integrator))))?);
+        }
+        // The first one renders.
+        let first = scene.sensors.get(scene.default_sensor).into_iter();
+        let others = scene.sensors.iter().enumerate().filter(|(i, _)| *i != scene.default_sensor);
+        for sensor in first.chain(others.map(|(_, sensor)| sensor)) {
+            root = root.children(self.commented(sensor.origin, |w| Ok(Some(w.sensor(sensor))))?);
+        }
+        for (id, texture) in scene.textures.iter() {
+            if self.ids.textures[id.index()].is_some() {
+                let element = self.commented(texture.origin, |w| w.texture_definition(id))?;
+                root = root.children(element);
+            }
+        }
+        for (id, bsdf) in scene.bsdfs.iter() {
+            if self.ids.bsdfs[id.index()].is_some() {
+                let element = self.commented(bsdf.origin, |w| w.bsdf_definition(id).map(Some))?;
+                root = root.children(element);
+            }
+        }
+        for (id, group) in scene.groups.iter() {
+            root = root.children(self.commented(group.origin, |w| w.group(id))?);
+        }
+        for shape in &scene.shapes {
+            root = root.children(self.commented(shape.origin, |w| w.shape(shape))?);
+        }
+        for emitter in &scene.emitters {
+            root = root.children(self.commented(emitter.origin, |w| w.emitter(emitter))?);
+        }
+        Ok(print(&root))
+    }
+
+    /// What `make` makes, with comments on where it comes from and what it does not say.
+    fn commented(
+        &mut self,
+        origin: Origin,
+        make: impl FnOnce(&mut Self) -> Result<Option<Element>, WriteError>,
+    ) -> Result<Option<Element>, WriteError> {
+        let before = self.out.losses().len();
+        let Some(mut element) = make(self)? else { return Ok(None) };
+        if let Some(place) = self.out.place(origin) {
+            element = element.comment(place);
+        }
+        for loss in &self.out.losses()[before..] {
+            element = element.comment(format!("lost: {}; instead: {}", loss.what, loss.instead));
+        }
+        Ok(Some(element))
+    }
+}

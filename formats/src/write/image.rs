@@ -1,0 +1,252 @@
+//! Images that have to be made: baked textures, and environments of the other mapping.
+
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::path::Path;
+
+use super::mesh::stem;
+use super::{Output, WriteError};
+use crate::image::{self, Encoding, ExrLayer, ExrOptions, Image};
+use crate::ir::{Bitmap, EnvironmentMapping, LightImage, TextureEncoding};
+use crate::spectrum::{luminance, srgb_to_linear};
+
+/// Decoded linear RGB, row 0 at the top.
+struct Pixels {
+    width: usize,
+    height: usize,
+    rgb: Vec<[f64; 3]>,
+}
+
+impl Output<'_> {
+    fn image(&self, path: &Path) -> Result<Image, WriteError> {
+        let bytes = self.read(path)?;
+        image::read(&bytes).map_err(|e| WriteError::Asset { path: path.to_path_buf(), reason: e.to_string() })
+    }
+
+    fn pixels(
+        &self,
+        path: &Path,
+        encoding: TextureEncoding,
+        channel: Option<char>,
+    ) -> Result<Pixels, WriteError> {
+        let image = self.image(path)?;
+        let named = |c: char| image.channel(&c.to_ascii_uppercase().to_string());
+        let places = match channel.and_then(named) {
+            Some(place) => [place; 3],
+            None => image.rgb().unwrap_or([0; 3]),
+        };
+        let decode = |v: f32| {
+            let v = f64::from(v);
+            match encoding {
+                TextureEncoding::Auto if image.encoding == Encoding::Linear => v,
+                TextureEncoding::Linear => v,
+                TextureEncoding::Auto | TextureEncoding::Srgb => srgb_to_linear(v),
+                TextureEncoding::Gamma(gamma) => v.max(0.0).powf(gamma),
+            }
+        };
+        let rgb = image.data.chunks_exact(image.channels.len().max(1));
+        let rgb = rgb.map(|pixel| places.map(|place| decode(pixel[place]))).collect();
+        Ok(Pixels { width: image.width, height: image.height, rgb })
+    }
+
+    /// A float image of the texture's values times `factor`, to be read without decoding.
+    pub fn bake(&mut self, bitmap: &Bitmap, factor: [f64; 3]) -> Result<String, WriteError> {
+        let Bitmap { path, encoding, channel, scale, invert, .. } = bitmap;
+        let key = format!("bitmap {path:?} {encoding:?} {channel:?} {scale} {invert} {factor:?}");
+        self.make(&key, "textures", &format!("{}-baked", stem(path)), "exr", |output| {
+            let mut pixels = output.pixels(path, *encoding, *channel)?;
+            for pixel in &mut pixels.rgb {
+                for (value, factor) in pixel.iter_mut().zip(factor) {
+                    let scaled = *value * scale;
+                    *value = factor * if *invert { (1.0 - scaled).max(0.0) } else { scaled };
+                }
+            }
+            exr(path, &pixels)
+        })
+    }
+
+    /// The mean of a texture over its picture.
+    pub fn mean(&self, bitmap: &Bitmap) -> Result<[f64; 3], WriteError> {
+        let pixels = self.pixels(&bitmap.path, bitmap.encoding, bitmap.channel)?;
+        let mut sum = [0.0; 3];
+        for pixel in &pixels.rgb {
+            sum = std::array::from_fn(|i| sum[i] + pixel[i]);
+        }
+        let count = pixels.rgb.len().max(1) as f64;
+        Ok(sum.map(|v| {
+            let mean = v / count * bitmap.scale;
+            if bitmap.invert { 1.0 - mean } else { mean }
+        }))
+    }
+
+    /// Luminance of the mean of a light's picture.
+    pub fn mean_light(&self, light: &LightImage) -> Result<f64, WriteError> {
+        let pixels = self.pixels(&light.path, light.encoding, None)?;
+        let sum: f64 = pixels.rgb.iter().map(|rgb| luminance(*rgb)).sum();
+        Ok(sum / pixels.rgb.len().max(1) as f64)
+    }
+
+    /// A light's picture as plain floats.
+    pub fn decode(&mut self, light: &LightImage) -> Result<String, WriteError> {
+        let LightImage { path, encoding, .. } = light;
+        self.make(&format!("light {path:?} {encoding:?}"), "textures", &stem(path), "exr", |output| {
+            exr(path, &output.pixels(path, *encoding, None)?)
+        })
+    }
+
+    /// The same light with `mapping`, in the same local space.
+    pub fn remap(&mut self, light: &LightImage, mapping: EnvironmentMapping) -> Result<String, WriteError> {
+        let LightImage { path, encoding, .. } = light;
+        let (name, key) = match mapping {
+            EnvironmentMapping::LatLong => ("latlong", format!("latlong {path:?} {encoding:?}")),
+            EnvironmentMapping::EqualArea => ("equalarea", format!("equalarea {path:?} {encoding:?}")),
+        };
+        self.make(&key, "textures", &format!("{}-{name}", stem(path)), "exr", |output| {
+            let pixels = output.pixels(path, *encoding, None)?;
+            exr(path, &resample(&pixels, mapping))
+        })
+    }
+}
+
+fn exr(path: &Path, pixels: &Pixels) -> Result<Vec<u8>, WriteError> {
+    let data: Vec<f32> = pixels.rgb.as_flattened().iter().map(|v| *v as f32).collect();
+    let layer = ExrLayer { name: "", channels: &["R", "G", "B"], data: &data };
+    image::encode_exr(pixels.width, pixels.height, &[layer], &[], ExrOptions::default())
+        .map_err(|e| WriteError::Asset { path: path.to_path_buf(), reason: e.to_string() })
+}
+
+/// Samples across a new pixel in each direction.
+const SUBSAMPLES: usize = 4;
+
+fn resample(from: &Pixels, mapping: EnvironmentMapping) -> Pixels {
+    let side = from.height.max(2);
+    let (width, height) = match mapping {
+        EnvironmentMapping::LatLong => (2 * side, side),
+        EnvironmentMapping::EqualArea => (side, side),
+    };
+    let mut rgb = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let mut sum = [0.0; 3];
+            for i in 0..SUBSAMPLES * SUBSAMPLES {
+                let offset = |i: usize| (i as f64 + 0.5) / SUBSAMPLES as f64;
+                let (dx, dy) = (offset(i % SUBSAMPLES), offset(i / SUBSAMPLES));
+                let s = (x as f64 + dx) / width as f64;
+                let value = match mapping {
+                    EnvironmentMapping::LatLong => {
+                        // Rows stand at v·(H − 1); the poles are the first and the last one.
+                        let v = (y as f64 + dy - 0.5) / (height - 1) as f64;
+                        equal_area_lookup(from, from_lat_long([s, v.clamp(0.0, 1.0)]))
+                    }
+                    EnvironmentMapping::EqualArea => {
+                        lat_long_lookup(from, from_square([s, (y as f64 + dy) / height as f64]))
+                    }
+                };
+                sum = std::array::from_fn(|c| sum[c] + value[c]);
+            }
+            rgb.push(sum.map(|v| v / (SUBSAMPLES * SUBSAMPLES) as f64));
+        }
+    }
+    Pixels { width, height, rgb }
+}
+
+/// Mitsuba's environment: +Y up, the middle is +Z, +X a quarter from the left.
+fn from_lat_long([u, v]: [f64; 2]) -> [f64; 3] {
+    let (sin_phi, cos_phi) = (TAU * u).sin_cos();
+    let (sin_theta, cos_theta) = (PI * v).sin_cos();
+    [sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta]
+}
+
+fn lat_long_lookup(image: &Pixels, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    let u = x.atan2(-z) / TAU;
+    let v = y.clamp(-1.0, 1.0).acos() / PI;
+    let (sx, sy) = (u * image.width as f64 - 0.5, v * (image.height - 1) as f64);
+    let (x0, y0) = (sx.floor(), sy.floor());
+    let (fx, fy) = (sx - x0, sy - y0);
+    let at = |dx: i64, dy: i64| {
+        let x = (x0 as i64 + dx).rem_euclid(image.width as i64) as usize;
+        let y = (y0 as i64 + dy).clamp(0, image.height as i64 - 1) as usize;
+        image.rgb[y * image.width + x]
+    };
+    let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
+    let mix = |i: usize| (a[i] * (1.0 - fx) + b[i] * fx) * (1.0 - fy) + (c[i] * (1.0 - fx) + d[i] * fx) * fy;
+    [mix(0), mix(1), mix(2)]
+}
+
+/// Clarberg 2008: the equal-area octahedral square → direction, +Z in the middle.
+fn from_square([s, t]: [f64; 2]) -> [f64; 3] {
+    let (u, v) = (2.0 * s - 1.0, 2.0 * t - 1.0);
+    let distance = 1.0 - (u.abs() + v.abs());
+    let r = 1.0 - distance.abs();
+    let phi = if r == 0.0 { FRAC_PI_4 } else { ((v.abs() - u.abs()) / r + 1.0) * FRAC_PI_4 };
+    let rho = r * (2.0 - r * r).sqrt();
+    [(phi.cos() * rho).copysign(u), (phi.sin() * rho).copysign(v), (1.0 - r * r).copysign(distance)]
+}
+
+fn to_square([x, y, z]: [f64; 3]) -> [f64; 2] {
+    let r = (1.0 - z.abs()).max(0.0).sqrt();
+    let phi = y.abs().atan2(x.abs()) * 2.0 / PI;
+    let (mut u, mut v) = (r * (1.0 - phi), r * phi);
+    if z < 0.0 {
+        (u, v) = (1.0 - v, 1.0 - u);
+    }
+    [0.5 * (u.copysign(x) + 1.0), 0.5 * (v.copysign(y) + 1.0)]
+}
+
+/// The nearest texel, as pbrt looks environments up.
+fn equal_area_lookup(image: &Pixels, direction: [f64; 3]) -> [f64; 3] {
+    let [s, t] = to_square(direction);
+    let x = ((s * image.width as f64) as usize).min(image.width - 1);
+    let y = ((t * image.height as f64) as usize).min(image.height - 1);
+    image.rgb[y * image.width + x]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: [f64; 3], b: [f64; 3]) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
+    }
+
+    #[test]
+    fn the_square_and_the_sphere_are_inverse() {
+        for i in 0..400 {
+            let (s, t) = (((i % 20) as f64 + 0.37) / 20.0, ((i / 20) as f64 + 0.61) / 20.0);
+            let d = from_square([s, t]);
+            assert!((d.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12);
+            let [s2, t2] = to_square(d);
+            assert!((s - s2).abs() < 1e-12 && (t - t2).abs() < 1e-12, "{s} {t}: {s2} {t2}");
+        }
+        assert!(near(from_square([0.5, 0.5]), [0.0, 0.0, 1.0]));
+        // Halfway to an edge's middle: r = 1/2, so z = 3/4.
+        assert!((from_square([0.75, 0.5])[2] - 0.75).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_lat_long_map_is_turned_as_mitsuba_turns_it() {
+        assert!(near(from_lat_long([0.5, 0.5]), [0.0, 0.0, 1.0]));
+        assert!(near(from_lat_long([0.25, 0.5]), [1.0, 0.0, 0.0]));
+        assert!(near(from_lat_long([0.3, 0.0]), [0.0, 1.0, 0.0]));
+    }
+
+    #[test]
+    fn a_smooth_environment_survives_both_ways() {
+        // Radiance 1 + d.x/2 + d.y/4 in each channel.
+        let radiance = |d: [f64; 3]| [1.0 + 0.5 * d[0] + 0.25 * d[1]; 3];
+        let side = 64;
+        let rgb = (0..2 * side * side).map(|i| {
+            let (x, y) = (i % (2 * side), i / (2 * side));
+            let v = y as f64 / (side - 1) as f64;
+            radiance(from_lat_long([(x as f64 + 0.5) / (2 * side) as f64, v]))
+        });
+        let first = Pixels { width: 2 * side, height: side, rgb: rgb.collect() };
+        let square = resample(&first, EnvironmentMapping::EqualArea);
+        let back = resample(&square, EnvironmentMapping::LatLong);
+        for i in 0..200 {
+            let d = from_square([((i % 20) as f64 + 0.5) / 20.0, ((i / 20) as f64 + 0.5) / 10.0]);
+            // The gradient is below 0.6 a radian and a texel of the square spans some 0.04.
+            let (a, b) = (radiance(d)[0], lat_long_lookup(&back, d)[0]);
+            assert!((a - b).abs() < 0.6 * 0.04 + 0.01, "{d:?}: {a} and {b}");
+        }
+    }
+}

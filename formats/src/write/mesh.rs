@@ -1,0 +1,148 @@
+//! Meshes that have to be made: of other formats, written into the scene, or tessellated.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use super::{Output, WriteError};
+use crate::ir::{InlineMesh, MeshFile, MeshFormat, PartialQuadric};
+use crate::mesh::{self, Mesh, MeshOptions, write_ply};
+
+impl Output<'_> {
+    /// The mesh as it is rendered; its normals are absent when it is flat.
+    pub fn mesh(&self, file: &MeshFile) -> Result<Mesh, WriteError> {
+        let options = MeshOptions {
+            face_normals: file.face_normals,
+            flip_tex_coords: file.flip_tex_coords,
+            max_smooth_angle: file.max_smooth_angle,
+        };
+        mesh::read(file.format, &self.read(&file.path)?, &options)
+            .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })
+    }
+
+    /// A PLY file of the mesh as it is rendered.
+    pub fn make_ply(&mut self, file: &MeshFile) -> Result<String, WriteError> {
+        let key = format!("mesh {file:?}");
+        let mut stem = stem(&file.path);
+        if let MeshFormat::Serialized { index } = file.format {
+            stem = format!("{stem}-{index:03}");
+        }
+        self.make(&key, "meshes", &stem, "ply", |output| Ok(write_ply(&output.mesh(file)?)))
+    }
+
+    pub fn make_inline_ply(&mut self, mesh: &InlineMesh, name: &str) -> Result<String, WriteError> {
+        // A mesh written into the scene is met once; its address tells it from others.
+        let key = format!("inline {:p}", std::ptr::from_ref(mesh));
+        self.make(&key, "meshes", name, "ply", |_| {
+            Ok(write_ply(&Mesh {
+                positions: mesh.positions.clone(),
+                normals: mesh.normals.clone(),
+                uvs: mesh.uvs.clone(),
+                triangles: mesh.triangles.clone(),
+            }))
+        })
+    }
+
+    pub fn make_quadric_ply(&mut self, quadric: &PartialQuadric, name: &str) -> Result<String, WriteError> {
+        let key = format!("quadric {quadric:?}");
+        self.make(&key, "meshes", name, "ply", |_| Ok(write_ply(&tessellate(quadric))))
+    }
+
+    /// Whether all faces of a PLY file are triangles, so that every reader takes them alike.
+    pub fn is_triangle_ply(&self, file: &MeshFile) -> Result<bool, WriteError> {
+        let bytes = self.read(&file.path)?;
+        let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+        let faces =
+            head.lines().find_map(|line| line.trim().strip_prefix("element face ")?.trim().parse().ok());
+        let mesh = mesh::read(file.format, &bytes, &MeshOptions::default())
+            .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })?;
+        Ok(faces == Some(mesh.triangles.len()))
+    }
+}
+
+pub(crate) fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Steps around a whole circle: the chord is 0.12 % of the radius inside it.
+const STEPS: usize = 64;
+
+/// uv as pbrt has it: u = φ/phi_max; v from `z_min` to `z_max`, or from the rim to the middle.
+pub(crate) fn tessellate(quadric: &PartialQuadric) -> Mesh {
+    // (radius, z, normal's radial part, normal's z, v) of a point of the profile.
+    let profile: Vec<[f64; 5]> = match *quadric {
+        PartialQuadric::Sphere { radius, z_min, z_max, .. } => {
+            let angle = |z: f64| (z / radius).clamp(-1.0, 1.0).acos();
+            let (from, to) = (angle(z_min), angle(z_max));
+            (0..=STEPS / 2)
+                .map(|i| {
+                    let v = i as f64 / (STEPS / 2) as f64;
+                    let (s, c) = (from + (to - from) * v).sin_cos();
+                    [radius * s, radius * c, s, c, v]
+                })
+                .collect()
+        }
+        PartialQuadric::Disk { height, radius, inner_radius, .. } => {
+            vec![[radius, height, 0.0, 1.0, 0.0], [inner_radius, height, 0.0, 1.0, 1.0]]
+        }
+        PartialQuadric::Cylinder { radius, z_min, z_max, .. } => {
+            vec![[radius, z_min, 1.0, 0.0, 0.0], [radius, z_max, 1.0, 0.0, 1.0]]
+        }
+    };
+    let (PartialQuadric::Sphere { phi_max, .. }
+    | PartialQuadric::Disk { phi_max, .. }
+    | PartialQuadric::Cylinder { phi_max, .. }) = *quadric;
+    let turns = (phi_max / 360.0).clamp(0.0, 1.0);
+    let columns = ((STEPS as f64 * turns).ceil() as usize).max(3);
+    let mut mesh = Mesh::default();
+    for column in 0..=columns {
+        let u = column as f64 / columns as f64;
+        let (sin, cos) = (TAU * turns * u).sin_cos();
+        for [r, z, nr, nz, v] in &profile {
+            mesh.positions.push([r * cos, r * sin, *z].map(|x| x as f32));
+            mesh.normals.push([nr * cos, nr * sin, *nz].map(|x| x as f32));
+            mesh.uvs.push([u as f32, *v as f32]);
+        }
+    }
+    let rows = profile.len();
+    for column in 0..columns {
+        for row in 0..rows - 1 {
+            let at = |c: usize, r: usize| ((column + c) * rows + row + r) as u32;
+            let (a, b, c, d) = (at(0, 0), at(1, 0), at(1, 1), at(0, 1));
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Flux of the position through the surface is three times the volume it encloses with the
+    /// origin; its sign says on which side the front is.
+    fn volume(mesh: &Mesh) -> f64 {
+        let p = |i: u32| mesh.positions[i as usize].map(f64::from);
+        let det = |[a, b, c]: [[f64; 3]; 3]| {
+            a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])
+        };
+        mesh.triangles.iter().map(|t| det(t.map(p)) / 6.0).sum()
+    }
+
+    #[test]
+    fn fronts_face_outwards_and_volumes_are_those_of_the_quadrics() {
+        let sphere = PartialQuadric::Sphere { radius: 2.0, z_min: -2.0, z_max: 2.0, phi_max: 360.0 };
+        // A chord spans 1/64 turn: the polyhedron lacks about 2·(π/64)² = 0.5 % of the volume.
+        let whole = 4.0 / 3.0 * std::f64::consts::PI * 8.0;
+        let found = volume(&tessellate(&sphere));
+        assert!((found / whole - 1.0).abs() < 0.01 && found > 0.0, "{found} against {whole}");
+        let tube = PartialQuadric::Cylinder { radius: 1.0, z_min: 0.0, z_max: 3.0, phi_max: 360.0 };
+        // The mantle alone gives two thirds of π·r²·h.
+        let found = volume(&tessellate(&tube));
+        assert!((found / TAU - 1.0).abs() < 0.01, "{found}");
+        let disk = PartialQuadric::Disk { height: 1.5, radius: 1.0, inner_radius: 0.0, phi_max: 360.0 };
+        // A cone of height 1.5 below it, the front upwards.
+        let found = volume(&tessellate(&disk));
+        assert!((found / (TAU / 4.0) - 1.0).abs() < 0.01, "{found}");
+    }
+}

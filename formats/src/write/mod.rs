@@ -1,0 +1,134 @@
+//! Writing a scene in any language: the choice of the writer by extension, and what comes of it.
+
+mod image;
+mod mesh;
+mod output;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use thiserror::Error;
+
+pub(crate) use output::Output;
+
+use crate::diagnostic::nearest;
+use crate::files::Files;
+use crate::image::atomic_write;
+use crate::{Read, mitsuba};
+
+/// Something the scene says that the written one does not.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Loss {
+    pub what: String,
+    /// `file:line:column` in the scene that was read.
+    pub place: Option<String>,
+    pub instead: String,
+}
+
+/// A file beside the written scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asset {
+    /// Below the scene's folder.
+    pub path: PathBuf,
+    pub content: Content,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    /// The bytes of a file of the scene that was read.
+    Copy(PathBuf),
+    Bytes(Vec<u8>),
+}
+
+/// A scene in its new language, not yet on disk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// Of the scene file.
+    pub path: PathBuf,
+    pub text: String,
+    pub assets: Vec<Asset>,
+    pub losses: Vec<Loss>,
+    /// Files the scene was read from, which must survive.
+    inputs: Vec<PathBuf>,
+}
+
+#[derive(Debug, Error)]
+pub enum WriteError {
+    #[error("{path}: not a scene language caustica writes; the extension decides; known: {known}{hint}")]
+    UnknownLanguage { path: String, known: String, hint: String },
+    #[error("{} is a file the scene was read from; write somewhere else", .0.display())]
+    OverInput(PathBuf),
+    #[error("{} exists; --force replaces it", .0.display())]
+    Exists(PathBuf),
+    #[error("{}: {error}", path.display())]
+    Io { path: PathBuf, error: io::Error },
+    #[error("{}: {reason}", path.display())]
+    Asset { path: PathBuf, reason: String },
+}
+
+type Writer = fn(&mut Output<'_>) -> Result<String, WriteError>;
+
+/// One row per scene language.
+const LANGUAGES: &[(&str, Writer)] = &[("xml", mitsuba::write::write)];
+
+/// The scene of `read` in the language that the extension of `path` names. Meshes and textures
+/// below the folder of `path` stay where they are; others are carried along.
+pub fn write_scene(read: &Read, files: &dyn Files, path: &Path) -> Result<Written, WriteError> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let Some((_, writer)) = LANGUAGES.iter().find(|(name, _)| *name == extension) else {
+        let names: Vec<_> = LANGUAGES.iter().map(|(name, _)| *name).collect();
+        let hint = nearest(&extension, names.iter().copied());
+        return Err(WriteError::UnknownLanguage {
+            path: path.display().to_string(),
+            known: names.iter().map(|name| format!(".{name}")).collect::<Vec<_>>().join(", "),
+            hint: hint.map_or(String::new(), |name| format!("; did you mean .{name}?")),
+        });
+    };
+    let mut output = Output::new(read, files, path);
+    let text = writer(&mut output)?;
+    let (assets, losses, inputs) = output.finish();
+    Ok(Written { path: path.to_path_buf(), text, assets, losses, inputs })
+}
+
+impl Written {
+    /// Writes scene and assets, each in one step. Nothing is written when a file is in the way,
+    /// unless `replace`; an asset that is there already with the same bytes is not in the way.
+    pub fn save(&self, files: &dyn Files, replace: bool) -> Result<(), WriteError> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let io = |path: &Path| {
+            let path = path.to_path_buf();
+            move |error| WriteError::Io { path, error }
+        };
+        self.check(&self.path, replace)?;
+        let mut changed = Vec::new();
+        for asset in &self.assets {
+            let target = folder.join(&asset.path);
+            let bytes = match &asset.content {
+                Content::Bytes(bytes) => bytes.clone(),
+                Content::Copy(source) => files.read(source).map_err(io(source))?,
+            };
+            if std::fs::read(&target).is_ok_and(|old| old == bytes) {
+                continue;
+            }
+            self.check(&target, replace)?;
+            changed.push((target, bytes));
+        }
+        for (target, bytes) in &changed {
+            let parent = target.parent().unwrap_or(Path::new(""));
+            std::fs::create_dir_all(parent).map_err(io(parent))?;
+            atomic_write(target, bytes).map_err(io(target))?;
+        }
+        atomic_write(&self.path, self.text.as_bytes()).map_err(io(&self.path))
+    }
+
+    fn check(&self, target: &Path, replace: bool) -> Result<(), WriteError> {
+        if self.inputs.contains(&output::normal(target)) {
+            return Err(WriteError::OverInput(target.to_path_buf()));
+        }
+        if target.exists() && !replace {
+            return Err(WriteError::Exists(target.to_path_buf()));
+        }
+        Ok(())
+    }
+}

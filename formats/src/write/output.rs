@@ -1,0 +1,178 @@
+//! What a writer collects besides its text: files to carry along, and losses.
+
+use std::collections::{HashMap, HashSet};
+use std::path::{Component, Path, PathBuf};
+
+use super::{Asset, Content, Loss, WriteError};
+use crate::Read;
+use crate::diagnostic::SourceMap;
+use crate::files::Files;
+use crate::ir::{EmitterKind, Origin, Scene, ShapeKind, TextureKind};
+
+pub(crate) struct Output<'a> {
+    pub scene: &'a Scene,
+    sources: &'a SourceMap,
+    files: &'a dyn Files,
+    /// Of the scene to write.
+    folder: PathBuf,
+    inputs: Vec<PathBuf>,
+    assets: Vec<Asset>,
+    losses: Vec<Loss>,
+    /// Source → name in the written scene.
+    carried: HashMap<PathBuf, String>,
+    /// Assets made from others, by a key of the writer's.
+    made: HashMap<String, String>,
+    taken: HashSet<String>,
+}
+
+impl<'a> Output<'a> {
+    pub fn new(read: &'a Read, files: &'a dyn Files, path: &Path) -> Self {
+        let folder = normal(path.parent().unwrap_or(Path::new("")));
+        let mut inputs: Vec<PathBuf> = read.sources.paths().map(normal).collect();
+        inputs.extend(asset_paths(&read.scene).into_iter().map(normal));
+        // No new asset may take the name of a file that is read.
+        let below = inputs.iter().filter_map(|path| path.strip_prefix(&folder).ok());
+        let taken = below.map(|path| slashed(path).to_lowercase()).collect();
+        Self {
+            scene: &read.scene,
+            sources: &read.sources,
+            files,
+            folder,
+            inputs,
+            assets: Vec::new(),
+            losses: Vec::new(),
+            carried: HashMap::new(),
+            made: HashMap::new(),
+            taken,
+        }
+    }
+
+    pub fn finish(self) -> (Vec<Asset>, Vec<Loss>, Vec<PathBuf>) {
+        (self.assets, self.losses, self.inputs)
+    }
+
+    /// Records that `what` is not said, and what is said instead.
+    pub fn lose(&mut self, origin: Origin, what: impl Into<String>, instead: impl Into<String>) {
+        let place = origin.0.map(|span| self.sources.location(span));
+        let loss = Loss { what: what.into(), place, instead: instead.into() };
+        // An object that several others refer to may be written more than once.
+        if !self.losses.contains(&loss) {
+            self.losses.push(loss);
+        }
+    }
+
+    pub fn losses(&self) -> &[Loss] {
+        &self.losses
+    }
+
+    /// `file:line` for comments, without the folder.
+    pub fn place(&self, origin: Origin) -> Option<String> {
+        let span = origin.0?;
+        let name = self.sources.path(span.file).file_name()?.to_string_lossy().into_owned();
+        Some(format!("{name}:{}", self.sources.line_column(span).0))
+    }
+
+    /// Names of the files the scene was read from, the main one first.
+    pub fn title(&self) -> Option<String> {
+        self.sources.paths().next().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned())
+    }
+
+    pub fn read(&self, path: &Path) -> Result<Vec<u8>, WriteError> {
+        let fail = |error| WriteError::Io { path: path.to_path_buf(), error };
+        self.files.read(path).map_err(fail)
+    }
+
+    /// The name of an existing file relative to the scene; it is copied to `subfolder` unless it
+    /// lies below the scene's folder already.
+    pub fn carry(&mut self, path: &Path, subfolder: &str) -> String {
+        let source = normal(path);
+        if let Some(name) = self.carried.get(&source) {
+            return name.clone();
+        }
+        let name = match source.strip_prefix(&self.folder) {
+            Ok(inside) => slashed(inside),
+            Err(_) => {
+                let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                let extension = path.extension().unwrap_or_default().to_string_lossy().into_owned();
+                let name = self.free_name(subfolder, &stem, &extension);
+                let content = Content::Copy(path.to_path_buf());
+                self.assets.push(Asset { path: PathBuf::from(&name), content });
+                name
+            }
+        };
+        self.carried.insert(source, name.clone());
+        name
+    }
+
+    /// The name of a new file of these bytes. The same `key` gives the same file.
+    pub fn make(
+        &mut self,
+        key: &str,
+        subfolder: &str,
+        stem: &str,
+        extension: &str,
+        bytes: impl FnOnce(&mut Self) -> Result<Vec<u8>, WriteError>,
+    ) -> Result<String, WriteError> {
+        if let Some(name) = self.made.get(key) {
+            return Ok(name.clone());
+        }
+        let bytes = bytes(self)?;
+        let name = self.free_name(subfolder, stem, extension);
+        self.assets.push(Asset { path: PathBuf::from(&name), content: Content::Bytes(bytes) });
+        self.made.insert(key.to_owned(), name.clone());
+        Ok(name)
+    }
+
+    fn free_name(&mut self, subfolder: &str, stem: &str, extension: &str) -> String {
+        let plain = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ') { c } else { '_' };
+        let stem: String = stem.chars().map(plain).collect();
+        let stem = if stem.is_empty() { "unnamed".to_owned() } else { stem };
+        let candidates = (1..).map(|n| match n {
+            1 => format!("{subfolder}/{stem}.{extension}"),
+            n => format!("{subfolder}/{stem}-{n}.{extension}"),
+        });
+        // File systems may not tell upper from lower case.
+        let taken = &mut self.taken;
+        candidates.into_iter().find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
+    }
+}
+
+fn asset_paths(scene: &Scene) -> Vec<&Path> {
+    let groups = scene.groups.iter().flat_map(|(_, group)| &group.shapes);
+    let meshes = scene.shapes.iter().chain(groups).filter_map(|shape| match &shape.kind {
+        ShapeKind::Mesh(file) => Some(file.path.as_path()),
+        _ => None,
+    });
+    let textures = scene.textures.iter().filter_map(|(_, texture)| match &texture.kind {
+        TextureKind::Bitmap(bitmap) => Some(bitmap.path.as_path()),
+        _ => None,
+    });
+    let lights = scene.emitters.iter().filter_map(|emitter| match &emitter.kind {
+        EmitterKind::Environment { image, .. } | EmitterKind::Projection { image, .. } => Some(image),
+        EmitterKind::Goniometric { image, .. } => image.as_ref(),
+        _ => None,
+    });
+    meshes.chain(textures).chain(lights.map(|image| image.path.as_path())).collect()
+}
+
+/// Absolute, without `.` and `..`; symbolic links are not looked at.
+pub(super) fn normal(path: &Path) -> PathBuf {
+    let whole = std::path::absolute(path)
+        .or_else(|_| std::env::current_dir().map(|folder| folder.join(path)))
+        .unwrap_or_else(|_| path.to_path_buf());
+    let mut out = PathBuf::new();
+    for part in whole.components() {
+        match part {
+            Component::ParentDir => {
+                out.pop();
+            }
+            Component::CurDir => {}
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+fn slashed(path: &Path) -> String {
+    path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+}
