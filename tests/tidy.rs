@@ -161,6 +161,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "Read",
                     "ReadOptions",
                     "read",
+                    "write",
                 ],
                 "pbrt" => &[
                     "pbrt",
@@ -174,6 +175,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "Read",
                     "ReadOptions",
                     "read",
+                    "write",
                 ],
                 _ => continue,
             };

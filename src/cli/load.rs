@@ -6,7 +6,7 @@ use caustica_formats::diagnostic::Diagnostic;
 use caustica_formats::files::Disk;
 use caustica_formats::ir;
 use caustica_formats::{Read, ReadOptions, read_scene};
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::hashing::Hashing;
 use super::report;
@@ -59,17 +59,38 @@ pub struct SceneArgs {
     filter: Option<ir::Filter>,
     /// How spectra become RGB: as mitsuba3 does for every file, as mitsuba06 did, or as the renderer of
     /// the file's own version does
-    #[arg(long, value_name = "RULE", default_value = "mitsuba3", value_parser = ["mitsuba3", "mitsuba06", "file"])]
-    spectral_to_rgb: String,
+    #[arg(long, value_name = "RULE", value_enum, default_value = "mitsuba3")]
+    spectral_to_rgb: SpectralRule,
     /// Render what is not supported as something near, with a warning
     #[arg(long)]
     allow_unsupported: bool,
     /// Folder to search for files that the scene names
     #[arg(long, value_name = "DIR")]
     allow_path: Vec<PathBuf>,
+    #[arg(skip)]
+    longest_side: Option<u32>,
 }
 
-fn pair(text: &str) -> Result<(String, String), String> {
+/// Whose rule turns spectra into RGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SpectralRule {
+    Mitsuba3,
+    Mitsuba06,
+    File,
+}
+
+impl SpectralRule {
+    /// `None`: that of the file.
+    pub fn rule(self) -> Option<ir::SpectrumRule> {
+        match self {
+            Self::Mitsuba3 => Some(ir::SpectrumRule::Mitsuba3),
+            Self::Mitsuba06 => Some(ir::SpectrumRule::Mitsuba06),
+            Self::File => None,
+        }
+    }
+}
+
+pub fn pair(text: &str) -> Result<(String, String), String> {
     text.split_once('=')
         .filter(|(name, _)| !name.is_empty())
         .map(|(n, v)| (n.to_owned(), v.to_owned()))
@@ -118,6 +139,42 @@ pub struct Loaded {
 }
 
 impl SceneArgs {
+    /// The scene at `path` with nothing overridden.
+    pub fn plain(
+        path: &Path,
+        define: &[(String, String)],
+        allow_path: &[PathBuf],
+        allow_unsupported: bool,
+        spectral_to_rgb: SpectralRule,
+    ) -> Self {
+        Self {
+            scene: Some(path.to_path_buf()),
+            define: define.to_vec(),
+            sensor: None,
+            integrator: None,
+            mode: None,
+            set: Vec::new(),
+            spp: None,
+            passes: None,
+            photons: None,
+            max_depth: None,
+            seed: None,
+            size: None,
+            crop: None,
+            filter: None,
+            spectral_to_rgb,
+            allow_unsupported,
+            allow_path: allow_path.to_vec(),
+            longest_side: None,
+        }
+    }
+
+    /// With the whole film shrunk until no side is longer than `side` pixels.
+    #[must_use]
+    pub fn small(self, side: u32) -> Self {
+        Self { longest_side: Some(side), ..self }
+    }
+
     /// Reads, compiles and plans. Warnings are printed unless `quiet`.
     pub fn load(&self, quiet: bool) -> Result<Loaded, String> {
         let path = self.scene.clone().ok_or("no scene was given: name a Mitsuba .xml file")?;
@@ -140,11 +197,7 @@ impl SceneArgs {
         let build_options = BuildOptions {
             sensor: self.sensor,
             allow_unsupported: self.allow_unsupported,
-            spectrum_rule: match self.spectral_to_rgb.as_str() {
-                "mitsuba3" => Some(ir::SpectrumRule::Mitsuba3),
-                "mitsuba06" => Some(ir::SpectrumRule::Mitsuba06),
-                _ => None,
-            },
+            spectrum_rule: self.spectral_to_rgb.rule(),
         };
         let built = build(&scene, &files, build_options)
             .map_err(|diagnostics| sources.render(&diagnostics).trim_end().to_owned())?;
@@ -161,6 +214,12 @@ impl SceneArgs {
         let Some(sensor) = scene.sensors.get_mut(index) else { return };
         if let Some((width, height)) = self.size {
             (sensor.film.width, sensor.film.height, sensor.film.crop) = (width, height, None);
+        }
+        let film = &mut sensor.film;
+        let longest = film.width.max(film.height);
+        if let Some(side) = self.longest_side.filter(|side| *side < longest) {
+            let shrunk = |n: u32| ((u64::from(n) * u64::from(side) / u64::from(longest)) as u32).max(1);
+            (film.width, film.height, film.crop) = (shrunk(film.width), shrunk(film.height), None);
         }
         sensor.film.crop = self.crop.or(sensor.film.crop);
         if let Some(filter) = self.filter {

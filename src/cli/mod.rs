@@ -1,7 +1,9 @@
 //! Subcommands. Each is one file that parses arguments, calls the library and prints.
 
 mod bench;
+mod check;
 mod compare;
+mod convert;
 mod hashing;
 mod inspect;
 mod load;
@@ -25,6 +27,8 @@ struct Arguments {
 enum Command {
     /// Render a scene to EXR and PNG
     Render(Box<render::RenderArgs>),
+    /// Write a scene in another language, or in the newest version of its own
+    Convert(Box<convert::ConvertArgs>),
     /// Show what a scene holds and what rendering it takes
     Inspect(Box<inspect::InspectArgs>),
     /// Compare an image with a reference, or a folder with a folder
@@ -44,6 +48,7 @@ pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Command::Render(args) => render::run(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => Ok(compare::run(&args)),
         Command::Bench(args) => bench::run(&args),

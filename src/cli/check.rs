@@ -1,0 +1,105 @@
+//! `convert --check`: do both scenes give the same picture?
+
+use super::convert::ConvertArgs;
+use super::load::{Loaded, SceneArgs, SpectralRule};
+use super::report;
+use crate::film::Pixels;
+use crate::render::{Budget, render};
+use crate::scene::Plan;
+
+/// Longer side of the picture and samples a pixel: some seconds at most.
+const SIDE: u32 = 96;
+const PASSES: u32 = 32;
+
+/// The difference of two pictures of one scene by other random numbers is √2 standard errors; half
+/// as much again is more than chance makes of thousands of pixels.
+const WORST_RATIO: f64 = 1.5;
+/// The mean of a picture differs by more than this many standard errors once in 15 000 times.
+const WORST_BIAS: f64 = 4.0;
+
+/// Renders the source twice and the result once, and compares. 0 or 1.
+pub fn run(args: &ConvertArgs) -> Result<u8, String> {
+    let source = |seed| {
+        let rule = args.spectral_to_rgb;
+        let scene =
+            SceneArgs::plain(&args.input, &args.define, &args.allow_path, args.allow_unsupported, rule);
+        picture(scene, seed)
+    };
+    let first = source(1)?;
+    let other = source(2)?;
+    // The result's folder holds all it needs; its spectra mean what its language says.
+    let result =
+        picture(SceneArgs::plain(&args.output, &[], &[], args.allow_unsupported, SpectralRule::File), 1)?;
+    if first.len() != result.len() {
+        return Err(format!(
+            "check: the pictures differ in shape ({} and {} pixels)",
+            first.len(),
+            result.len()
+        ));
+    }
+    let noise = Difference::of(&first, &other);
+    let found = Difference::of(&first, &result);
+    let error = mean_error(&first).hypot(mean_error(&result));
+    let bias = if error > 0.0 { found.bias / error } else { 0.0 };
+    let same = found.rmse == 0.0;
+    let good = same || (found.rmse <= WORST_RATIO * noise.rmse && bias.abs() <= WORST_BIAS);
+    let relative = |v: f64| if found.mean > 0.0 { 100.0 * v / found.mean } else { 0.0 };
+    report::data(&if same {
+        "check: the pictures are the same to the last bit".to_owned()
+    } else {
+        format!(
+            "check: RMSE {:.3} % of the mean against {:.3} % of noise, bias {:+.3} % ({bias:+.1} standard errors): {}",
+            relative(found.rmse),
+            relative(noise.rmse),
+            relative(found.bias),
+            if good { "equal within noise" } else { "DIFFERENT" },
+        )
+    })?;
+    Ok(if good { 0 } else { super::FAILED })
+}
+
+/// Of a few samples a pixel, by path tracing.
+fn picture(scene: SceneArgs, seed: u64) -> Result<Pixels, String> {
+    let Loaded { scene, mut settings, .. } = scene.small(SIDE).load(true)?;
+    for (name, value) in
+        [("integrator", "path"), ("passes", &PASSES.to_string()), ("seed", &seed.to_string())]
+    {
+        settings.set(name, value).map_err(|e| e.to_string())?;
+    }
+    let plan = Plan::new(&scene, &settings);
+    let budget = Budget { passes: Some(PASSES), time: None, error: None, interrupt: None };
+    let pixels = Pixels::new(scene.film.pixel_count());
+    Ok(render(&scene, &plan, &settings, budget, pixels, 0, &mut |_| {}).pixels)
+}
+
+struct Difference {
+    /// Of the second picture against the first, in luminance.
+    rmse: f64,
+    bias: f64,
+    /// Of the first picture.
+    mean: f64,
+}
+
+fn luminance(pixels: &Pixels, i: usize) -> f64 {
+    caustica_formats::spectrum::luminance(pixels.beauty(i, PASSES))
+}
+
+impl Difference {
+    fn of(a: &Pixels, b: &Pixels) -> Self {
+        let count = a.len() as f64;
+        let (mut squares, mut sum, mut mean) = (0.0, 0.0, 0.0);
+        for i in 0..a.len() {
+            let d = luminance(b, i) - luminance(a, i);
+            squares += d * d;
+            sum += d;
+            mean += luminance(a, i);
+        }
+        Self { rmse: (squares / count).sqrt(), bias: sum / count, mean: mean / count }
+    }
+}
+
+/// Standard error of the picture's mean.
+fn mean_error(pixels: &Pixels) -> f64 {
+    let count = pixels.len() as f64;
+    (0..pixels.len()).map(|i| pixels.variance(i, PASSES)).sum::<f64>().sqrt() / count
+}

@@ -1,0 +1,89 @@
+//! `caustica convert`: a scene in the language that the name of the output asks for.
+
+use std::path::PathBuf;
+
+use caustica_formats::files::Disk;
+use caustica_formats::image::atomic_write;
+use caustica_formats::{Loss, Read, ReadOptions, Written, ir, read_scene, write_scene};
+use clap::Args;
+
+use super::load::{SpectralRule, pair};
+use super::{check, report};
+
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// Scene to read: Mitsuba .xml of any version
+    pub input: PathBuf,
+    /// Scene to write; its extension says the language (.xml: Mitsuba 3)
+    pub output: PathBuf,
+    /// Value of a scene parameter `$NAME`
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
+    pub define: Vec<(String, String)>,
+    /// Write the losses as JSON
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    /// Render both scenes, small, and fail when they differ by more than noise
+    #[arg(long)]
+    check: bool,
+    /// Replace files that exist
+    #[arg(long)]
+    force: bool,
+    /// How spectra that the language cannot say become RGB (as for `render`)
+    #[arg(long, value_name = "RULE", value_enum, default_value = "mitsuba3")]
+    pub spectral_to_rgb: SpectralRule,
+    /// Convert what is not supported as something near, with a warning
+    #[arg(long)]
+    pub allow_unsupported: bool,
+    /// Folder to search for files that the scene names
+    #[arg(long, value_name = "DIR")]
+    pub allow_path: Vec<PathBuf>,
+}
+
+pub fn run(args: &ConvertArgs) -> Result<u8, String> {
+    let options = ReadOptions {
+        defines: args.define.clone(),
+        allow_unsupported: args.allow_unsupported,
+        search: args.allow_path.clone(),
+    };
+    let mut read = read_scene(&Disk, &args.input, &options).map_err(|failure| failure.to_string())?;
+    warn(&read);
+    if let Some(rule) = args.spectral_to_rgb.rule() {
+        read.scene.spectrum_rule = rule;
+    }
+    let written = write_scene(&read, &Disk, &args.output).map_err(|e| e.to_string())?;
+    written.save(&Disk, args.force).map_err(|e| e.to_string())?;
+    for loss in &written.losses {
+        report::line(&describe(loss));
+    }
+    if let Some(path) = &args.report {
+        let text = serde_json::to_string_pretty(&written.losses).map_err(|e| e.to_string())?;
+        atomic_write(path, text.as_bytes()).map_err(|e| format!("cannot write `{}`: {e}", path.display()))?;
+    }
+    report::line(&summary(&written, &read.scene));
+    if args.check { check::run(args) } else { Ok(0) }
+}
+
+fn warn(read: &Read) {
+    if !read.warnings.is_empty() {
+        report::line(read.sources.render(&read.warnings).trim_end());
+    }
+}
+
+fn describe(loss: &Loss) -> String {
+    let place = loss.place.as_ref().map_or(String::new(), |place| format!("{place}: "));
+    format!("lost: {place}{}\n  instead: {}", loss.what, loss.instead)
+}
+
+fn summary(written: &Written, scene: &ir::Scene) -> String {
+    let plural = |n: usize, one: &str, many: &str| match n {
+        1 => format!("1 {one}"),
+        n => format!("{n} {many}"),
+    };
+    format!(
+        "{}: {}, {} beside it, {}",
+        written.path.display(),
+        plural(scene.shapes.len(), "shape", "shapes"),
+        plural(written.assets.len(), "file", "files"),
+        plural(written.losses.len(), "loss", "losses"),
+    )
+}
