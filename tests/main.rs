@@ -10,6 +10,7 @@ mod bsdf;
 mod camera;
 mod cli;
 mod convergence;
+mod convert;
 mod depth;
 mod determinism;
 mod environment;

@@ -12,7 +12,7 @@ use super::{check, report};
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// Scene to read: Mitsuba .xml of any version
+    /// Scene to read: Mitsuba .xml of any version, pbrt-v4 .pbrt (v3 is upgraded)
     pub input: PathBuf,
     /// Scene to write; its extension says the language (.xml: Mitsuba 3)
     pub output: PathBuf,
@@ -43,6 +43,7 @@ pub fn run(args: &ConvertArgs) -> Result<u8, String> {
     let options = ReadOptions {
         defines: args.define.clone(),
         allow_unsupported: args.allow_unsupported,
+        upgrade_v3: true,
         search: args.allow_path.clone(),
     };
     let mut read = read_scene(&Disk, &args.input, &options).map_err(|failure| failure.to_string())?;

@@ -69,6 +69,8 @@ pub struct SceneArgs {
     allow_path: Vec<PathBuf>,
     #[arg(skip)]
     longest_side: Option<u32>,
+    #[arg(skip)]
+    upgrade_v3: bool,
 }
 
 /// Whose rule turns spectra into RGB.
@@ -166,6 +168,7 @@ impl SceneArgs {
             allow_unsupported,
             allow_path: allow_path.to_vec(),
             longest_side: None,
+            upgrade_v3: true,
         }
     }
 
@@ -183,7 +186,7 @@ impl SceneArgs {
             defines: self.define.clone(),
             allow_unsupported: self.allow_unsupported,
             search: self.allow_path.clone(),
-            upgrade_v3: false,
+            upgrade_v3: self.upgrade_v3,
         };
         let Read { mut scene, warnings, sources } =
             read_scene(&files, &path, &options).map_err(|failure| failure.to_string())?;

@@ -12,6 +12,7 @@ impl Output<'_> {
     pub fn mesh(&self, file: &MeshFile) -> Result<Mesh, WriteError> {
         let options = MeshOptions {
             face_normals: file.face_normals,
+            authored_normals: file.authored_normals,
             flip_tex_coords: file.flip_tex_coords,
             max_smooth_angle: file.max_smooth_angle,
         };

@@ -88,27 +88,34 @@ impl Writer<'_, '_> {
     /// A colour of light, brighter by `factor`.
     pub fn light(&mut self, name: &str, color: &Color, factor: f64, origin: Origin) -> Element {
         let factor = factor * self.light;
-        self.color(name, &scaled(color, factor), ColorSlot::Emission, origin)
+        let color = self.scaled(color, factor, origin);
+        self.color(name, &color, ColorSlot::Emission, origin)
+    }
+
+    fn scaled(&mut self, color: &Color, factor: f64, origin: Origin) -> Color {
+        if factor == 1.0 {
+            return color.clone();
+        }
+        match color {
+            Color::Gray(v) => Color::Gray(v * factor),
+            Color::UniformSpectrum(v) => Color::UniformSpectrum(v * factor),
+            Color::UniformPlugin(v) => Color::UniformPlugin(v * factor),
+            Color::Rgb(rgb) | Color::BoundedRgb(rgb) => Color::Rgb(rgb.map(|v| v * factor)),
+            Color::Srgb(encoded) => Color::Rgb(encoded.map(|v| crate::spectrum::srgb_to_linear(v) * factor)),
+            Color::Samples(samples) => {
+                Color::Samples(samples.iter().map(|[nm, v]| [*nm, v * factor]).collect())
+            }
+            Color::D65 { scale, color } => Color::D65 { scale: scale * factor, color: *color },
+            Color::Blackbody { kelvin, scale } => Color::Blackbody { kelvin: *kelvin, scale: scale * factor },
+            Color::WithLuminance { spectrum, luminance } => {
+                Color::WithLuminance { spectrum: spectrum.clone(), luminance: luminance * factor }
+            }
+            Color::Library(_) => Color::Rgb(self.rgb(color, ColorSlot::Emission, origin).map(|v| v * factor)),
+        }
     }
 }
 
 pub(super) fn rgb_element(name: &str, rgb: [f64; 3]) -> Element {
     let value = if rgb[0] == rgb[1] && rgb[1] == rgb[2] { number(rgb[0]) } else { numbers(&rgb) };
     Element::new("rgb").with("name", name).with("value", value)
-}
-
-pub(super) fn scaled(color: &Color, factor: f64) -> Color {
-    if factor == 1.0 {
-        return color.clone();
-    }
-    match color {
-        Color::Gray(v) => Color::Gray(v * factor),
-        Color::UniformSpectrum(v) => Color::UniformSpectrum(v * factor),
-        Color::UniformPlugin(v) => Color::UniformPlugin(v * factor),
-        Color::Rgb(rgb) | Color::BoundedRgb(rgb) => Color::Rgb(rgb.map(|v| v * factor)),
-        Color::Srgb(encoded) => Color::Rgb(encoded.map(|v| crate::spectrum::srgb_to_linear(v) * factor)),
-        Color::Samples(samples) => Color::Samples(samples.iter().map(|[nm, v]| [*nm, v * factor]).collect()),
-        Color::D65 { scale, color } => Color::D65 { scale: scale * factor, color: *color },
-        Color::Blackbody { kelvin, scale } => Color::Blackbody { kelvin: *kelvin, scale: scale * factor },
-    }
 }

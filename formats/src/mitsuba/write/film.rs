@@ -55,7 +55,7 @@ impl Writer<'_, '_> {
 
     fn filter(&mut self, f: &Film) -> Element {
         let plugin = |name: &str| Element::plugin("rfilter", name);
-        let filter = match &f.filter {
+        match &f.filter {
             Filter::Box { radius } => plugin("box").float_unless("radius", *radius, 0.5),
             Filter::Tent { radius } => plugin("tent").float_unless("radius", *radius, 1.0),
             Filter::Gaussian { stddev } => plugin("gaussian").float_unless("stddev", *stddev, 0.5),
@@ -93,8 +93,7 @@ impl Writer<'_, '_> {
                 }
                 plugin("lanczos").integer("lobes", lobes as i64)
             }
-        };
-        filter
+        }
     }
 
     fn lose_radius(&mut self, f: &Film, what: &str, [x, y]: [f64; 2], instead: &str) {

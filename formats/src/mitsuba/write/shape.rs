@@ -64,11 +64,15 @@ impl Writer<'_, '_> {
                 plugin("instance").child(Element::new("ref").with("id", id))
             }
         };
-        let mut element = element.transform("to_world", &shape.to_world).boolean_unless(
-            "flip_normals",
-            shape.flip_normals,
-            false,
-        );
+        // Mitsuba's side of a mirrored mesh is that of its mirrored winding, pbrt's is not.
+        let by_object = match &shape.kind {
+            ShapeKind::Mesh(file) => file.authored_normals,
+            ShapeKind::Inline(_) => true,
+            _ => false,
+        };
+        let flip = shape.flip_normals != (by_object && shape.to_world.determinant3() < 0.0);
+        let mut element =
+            element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
         element = element.children(self.material(shape)?);
         if let Some(emission) = &shape.emission {
             element = element.child(self.emission(emission)?);
@@ -105,13 +109,11 @@ impl Writer<'_, '_> {
         if !keep {
             let name = self.out.make_ply(file)?;
             let element = plugin("ply").comment(format!("made from {}", file.path.display()));
-            return Ok(element.string("filename", &name).boolean_unless(
-                "face_normals",
-                file.face_normals,
-                false,
-            ));
+            let flat = file.face_normals || self.out.mesh(file)?.normals.is_empty();
+            return Ok(element.string("filename", &name).boolean_unless("face_normals", flat, false));
         }
         let name = self.out.carry(&file.path, "meshes");
+        let flat = file.face_normals || file.authored_normals && self.out.mesh(file)?.normals.is_empty();
         Ok(match file.format {
             MeshFormat::Obj => plugin("obj").string("filename", &name).boolean_unless(
                 "flip_tex_coords",
@@ -128,7 +130,7 @@ impl Writer<'_, '_> {
                 if index == 0 { element } else { element.integer("shape_index", i64::from(index)) }
             }
         }
-        .boolean_unless("face_normals", file.face_normals, false))
+        .boolean_unless("face_normals", flat, false))
     }
 
     /// Whole spheres and cylinders as such, the rest tessellated.

@@ -68,7 +68,7 @@ impl Writer<'_, '_> {
             }
             TextureKind::MappedCheckerboard { color0, color1, mapping } => {
                 // pbrt has one cell where Mitsuba has two.
-                let to_uv = Transform::scale([0.5, 0.5, 1.0]).after(&self.to_uv(mapping, origin));
+                let to_uv = Transform::scale([0.5, 0.5, 1.0]).after(&self.uv_transform(mapping, origin));
                 self.checkerboard([color0, color1], &to_uv, factor, origin)
             }
             TextureKind::Scale { value, factor: more } => match (value, more) {
@@ -224,11 +224,11 @@ impl Writer<'_, '_> {
         if let Some(wrap) = wrap {
             element = element.string("wrap_mode", wrap);
         }
-        let to_uv = self.to_uv(&b.mapping, origin);
+        let to_uv = self.uv_transform(&b.mapping, origin);
         Ok(element.boolean_unless("raw", raw, false).transform("to_uv", &to_uv))
     }
 
-    fn to_uv(&mut self, mapping: &Mapping, origin: Origin) -> Transform {
+    fn uv_transform(&mut self, mapping: &Mapping, origin: Origin) -> Transform {
         let what = match mapping {
             Mapping::Uv(transform) => return *transform,
             Mapping::Spherical { .. } => "a spherical mapping",

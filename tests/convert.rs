@@ -1,0 +1,101 @@
+//! `caustica convert`: the written scene gives the picture of the one it was made from.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn convert(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_caustica"))
+        .arg("convert")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn scenes() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut found = Vec::new();
+    for folder in [root.clone(), root.join("reference")] {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|e| e == "xml") {
+                found.push(path);
+            }
+        }
+    }
+    found
+}
+
+/// Mitsuba says everything that these scenes say, so there is nothing to allow for.
+#[test]
+fn mitsuba_scenes_keep_every_bit_of_their_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = scenes();
+    assert!(scenes.len() > 3);
+    for scene in scenes {
+        let name = scene.file_name().unwrap().to_str().unwrap();
+        let run = convert(&[scene.to_str().unwrap(), name, "--check"], folder.path());
+        let said = text(&run.stdout);
+        assert!(run.status.success(), "{name}: {said}{}", text(&run.stderr));
+        assert!(said.contains("the same to the last bit"), "{name}: {said}");
+    }
+}
+
+const PBRT: &str = r#"
+LookAt 0 1 5  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [6 5 4]
+  Translate 0 3 0
+  Rotate 90 1 0 0
+  Shape "disk" "float radius" 0.7
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0.5 0.4 0.3]
+Shape "trianglemesh" "point3 P" [-3 -1 -3  3 -1 -3  3 -1 3  -3 -1 3] "integer indices" [0 2 1 0 3 2]
+AttributeBegin
+  Material "dielectric" "float eta" 1.4
+  Translate -0.8 0 0
+  Shape "sphere" "float radius" 0.7
+AttributeEnd
+Material "conductor" "spectrum eta" "metal-Cu-eta" "spectrum k" "metal-Cu-k" "float roughness" 0.2
+Translate 0.9 0 0
+Shape "sphere" "float radius" 0.8
+"#;
+
+/// The metal's shadowing is what Mitsuba cannot say: it is listed, with its place, and darkens grazing
+/// angles by less than the noise of the check.
+#[test]
+fn what_pbrt_says_and_mitsuba_cannot_is_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.pbrt"), PBRT).unwrap();
+    let run = convert(&["a.pbrt", "b.xml", "--report", "loss.json", "--check"], folder.path());
+    assert!(run.status.success(), "{}{}", text(&run.stdout), text(&run.stderr));
+    let report = std::fs::read_to_string(folder.path().join("loss.json")).unwrap();
+    let losses: Vec<serde_json::Value> = serde_json::from_str(&report).unwrap();
+    let shadowing = losses.iter().find(|loss| loss["what"].as_str().unwrap().contains("shadowing"));
+    assert_eq!(shadowing.unwrap()["place"], "a.pbrt:19:10");
+    for loss in &losses {
+        assert!(text(&run.stderr).contains(loss["what"].as_str().unwrap()));
+        assert!(!loss["instead"].as_str().unwrap().is_empty());
+    }
+}
+
+#[test]
+fn nothing_is_overwritten_unasked_and_never_the_source() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.pbrt"), PBRT).unwrap();
+    std::fs::write(folder.path().join("b.xml"), "mine").unwrap();
+    let refused = convert(&["a.pbrt", "b.xml"], folder.path());
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(text(&refused.stderr).contains("--force"), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read_to_string(folder.path().join("b.xml")).unwrap(), "mine");
+    assert!(convert(&["a.pbrt", "b.xml", "--force"], folder.path()).status.success());
+    let itself = convert(&["b.xml", "b.xml", "--force"], folder.path());
+    assert!(text(&itself.stderr).contains("was read from"), "{}", text(&itself.stderr));
+}
