@@ -151,6 +151,8 @@ fn surface(p: Vec3) -> Surface {
         tangents: [Vec2::X, Vec2::Y],
         lift: 1e-6,
         shape: 0,
+        triangle: 0,
+        weights: [0.0; 2],
     }
 }
 

@@ -222,6 +222,23 @@ impl Material {
         Closure(Content::Here(Box::new(flat(&self.root, point, wi))))
     }
 
+    /// Every parameter that may be a texture.
+    pub fn params(&self) -> Vec<Param> {
+        let mut params = Vec::new();
+        self.root.visit(&mut |node| match node {
+            Node::Model(m) => params.extend(m.params()),
+            Node::Mask(p, _) | Node::Blend(p, _) => params.push(*p),
+            Node::Tilted(p, _) => params.push(p.relief.param()),
+            Node::Null | Node::TwoSided(_) | Node::Mixture(_) => {}
+        });
+        params
+    }
+
+    /// Whether the scattering differs from point to point.
+    pub fn varies(&self) -> bool {
+        self.fixed.is_none()
+    }
+
     pub fn nature(&self) -> Nature {
         self.nature
     }

@@ -224,6 +224,10 @@ macro_rules! models {
                 match self { $(Self::$name(m) => m.varies()),+ }
             }
 
+            fn params(&self) -> Vec<Param> {
+                match self { $(Self::$name(m) => m.params()),+ }
+            }
+
             pub fn nature(&self) -> Nature {
                 match self { $(Self::$name(m) => m.nature()),+ }
             }

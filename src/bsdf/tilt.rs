@@ -13,6 +13,15 @@ pub enum Relief {
     Normal(Param),
 }
 
+impl Relief {
+    pub(super) fn param(&self) -> Param {
+        match *self {
+            Self::Bump { height, .. } => height,
+            Self::Normal(normals) => normals,
+        }
+    }
+}
+
 /// A bump or normal map.
 #[derive(Clone, Copy, Debug)]
 pub struct Perturbation {

@@ -5,7 +5,7 @@ use super::{DirectSample, Emission};
 use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::{Discrete, warp};
 use crate::shape::{Analytic, AreaSample, triangle};
-use crate::texture::{Param, Site, Textures};
+use crate::texture::{OnMesh, Param, Site, Textures};
 
 /// The lamp's own copy of its geometry, for sampling.
 #[derive(Clone, Debug)]
@@ -62,7 +62,7 @@ impl Surface {
 
 /// What textures want to know of a sample.
 pub(super) fn site(s: &AreaSample) -> Site {
-    Site { uv: s.uv, p: s.p, n: s.n }
+    Site { uv: s.uv, p: s.p, n: s.n, on: OnMesh::NONE }
 }
 
 /// Which sides of a lamp shine.
@@ -160,7 +160,9 @@ impl Area {
         let t = sphere.intersect(&ray, f32::INFINITY).unwrap_or_else(|| (sphere.center - p).dot(dir));
         let local = sphere.local(ray.at(t));
         let pdf = 1.0 / (2.0 * PI * gap);
-        let value = textures.eval(self.radiance, &Site { uv: local.uv, p: local.p, n: local.n }) / pdf;
+        let value = textures
+            .eval(self.radiance, &Site { uv: local.uv, p: local.p, n: local.n, on: OnMesh::NONE })
+            / pdf;
         let n = if sphere.inward { -local.n } else { local.n };
         Some(DirectSample { dir, target: Some(local.p + n * self.lift), value, pdf })
     }

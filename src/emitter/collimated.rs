@@ -5,7 +5,7 @@ use super::{DirectSample, Emission, MeshTriangle, Surface};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::sampling::Discrete;
 use crate::shape::triangle;
-use crate::texture::{Param, Site, Textures};
+use crate::texture::{OnMesh, Param, Site, Textures};
 
 /// A flat-faced lamp that shines along its normals only (Mitsuba's `directionalarea`): each face sends
 /// `radiance` W/m² straight ahead. No scattered ray can find that direction, but a point within a face's
@@ -47,7 +47,7 @@ impl Collimated {
         let b0 = 1.0 - b.x - b.y;
         let [v0, v1, v2] = t.v.map(Vec3::from);
         let uv = t.uv[0] * b0 + t.uv[1] * b.x + t.uv[2] * b.y;
-        let at = Site { uv, p: v0 * b0 + v1 * b.x + v2 * b.y, n: t.normal };
+        let at = Site { uv, p: v0 * b0 + v1 * b.x + v2 * b.y, n: t.normal, on: OnMesh::NONE };
         let value = textures.eval(self.radiance, &at) / self.faces_by_area.probability(i);
         let target = Some(at.p + t.normal * self.lift);
         (value.max_element() > 0.0).then_some(DirectSample { dir: -t.normal, target, value, pdf: 0.0 })

@@ -14,7 +14,7 @@ use crate::film::{FilmSize, Filter};
 use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::Discrete;
 use crate::sensor::Sensor;
-use crate::texture::{Site, Textures};
+use crate::texture::{OnMesh, Site, Textures};
 
 /// A shape's material and what its mesh carries per vertex.
 #[derive(Debug)]
@@ -47,6 +47,9 @@ pub struct Surface {
     /// How far a ray must start from the surface for rounding not to find it again.
     pub lift: f32,
     pub shape: u32,
+    /// Triangle of the shape's mesh, and the weights of its second and third corner.
+    pub triangle: u32,
+    pub weights: [f32; 2],
 }
 
 impl Surface {
@@ -64,7 +67,8 @@ impl Surface {
     /// For textures.
     #[inline(always)]
     fn site(&self) -> Site {
-        Site { uv: self.uv, p: self.p, n: self.ng }
+        let on = OnMesh { shape: self.shape, triangle: self.triangle, weights: self.weights };
+        Site { uv: self.uv, p: self.p, n: self.ng, on }
     }
 
     /// Turns the frame around `n` so that s follows the first of the partial derivatives of the position.
@@ -155,6 +159,8 @@ impl Scene {
                     tangents: NO_TANGENTS,
                     lift: extent * LIFT,
                     shape: index,
+                    triangle: 0,
+                    weights: [0.0; 2],
                 };
                 if shape.oriented {
                     s.orient(n, level.analytic[i as usize].partials(l.p));
@@ -350,6 +356,8 @@ fn triangle_surface(v: &[Vec3; 3], shape: &ShapeRecord, index: u32, triangle: us
         tangents: NO_TANGENTS,
         lift: extent * LIFT,
         shape: index,
+        triangle: triangle as u32,
+        weights: [hit.b1, hit.b2],
     };
     if shape.oriented {
         s.orient(ns, triangle_partials(v, shape, triangle));

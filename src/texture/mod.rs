@@ -1,5 +1,6 @@
 //! Textures: functions of a surface point giving linear RGB. One file per model.
 
+mod attribute;
 mod bitmap;
 mod checkerboard;
 mod mapping;
@@ -8,12 +9,13 @@ mod patterns;
 mod site;
 mod solid;
 
+pub use attribute::{MeshAttribute, Values};
 pub use bitmap::{Bitmap, Wrap};
 pub use checkerboard::Checkerboard;
 pub use mapping::{Mapping, ToTexture, UvTransform};
 pub use noise::{Noise, NoiseKind};
 pub use patterns::{Bilerp, Grid, Mix, UnitChecks};
-pub use site::Site;
+pub use site::{OnMesh, Site};
 pub use solid::{DirectionMix, Dots, SolidChecks};
 
 use crate::math::{Rgb, Vec2};
@@ -61,6 +63,25 @@ pub enum Texture {
     SolidChecks(SolidChecks),
     Dots(Dots),
     Noise(Noise),
+    MeshAttribute(MeshAttribute),
+}
+
+impl Texture {
+    /// What it is made of.
+    fn inputs(&self) -> Vec<Param> {
+        match self {
+            Self::Bitmap(_) | Self::Bilerp(_) | Self::Noise(_) | Self::MeshAttribute(_) => Vec::new(),
+            Self::Scaled(p, _) => vec![*p],
+            Self::Product(a, b) => vec![*a, *b],
+            Self::Mix(t) => vec![t.inputs[0], t.inputs[1], t.amount],
+            Self::DirectionMix(t) => t.inputs.to_vec(),
+            Self::Checkerboard(t) => t.colors.to_vec(),
+            Self::Grid(t) => t.colors.to_vec(),
+            Self::UnitChecks(t) => t.colors.to_vec(),
+            Self::SolidChecks(t) => t.colors.to_vec(),
+            Self::Dots(t) => t.colors.to_vec(),
+        }
+    }
 }
 
 /// Every texture of a scene. A texture may refer to earlier ones only.
@@ -85,6 +106,7 @@ impl Textures {
                 Texture::SolidChecks(t) => t.eval(self, at),
                 Texture::Dots(t) => t.eval(self, at),
                 Texture::Noise(t) => t.eval(at.p),
+                Texture::MeshAttribute(t) => t.eval(&at.on),
             },
         }
     }
@@ -105,8 +127,27 @@ impl Textures {
         }
     }
 
-    /// Bytes held by pixels.
+    /// Indices of the mesh attributes that `params` show.
+    pub fn attributes_in(&self, params: &[Param]) -> Vec<u32> {
+        let mut left: Vec<Param> = params.to_vec();
+        let mut found = Vec::new();
+        while let Some(param) = left.pop() {
+            let Param::Texture(i) = param else { continue };
+            match &self.0[i as usize] {
+                Texture::MeshAttribute(_) if !found.contains(&i) => found.push(i),
+                texture => left.extend(texture.inputs()),
+            }
+        }
+        found
+    }
+
+    /// Bytes held by pixels and attributes.
     pub fn bytes(&self) -> usize {
-        self.0.iter().map(|t| if let Texture::Bitmap(b) = t { b.bytes() } else { 0 }).sum()
+        let of = |texture: &Texture| match texture {
+            Texture::Bitmap(t) => t.bytes(),
+            Texture::MeshAttribute(t) => t.bytes(),
+            _ => 0,
+        };
+        self.0.iter().map(of).sum()
     }
 }

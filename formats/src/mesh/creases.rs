@@ -92,6 +92,10 @@ fn rebuild(mesh: &Mesh, groups: &mut Groups, sums: &[[f64; 3]]) -> Mesh {
         .collect();
     corners.sort_unstable();
     let mut result = Mesh { triangles: vec![[0; 3]; mesh.triangles.len()], ..Mesh::default() };
+    result.attributes = mesh.attributes.clone();
+    let pairs = result.attributes.iter_mut().zip(&mesh.attributes);
+    let (mut per_vertex, sources): (Vec<_>, Vec<_>) = pairs.filter(|(a, _)| !a.is_per_face()).unzip();
+    per_vertex.iter_mut().for_each(|a| a.values.clear());
     let mut previous = None;
     for (vertex, group, corner) in corners {
         if previous != Some((vertex, group)) {
@@ -99,6 +103,9 @@ fn rebuild(mesh: &Mesh, groups: &mut Groups, sums: &[[f64; 3]]) -> Mesh {
             result.positions.push(mesh.positions[vertex as usize]);
             result.normals.push(unit(sums[group as usize]).unwrap_or(FALLBACK));
             result.uvs.extend(mesh.uvs.get(vertex as usize));
+            for (list, source) in per_vertex.iter_mut().zip(&sources) {
+                list.values.extend(source.values.get(vertex as usize));
+            }
         }
         let index = result.positions.len() as u32 - 1;
         result.triangles[corner as usize / 3][corner as usize % 3] = index;

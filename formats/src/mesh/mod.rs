@@ -3,6 +3,7 @@
 //! Polygons become fans around their first corner, degenerate triangles are kept, and vertex
 //! normals that are missing or unusable are computed (angle-weighted) unless the mesh is to be flat.
 
+mod attributes;
 mod creases;
 mod normals;
 mod obj;
@@ -14,6 +15,7 @@ use thiserror::Error;
 use crate::files::{MAX_FILE_BYTES, is_gzip, unpack};
 use crate::ir::MeshFormat;
 
+pub use attributes::Attribute;
 pub use obj::read_obj;
 pub use ply::{read_ply, write_ply};
 pub use serialized::{read_serialized, serialized_count};
@@ -27,6 +29,8 @@ pub struct Mesh {
     /// Per vertex; empty when absent.
     pub uvs: Vec<[f32; 2]>,
     pub triangles: Vec<[u32; 3]>,
+    /// Further values per vertex or triangle.
+    pub attributes: Vec<Attribute>,
 }
 
 /// Why a mesh could not be read.

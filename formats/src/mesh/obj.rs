@@ -206,7 +206,7 @@ impl File {
             true => corners.iter().map(|c| get_or_zero(&self.normals, c[2])).collect(),
             false => Vec::new(),
         };
-        Mesh { positions, normals, uvs, triangles }
+        Mesh { positions, normals, uvs, triangles, attributes: Vec::new() }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Stanford PLY: ASCII and binary of both byte orders. Polygons become fans; elements and
-//! properties other than those of a mesh are skipped.
+//! properties other than those of a mesh and its attributes are skipped.
 
+use super::attributes::{Columns, FACE, VERTEX};
 use super::{Mesh, MeshError, MeshOptions, check_indices, finish};
 
 /// Reads a PLY file: vertices with `x y z`, optionally `nx ny nz` and one of `u v`, `s t` or
@@ -229,11 +230,16 @@ fn read_vertices(source: &mut Source<'_>, element: &Element, mesh: &mut Mesh) ->
     let any = |wanted: fn(&Target) -> bool| targets.iter().any(wanted);
     let has_normals = any(|target| matches!(target, Target::Normal(_)));
     let has_uvs = any(|target| matches!(target, Target::Uv(_)));
+    let free = element.properties.iter().zip(&targets).map(|(p, target)| {
+        (p.list.is_none() && matches!(target, Target::Nothing)).then_some(p.name.as_str())
+    });
+    let columns = Columns::new(VERTEX, free);
+    let (mut lists, mut row) = (columns.lists(), columns.row());
     mesh.positions.reserve(element.count);
     for vertex in 0..element.count {
         let (mut position, mut normal, mut uv) = ([0.0; 3], [0.0; 3], [0.0; 2]);
         let mut line = 0;
-        for (property, target) in element.properties.iter().zip(&targets) {
+        for ((property, target), place) in element.properties.iter().zip(&targets).zip(&columns.places) {
             if property.list.is_some() {
                 source.skip_property(property)?;
                 continue;
@@ -243,7 +249,11 @@ fn read_vertices(source: &mut Source<'_>, element: &Element, mesh: &mut Mesh) ->
                 Target::Position(axis) => position[axis] = value,
                 Target::Normal(axis) => normal[axis] = value,
                 Target::Uv(axis) => uv[axis] = value,
-                Target::Nothing => {}
+                Target::Nothing => {
+                    if let Some((attribute, component)) = *place {
+                        row[attribute][component] = value;
+                    }
+                }
             }
             line = source.line;
         }
@@ -263,7 +273,9 @@ fn read_vertices(source: &mut Source<'_>, element: &Element, mesh: &mut Mesh) ->
         if has_uvs {
             mesh.uvs.push(uv);
         }
+        columns.push(&mut lists, &row);
     }
+    mesh.attributes.append(&mut lists);
     Ok(())
 }
 
@@ -274,10 +286,18 @@ fn read_faces(source: &mut Source<'_>, element: &Element, mesh: &mut Mesh) -> Re
     if element.count > 0 && !element.properties.iter().any(is_indices) {
         return Err(MeshError::Invalid("the PLY faces lack a list of vertex_indices".into()));
     }
+    let free = element.properties.iter().map(|p| p.list.is_none().then_some(p.name.as_str()));
+    let columns = Columns::new(FACE, free);
+    let (mut lists, mut row) = (columns.lists(), columns.row());
     let mut corners = Vec::new();
     mesh.triangles.reserve(element.count);
     for _ in 0..element.count {
-        for property in &element.properties {
+        let before = mesh.triangles.len();
+        for (property, place) in element.properties.iter().zip(&columns.places) {
+            if let Some((attribute, component)) = *place {
+                row[attribute][component] = source.number(property.scalar)? as f32;
+                continue;
+            }
             let Some(count) = property.list.filter(|_| is_indices(property)) else {
                 source.skip_property(property)?;
                 continue;
@@ -291,7 +311,12 @@ fn read_faces(source: &mut Source<'_>, element: &Element, mesh: &mut Mesh) -> Re
                 mesh.triangles.push([corners[0], pair[0], pair[1]]);
             }
         }
+        // All triangles of a polygon have its values.
+        for _ in before..mesh.triangles.len() {
+            columns.push(&mut lists, &row);
+        }
     }
+    mesh.attributes.append(&mut lists);
     Ok(())
 }
 

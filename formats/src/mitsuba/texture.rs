@@ -18,7 +18,7 @@ const TEXTURES: &[Plugin<ReadTexture>] = &[
     read("bitmap", bitmap),
     read("checkerboard", checkerboard),
     read("scale", scale),
-    unsupported("mesh_attribute"),
+    read("mesh_attribute", mesh_attribute),
     unsupported("volume"),
     read("gridtexture", grid),
     unsupported("vertexcolors"),
@@ -137,4 +137,16 @@ fn grid<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKin
         line_width: props.positive("line_width", 0.01),
         to_uv: to_uv(props, reader.dialect),
     })
+}
+
+fn mesh_attribute<'a>(_: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKind> {
+    let Some((name, _)) = props.optional_string("name") else {
+        props.needs("the parameter `name`");
+        return None;
+    };
+    if !(name.starts_with("vertex_") || name.starts_with("face_")) {
+        props.complain("name", format!("an attribute is called `vertex_…` or `face_…`, not `{name}`"));
+        return None;
+    }
+    Some(TextureKind::MeshAttribute { name: name.to_owned(), scale: props.float("scale", 1.0) })
 }

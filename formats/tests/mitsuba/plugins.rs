@@ -188,7 +188,7 @@ fn sensors_may_mirror_but_not_scale() {
 
 #[test]
 fn substitutes_are_those_that_the_warning_names() {
-    let text = "<scene version='3.0.0'><bsdf type='conductor' id='c'><texture type='mesh_attribute' name='specular_reflectance'>\
+    let text = "<scene version='3.0.0'><bsdf type='conductor' id='c'><texture type='wireframe' name='specular_reflectance'>\
         <string name='name' value='vertex_color'/></texture></bsdf><shape type='cube'><bsdf type='hk'><ref id='c'/></bsdf></shape></scene>";
     let options = ReadOptions { allow_unsupported: true, ..ReadOptions::default() };
     let read = try_read(text, &[], &options).unwrap();
@@ -196,7 +196,7 @@ fn substitutes_are_those_that_the_warning_names() {
     assert_eq!(
         messages,
         [
-            "texture plugin `mesh_attribute` is not supported yet: gray 0.5 is used",
+            "texture plugin `wireframe` is not supported yet: gray 0.5 is used",
             "bsdf plugin `hk` is not supported yet: its nested bsdf is used",
         ]
     );

@@ -36,6 +36,11 @@ impl MaterialTable {
         self.materials
     }
 
+    /// Every parameter of a material that may be a texture.
+    pub fn params(&self, material: u32) -> Vec<Param> {
+        self.materials[material as usize].params()
+    }
+
     fn push(&mut self, material: Material) -> u32 {
         self.materials.push(material);
         self.materials.len() as u32 - 1
@@ -74,6 +79,11 @@ impl Builder<'_> {
         let index = self.materials.push(Material::new(node));
         self.materials.known.insert(id.index(), index);
         index
+    }
+
+    /// Whether a material differs from point to point.
+    pub(super) fn varies(&self, material: u32) -> bool {
+        self.materials.materials[material as usize].varies()
     }
 
     /// Whether a material wants frames that follow uv.
@@ -138,7 +148,11 @@ impl Builder<'_> {
             }
             BsdfKind::Null => Node::Null,
             BsdfKind::BumpMap { height, scale, shading, nested } => {
-                let relief = Relief::Bump { height: self.scalar_param(height), scale: *scale as f32 };
+                let height = self.scalar_param(height);
+                if !self.textures.so_far().attributes_in(&[height]).is_empty() {
+                    self.unsupported("a bump map from an attribute of the mesh", "a flat surface", origin);
+                }
+                let relief = Relief::Bump { height, scale: *scale as f32 };
                 self.tilted(relief, *shading, *nested)
             }
             BsdfKind::NormalMap { normals, shading, nested } => {

@@ -3,6 +3,7 @@
 
 mod alpha;
 mod analytic;
+mod attributes;
 mod builtin;
 mod coats;
 mod emitters;

@@ -9,6 +9,7 @@ use caustica_formats::ir::{self, ShapeKind, Transform};
 use caustica_formats::mesh::{self, Mesh, MeshOptions};
 use rayon::prelude::*;
 
+use super::attributes::with_default_uvs;
 use super::{Builder, analytic, builtin, partial};
 use crate::emitter::{Emitter, MeshTriangle, SceneSphere, Surface};
 use crate::math::{Bounds, Vec2, Vec3};
@@ -204,6 +205,7 @@ fn add_shape(
                 normals: mesh.normals.clone(),
                 uvs: mesh.uvs.clone(),
                 triangles: mesh.triangles.clone(),
+                attributes: Vec::new(),
             };
             Some(&built)
         }
@@ -233,6 +235,8 @@ fn add_shape(
         }
         _ => None,
     };
+    b.attach_attributes(material, mesh, index, shape.origin);
+    let shines = shape.emission.as_ref().is_some_and(|e| matches!(e.radiance, ir::ColorInput::Texture(_)));
     let surface = match mesh {
         Some(mesh) => {
             if mesh.triangles.len() > MAX_INDEX {
@@ -242,7 +246,12 @@ fn add_shape(
             let first = level.primitives.len();
             let oriented;
             let mesh = if is_authored(&shape.kind) {
-                oriented = oriented_by_author(mesh, to_level.determinant3() < 0.0);
+                let mirrored = to_level.determinant3() < 0.0;
+                oriented = if mesh.uvs.is_empty() && (shines || b.varies(material)) {
+                    oriented_by_author(&with_default_uvs(mesh), mirrored)
+                } else {
+                    oriented_by_author(mesh, mirrored)
+                };
                 &oriented
             } else {
                 mesh

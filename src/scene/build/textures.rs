@@ -10,8 +10,8 @@ use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 use super::Builder;
 use crate::math::{Rgb, Vec3};
 use crate::texture::{
-    Bilerp, Bitmap, Checkerboard, DirectionMix, Dots, Grid, Mix, Noise, Param, SolidChecks, Texture,
-    Textures, UnitChecks, Wrap,
+    Bilerp, Bitmap, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, SolidChecks,
+    Texture, Textures, UnitChecks, Wrap,
 };
 use mappings::{noise, uv_transform};
 
@@ -29,6 +29,10 @@ impl TextureTable {
     /// Those that were built already.
     pub fn so_far(&self) -> &Textures {
         &self.textures
+    }
+
+    pub fn at(&mut self, index: u32) -> Option<&mut Texture> {
+        self.textures.0.get_mut(index as usize)
     }
 
     fn push(&mut self, texture: Texture) -> Param {
@@ -148,9 +152,13 @@ impl Builder<'_> {
                 let (kind, to_texture) = (noise(*kind), self.to_texture(to_texture));
                 self.textures.push(Texture::Noise(Noise { kind, to_texture }))
             }
-            ir::TextureKind::MeshAttribute { .. } => {
-                self.unsupported("a texture from an attribute of the mesh", "gray 0.5", origin);
+            ir::TextureKind::MeshAttribute { .. } if slot == ColorSlot::Emission => {
+                self.unsupported("a light from an attribute of the mesh", "gray 0.5", origin);
                 Param::gray(0.5)
+            }
+            ir::TextureKind::MeshAttribute { name, scale } => {
+                let (name, scale, by_shape) = (name.clone(), *scale as f32, Vec::new());
+                self.textures.push(Texture::MeshAttribute(MeshAttribute { name, scale, by_shape }))
             }
         };
         self.textures.known.insert(key, param);

@@ -1,0 +1,93 @@
+//! Values that a mesh carries besides its shape.
+
+/// A value per vertex (`vertex_…`) or per triangle (`face_…`); a single number is repeated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    pub name: String,
+    pub values: Vec<[f32; 3]>,
+}
+
+impl Attribute {
+    pub fn is_per_face(&self) -> bool {
+        self.name.starts_with(FACE)
+    }
+}
+
+pub(super) const VERTEX: &str = "vertex_";
+pub(super) const FACE: &str = "face_";
+
+/// The attributes among the properties of an element.
+pub(super) struct Columns {
+    /// Names, and of how many numbers each consists.
+    found: Vec<(String, usize)>,
+    /// For every property the attribute and the component, if it is part of one.
+    pub places: Vec<Option<(usize, usize)>>,
+}
+
+/// What a property is part of: `color_0` of `color`, and so are `r` and `red`.
+fn stem(property: &str) -> Option<&str> {
+    if matches!(property, "r" | "g" | "b" | "red" | "green" | "blue") {
+        return Some("color");
+    }
+    let (stem, component) = property.rsplit_once('_')?;
+    let known = ["0", "1", "2", "3", "x", "y", "z", "w", "r", "g", "b", "a"];
+    (!stem.is_empty() && known.contains(&component)).then_some(stem)
+}
+
+impl Columns {
+    /// Of the free properties (the others are `None`); only those of one or three numbers count.
+    pub fn new<'a>(prefix: &str, properties: impl Iterator<Item = Option<&'a str>>) -> Self {
+        let stems: Vec<Option<&str>> = properties.map(|p| p.and_then(stem)).collect();
+        let count = |stem: &str| stems.iter().flatten().filter(|s| **s == stem).count();
+        let mut columns = Columns { found: Vec::new(), places: Vec::new() };
+        let mut next = Vec::new();
+        for stem in &stems {
+            let place = stem.filter(|s| matches!(count(s), 1 | 3)).map(|stem| {
+                let name = format!("{prefix}{stem}");
+                let index = columns.found.iter().position(|(n, _)| *n == name).unwrap_or_else(|| {
+                    columns.found.push((name, count(stem)));
+                    next.push(0);
+                    next.len() - 1
+                });
+                next[index] += 1;
+                (index, next[index] - 1)
+            });
+            columns.places.push(place);
+        }
+        columns
+    }
+
+    /// A row to be filled in.
+    pub fn row(&self) -> Vec<[f32; 3]> {
+        vec![[0.0; 3]; self.found.len()]
+    }
+
+    /// Lists to be filled by [`Columns::push`].
+    pub fn lists(&self) -> Vec<Attribute> {
+        self.found.iter().map(|(name, _)| Attribute { name: name.clone(), values: Vec::new() }).collect()
+    }
+
+    pub fn push(&self, lists: &mut [Attribute], row: &[[f32; 3]]) {
+        for ((list, value), (_, size)) in lists.iter_mut().zip(row).zip(&self.found) {
+            let value = if *size == 1 { [value[0]; 3] } else { *value };
+            list.values.push(value.map(|x| if x.is_finite() { x } else { 0.0 }));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn properties_are_gathered_by_their_stem() {
+        let names = ["color_0", "heat_x", "color_1", "odd_0", "color_2", "odd_1", "label"];
+        let columns = Columns::new(VERTEX, names.iter().map(|n| Some(*n)));
+        let place = [Some((0, 0)), Some((1, 0)), Some((0, 1)), None, Some((0, 2)), None, None];
+        assert_eq!(columns.places, place);
+        let mut lists = columns.lists();
+        columns.push(&mut lists, &[[1.0, 2.0, f32::NAN], [4.0, 0.0, 0.0]]);
+        assert_eq!(lists[0], Attribute { name: "vertex_color".into(), values: vec![[1.0, 2.0, 0.0]] });
+        assert_eq!(lists[1].values, [[4.0; 3]]);
+    }
+}
