@@ -39,6 +39,7 @@ impl Output<'_> {
                 normals: mesh.normals.clone(),
                 uvs: mesh.uvs.clone(),
                 triangles: mesh.triangles.clone(),
+                attributes: Vec::new(),
             }))
         })
     }
