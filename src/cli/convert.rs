@@ -14,7 +14,7 @@ use super::{check, report};
 pub struct ConvertArgs {
     /// Scene to read: Mitsuba .xml of any version, pbrt-v4 .pbrt (v3 is upgraded)
     pub input: PathBuf,
-    /// Scene to write; its extension says the language (.xml: Mitsuba 3)
+    /// Scene to write; its extension says the language (.xml: Mitsuba 3, .pbrt: pbrt-v4)
     pub output: PathBuf,
     /// Value of a scene parameter `$NAME`
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]

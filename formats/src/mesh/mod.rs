@@ -4,6 +4,7 @@
 //! normals that are missing or unusable are computed (angle-weighted) unless the mesh is to be flat.
 
 mod attributes;
+pub mod builtin;
 mod creases;
 mod normals;
 mod obj;

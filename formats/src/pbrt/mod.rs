@@ -26,6 +26,7 @@ mod state;
 mod texture;
 mod token;
 mod upgrade;
+pub(crate) mod write;
 
 use std::collections::HashSet;
 use std::path::Path;

@@ -15,7 +15,7 @@ pub(crate) use output::Output;
 use crate::diagnostic::nearest;
 use crate::files::Files;
 use crate::image::atomic_write;
-use crate::{Read, mitsuba};
+use crate::{Read, mitsuba, pbrt};
 
 /// Something the scene says that the written one does not.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -70,7 +70,7 @@ pub enum WriteError {
 type Writer = fn(&mut Output<'_>) -> Result<String, WriteError>;
 
 /// One row per scene language.
-const LANGUAGES: &[(&str, Writer)] = &[("xml", mitsuba::write::write)];
+const LANGUAGES: &[(&str, Writer)] = &[("xml", mitsuba::write::write), ("pbrt", pbrt::write::write)];
 
 /// The scene of `read` in the language that the extension of `path` names. Meshes and textures
 /// below the folder of `path` stay where they are; others are carried along.
@@ -131,4 +131,11 @@ impl Written {
         }
         Ok(())
     }
+}
+
+/// The shortest decimal that reads back as the same number.
+pub(crate) fn number(v: f64) -> String {
+    // A negative zero means nothing.
+    let v = if v == 0.0 { 0.0 } else { v };
+    if v != 0.0 && !(1e-5..1e15).contains(&v.abs()) { format!("{v:e}") } else { format!("{v}") }
 }

@@ -7,7 +7,8 @@ use super::{Asset, Content, Loss, WriteError};
 use crate::Read;
 use crate::diagnostic::SourceMap;
 use crate::files::Files;
-use crate::ir::{EmitterKind, Origin, Scene, ShapeKind, TextureKind};
+use crate::ir::{Color, ColorSlot, EmitterKind, Origin, Scene, ShapeKind, TextureKind};
+use crate::spectrum::to_linear_rgb;
 
 pub(crate) struct Output<'a> {
     pub scene: &'a Scene,
@@ -58,6 +59,27 @@ impl<'a> Output<'a> {
         // An object that several others refer to may be written more than once.
         if !self.losses.contains(&loss) {
             self.losses.push(loss);
+        }
+    }
+
+    /// The linear triple the scene's own rule gives a colour; out of range ones are clamped and lost.
+    pub fn rgb(&mut self, color: &Color, slot: ColorSlot, origin: Origin) -> [f64; 3] {
+        // A rule that refuses nothing.
+        match to_linear_rgb(color, slot, self.scene.spectrum_rule) {
+            Ok(rgb) => rgb,
+            Err(error) => {
+                let raw = match color {
+                    Color::Rgb(rgb) | Color::BoundedRgb(rgb) => *rgb,
+                    _ => [0.0; 3],
+                };
+                let clamped = raw.map(|v| if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 });
+                self.lose(
+                    origin,
+                    error.to_string(),
+                    format!("rgb {}", clamped.map(super::number).join(", ")),
+                );
+                clamped
+            }
         }
     }
 

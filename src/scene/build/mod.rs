@@ -4,7 +4,6 @@
 mod alpha;
 mod analytic;
 mod attributes;
-mod builtin;
 mod coats;
 mod emitters;
 mod integrator;

@@ -9,8 +9,10 @@ use caustica_formats::ir::{self, ShapeKind, Transform};
 use caustica_formats::mesh::{self, Mesh, MeshOptions};
 use rayon::prelude::*;
 
+use caustica_formats::mesh::builtin;
+
 use super::attributes::with_default_uvs;
-use super::{Builder, analytic, builtin, partial};
+use super::{Builder, analytic, partial};
 use crate::emitter::{Emitter, MeshTriangle, SceneSphere, Surface};
 use crate::math::{Bounds, Vec2, Vec3};
 use crate::scene::geometry::{Geometry, Instance, Level, MAX_INDEX, Placement, Primitive};

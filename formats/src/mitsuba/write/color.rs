@@ -7,21 +7,8 @@ use crate::spectrum::to_linear_rgb;
 use crate::write::WriteError;
 
 impl Writer<'_, '_> {
-    /// The linear triple the scene's own rule gives a colour; out of range ones are clamped and lost.
     pub fn rgb(&mut self, color: &Color, slot: ColorSlot, origin: Origin) -> [f64; 3] {
-        // A rule that refuses nothing.
-        match to_linear_rgb(color, slot, self.scene.spectrum_rule) {
-            Ok(rgb) => rgb,
-            Err(error) => {
-                let raw = match color {
-                    Color::Rgb(rgb) | Color::BoundedRgb(rgb) => *rgb,
-                    _ => [0.0; 3],
-                };
-                let clamped = raw.map(|v| if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 });
-                self.out.lose(origin, error.to_string(), format!("rgb {}", numbers(&clamped)));
-                clamped
-            }
-        }
+        self.out.rgb(color, slot, origin)
     }
 
     pub fn color(&mut self, name: &str, color: &Color, slot: ColorSlot, origin: Origin) -> Element {

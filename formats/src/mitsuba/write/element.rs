@@ -1,5 +1,6 @@
 //! XML to be written.
 
+pub(super) use crate::write::number;
 use quick_xml::Writer;
 use quick_xml::events::{BytesEnd, BytesStart, BytesText, Event};
 
@@ -126,13 +127,6 @@ fn as_look_at(m: &Transform) -> Option<[[f64; 3]; 3]> {
     }
     let target = std::array::from_fn(|i| origin[i] + forward[i]);
     (Transform::look_at(origin, target, up)? == *m).then_some([origin, target, up])
-}
-
-/// The shortest decimal that reads back as the same number.
-pub(super) fn number(v: f64) -> String {
-    // A negative zero means nothing.
-    let v = if v == 0.0 { 0.0 } else { v };
-    if v != 0.0 && !(1e-5..1e15).contains(&v.abs()) { format!("{v:e}") } else { format!("{v}") }
 }
 
 pub(super) fn numbers(values: &[f64]) -> String {

@@ -27,7 +27,10 @@ impl Writer<'_, '_> {
             PixelFormat::Xyz => "xyz",
             PixelFormat::Xyza => "xyza",
         };
+        // Mitsuba has no others in these files, and says so.
+        let float = matches!(f.file_format.as_str(), "rgbe" | "pfm");
         let components = match f.component_format {
+            _ if float => "float32",
             ComponentFormat::Float16 => "float16",
             ComponentFormat::Float32 => "float32",
             ComponentFormat::Uint32 => "uint32",

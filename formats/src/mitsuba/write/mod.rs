@@ -93,9 +93,11 @@ impl<'a> Writer<'_, 'a> {
             root = root.comment(format!("Converted from {title} by caustica {}.", env!("CARGO_PKG_VERSION")));
         }
         let integrator = scene.integrator.as_ref();
-        if let Some(integrator) = integrator {
-            root = root.children(self.commented(integrator.origin, |w| Ok(Some(w.integrator(integrator))))?);
-        }
+        root = match integrator {
+            Some(i) => root.children(self.commented(i.origin, |w| Ok(Some(w.integrator(i))))?),
+            // Mitsuba asks for one.
+            None => root.child(Element::plugin("integrator", "path")),
+        };
         // The first one renders.
         let first = scene.sensors.get(scene.default_sensor).into_iter();
         let others = scene.sensors.iter().enumerate().filter(|(i, _)| *i != scene.default_sensor);

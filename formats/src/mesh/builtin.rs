@@ -1,6 +1,6 @@
 //! Flat shapes as meshes: two triangles intersect faster than a special case, and exactly alike.
 
-use caustica_formats::mesh::Mesh;
+use super::Mesh;
 
 /// [-1, 1]² at z = 0, uv from 0 to 1. A mirroring transform turns the triangles around; `mirrored`
 /// turns them back, so that the normal stays the image of +Z.
@@ -56,10 +56,12 @@ mod tests {
         let m = cube();
         assert_eq!((m.positions.len(), m.triangles.len()), (24, 12));
         for t in &m.triangles {
-            let [a, b, c] = t.map(|i| glam::Vec3::from(m.positions[i as usize]));
-            let n = (b - a).cross(c - a);
-            assert!(n.dot(glam::Vec3::from(m.normals[t[0] as usize])) > 0.0);
-            assert!(n.dot(a) > 0.0);
+            let [a, b, c] = t.map(|i| m.positions[i as usize]);
+            let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+            let n = [0, 1, 2].map(|i| u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+            let dot = |w: [f32; 3]| (0..3).map(|i| n[i] * w[i]).sum::<f32>();
+            assert!(dot(m.normals[t[0] as usize]) > 0.0);
+            assert!(dot(a) > 0.0);
         }
         assert!(m.uvs.iter().flatten().all(|x| (0.0..=1.0).contains(x)));
     }

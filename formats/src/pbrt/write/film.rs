@@ -1,0 +1,202 @@
+//! What stands before `WorldBegin`: camera, film, filter, sampler and integrator.
+
+use super::Writer;
+use super::text::{Params, transform};
+use crate::ir::{
+    ComponentFormat, Film, Filter, Fov, FovAxis, HideEmitters, Integrator, Projection, Scalar, Sensor,
+    Transform,
+};
+use crate::write::number;
+
+/// pbrt counts bounces and knows no infinity; so many no path survives.
+const UNLIMITED: i64 = 1_000_000;
+
+impl Writer<'_, '_> {
+    pub fn head(&mut self, text: &mut String) {
+        let scene = self.scene;
+        if let Some(integrator) = &scene.integrator {
+            self.integrator(text, integrator);
+        }
+        let Some(sensor) = scene.sensors.get(scene.default_sensor) else { return };
+        for (i, other) in scene.sensors.iter().enumerate() {
+            if i != scene.default_sensor {
+                self.out.lose(other.origin, "a further sensor", "only the one that renders");
+            }
+        }
+        self.camera(text, sensor);
+        self.film(text, &sensor.film);
+        let known = ["zsobol", "paddedsobol", "sobol", "halton", "pmj02bn", "independent"];
+        let plugin = known.iter().find(|name| **name == sensor.sampler.plugin).unwrap_or(&known[0]);
+        let count = i64::from(sensor.sampler.sample_count);
+        let mut p = Params::default().integer("pixelsamples", count);
+        if let Ok(seed @ 1..) = i32::try_from(sensor.sampler.seed) {
+            p = p.integer("seed", i64::from(seed));
+        }
+        p.write(text, "", "Sampler", &[plugin]);
+    }
+
+    fn camera(&mut self, text: &mut String, sensor: &Sensor) {
+        let film = &sensor.film;
+        let aspect = f64::from(film.width) / f64::from(film.height);
+        self.place(text, "", sensor.origin);
+        let to_world = &sensor.to_world;
+        // pbrt's +X is on the right of the picture.
+        let mirror = Transform::scale([-1.0, 1.0, 1.0]);
+        // As its author wrote it, or from Mitsuba's side.
+        let looks = [("", to_world.after(&mirror)), ("Scale -1 1 1\n", *to_world)];
+        let written = looks.iter().find_map(|(before, m)| Some(format!("{before}{}", look_at(m)?)));
+        match written {
+            Some(line) => text.push_str(&line),
+            None => {
+                let inverse = to_world.inverse().unwrap_or(Transform::IDENTITY);
+                transform(text, "", &mirror.after(&inverse));
+            }
+        }
+        let mut p = Params::default();
+        let name = match sensor.projection {
+            Projection::Perspective { fov, axis } => {
+                p = p.float("fov", smaller_fov(fov, axis, aspect));
+                "perspective"
+            }
+            Projection::Orthographic => "orthographic",
+        };
+        let mut window = sensor.screen_window;
+        if sensor.projection == Projection::Orthographic && window.is_none() {
+            // Ours shows the width as ±1.
+            window = Some([-1.0, 1.0, -1.0 / aspect, 1.0 / aspect]);
+        }
+        let [dx, dy] = sensor.principal_point_offset;
+        if dx != 0.0 || dy != 0.0 {
+            let whole = if aspect > 1.0 {
+                [-aspect, aspect, -1.0, 1.0]
+            } else {
+                [-1.0, 1.0, -1.0 / aspect, 1.0 / aspect]
+            };
+            let [x0, x1, y0, y1] = window.unwrap_or(whole);
+            // The film moves by fractions of itself: right, and down.
+            let (sx, sy) = (-dx * (x1 - x0), dy * (y1 - y0));
+            window = Some([x0 + sx, x1 + sx, y0 + sy, y1 + sy]);
+        }
+        if let Some(window) = window {
+            p = p.numbers("float", "screenwindow", window);
+        }
+        if let Some(lens) = sensor.lens {
+            p = p.float("lensradius", lens.aperture_radius).float("focaldistance", lens.focus_distance);
+        }
+        p.write(text, "", "Camera", &[name]);
+        if sensor.near_clip > 0.011 || sensor.far_clip < 9999.0 {
+            let what = format!("near and far clip at {} and {}", sensor.near_clip, sensor.far_clip);
+            self.out.lose(sensor.origin, what, "everything in front of the camera is seen");
+        }
+    }
+
+    fn film(&mut self, text: &mut String, f: &Film) {
+        let extension = match f.file_format.as_str() {
+            "png" => "png",
+            "pfm" => "pfm",
+            _ => "exr",
+        };
+        let mut p = Params::default()
+            .integer("xresolution", f.width.into())
+            .integer("yresolution", f.height.into())
+            .string("filename", &format!("picture.{extension}"));
+        if let Some(c) = f.crop {
+            p = p.integers("pixelbounds", [c.x, c.x + c.width, c.y, c.y + c.height]);
+        }
+        p = p.float_unless("iso", 100.0 * f.imaging_ratio, 100.0);
+        p = p.boolean_unless("savefp16", f.component_format != ComponentFormat::Float32, true);
+        p.write(text, "", "Film", &["rgb"]);
+        let wide = |p: Params, [x, y]: [f64; 2]| p.float("xradius", x).float("yradius", y);
+        let none = Params::default();
+        let (name, p) = match f.filter {
+            Filter::Box { radius } => ("box", wide(none, [radius; 2])),
+            Filter::WideBox { radius } => ("box", wide(none, radius)),
+            Filter::Tent { radius } => ("triangle", wide(none, [radius; 2])),
+            Filter::WideTent { radius } => ("triangle", wide(none, radius)),
+            Filter::Gaussian { stddev } => ("gaussian", wide(none, [4.0 * stddev; 2]).float("sigma", stddev)),
+            Filter::TruncatedGaussian { sigma, radius } => {
+                ("gaussian", wide(none, radius).float("sigma", sigma))
+            }
+            Filter::Mitchell { b, c } => ("mitchell", wide(none, [2.0; 2]).float("B", b).float("C", c)),
+            Filter::CatmullRom => ("mitchell", wide(none, [2.0; 2]).float("B", 0.0).float("C", 0.5)),
+            Filter::ScaledMitchell { b, c, radius } => {
+                ("mitchell", wide(none, radius).float("B", b).float("C", c))
+            }
+            Filter::Lanczos { lobes } => {
+                let lobes = f64::from(lobes);
+                ("sinc", wide(none, [lobes; 2]).float("tau", lobes))
+            }
+            Filter::WindowedSinc { tau, radius } => ("sinc", wide(none, radius).float("tau", tau)),
+        };
+        p.write(text, "", "PixelFilter", &[name]);
+    }
+
+    fn integrator(&mut self, text: &mut String, i: &Integrator) {
+        let photons = matches!(i.plugin.as_str(), "sppm" | "ppm" | "photonmapper");
+        let plugin = if photons { "sppm" } else { "volpath" };
+        if !photons && !matches!(i.plugin.as_str(), "path" | "volpath" | "volpathmis") {
+            self.out.lose(i.origin, format!("the integrator `{}`", i.plugin), "`volpath`");
+        }
+        let mut depth = -1;
+        let mut p = Params::default();
+        for (name, setting) in &i.settings {
+            match (name.as_str(), &setting.value) {
+                ("max_depth", Scalar::Integer(v)) => depth = *v,
+                ("initial_radius", Scalar::Float(v)) if photons => p = p.float("radius", *v),
+                ("photon_count", Scalar::Integer(v)) if photons => p = p.integer("photonsperiteration", *v),
+                // Fixed in pbrt.
+                ("alpha", Scalar::Float(v)) if photons && (v - 2.0 / 3.0).abs() < 1e-9 => {}
+                ("hide_emitters", Scalar::Boolean(false)) => {}
+                ("hide_emitters", _) => {
+                    let what = match self.scene.hide_emitters {
+                        HideEmitters::Emission => "lamps whose light the camera does not see",
+                        HideEmitters::Surface => "lamps that the camera looks through",
+                    };
+                    self.out.lose(setting.origin, what, "visible lamps");
+                }
+                _ => self.out.lose(setting.origin, format!("the setting `{name}`"), "what pbrt does"),
+            }
+        }
+        let bounces = if depth < 0 { UNLIMITED } else { (depth - 1).max(0) };
+        p.integer("maxdepth", bounces).write(text, "", "Integrator", &[plugin]);
+    }
+}
+
+/// The directive whose camera stands like this, where there is one.
+fn look_at(m: &Transform) -> Option<String> {
+    let column = |c: usize| [0, 1, 2].map(|r| m.0[r][c]);
+    let (eye, up, ahead) = (column(3), column(1), column(2));
+    let target = [0, 1, 2].map(|i| eye[i] + ahead[i]);
+    near(&Transform::look_at(eye, target, up)?, m).then(|| {
+        let numbers = |v: [f64; 3]| v.map(number).join(" ");
+        format!("LookAt {}  {}  {}\n", numbers(eye), numbers(target), numbers(up))
+    })
+}
+
+/// Full angle along the shorter side, in degrees.
+fn smaller_fov(fov: Fov, axis: FovAxis, aspect: f64) -> f64 {
+    let (degrees, axis) = match fov {
+        Fov::Degrees(degrees) => (degrees, axis),
+        // On 36 × 24 mm.
+        Fov::FocalLength(f) => (2.0 * (36f64.hypot(24.0) / 2.0 / f).atan().to_degrees(), FovAxis::Diagonal),
+    };
+    // Half sizes of the film where the shorter one is 1.
+    let (x, y) = if aspect > 1.0 { (aspect, 1.0) } else { (1.0, 1.0 / aspect) };
+    let along = match axis {
+        FovAxis::X => x,
+        FovAxis::Y => y,
+        FovAxis::Smaller => 1.0,
+        FovAxis::Larger => x.max(y),
+        FovAxis::Diagonal => x.hypot(y),
+    };
+    if along == 1.0 {
+        return degrees;
+    }
+    2.0 * ((degrees.to_radians() / 2.0).tan() / along).atan().to_degrees()
+}
+
+/// Equal up to rounding, so that a look-at says the whole transform.
+fn near(a: &Transform, b: &Transform) -> bool {
+    let size = b.0.as_flattened().iter().fold(1.0, |m: f64, v| m.max(v.abs()));
+    a.0.as_flattened().iter().zip(b.0.as_flattened()).all(|(a, b)| (a - b).abs() <= 1e-9 * size)
+}

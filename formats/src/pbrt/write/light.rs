@@ -1,0 +1,161 @@
+//! Lights of the scene, and of shapes.
+
+use super::Writer;
+use super::text::{Params, transform};
+use crate::ir::{
+    AreaEmission, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, LightImage, Origin,
+    SpotFalloff, TextureEncoding, TextureKind, Transform,
+};
+use crate::write::WriteError;
+
+impl Writer<'_, '_> {
+    pub fn emitter(&mut self, e: &Emitter) -> Result<(), WriteError> {
+        let origin = e.origin;
+        let none = Params::default();
+        let emission = ColorSlot::Emission;
+        let (name, place, p) = match &e.kind {
+            EmitterKind::Point { position, intensity } => {
+                let p = self.color(none, "I", intensity, emission, origin);
+                ("point", Transform::IDENTITY, p.numbers("point3", "from", *position))
+            }
+            EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, falloff, texture } => {
+                if *falloff == SpotFalloff::Linear {
+                    self.out.lose(
+                        origin,
+                        "a spot that falls off linearly in the angle",
+                        "one that falls off by a smooth step of the cosine",
+                    );
+                }
+                if texture.is_some() {
+                    self.out.lose(origin, "the texture of a spot", "a spot without texture");
+                }
+                let p = self.color(none, "I", intensity, emission, origin);
+                let p = p.float("coneangle", *cutoff_angle);
+                ("spot", *to_world, p.float("conedeltaangle", cutoff_angle - beam_width))
+            }
+            EmitterKind::Directional { direction, irradiance } => {
+                let p = self.color(none, "L", irradiance, emission, origin);
+                let p = p.numbers("point3", "from", [0.0; 3]).numbers("point3", "to", *direction);
+                ("distant", Transform::IDENTITY, p)
+            }
+            EmitterKind::Constant { radiance } => {
+                ("infinite", Transform::IDENTITY, self.color(none, "L", radiance, emission, origin))
+            }
+            EmitterKind::Environment { to_world, image, mapping } => {
+                let name = self.environment(image, *mapping, origin)?;
+                let mut p = none.string("filename", &name).float_unless("scale", image.scale, 1.0);
+                if let Some(lux) = image.illuminance {
+                    p = p.float("illuminance", lux);
+                }
+                ("infinite", *to_world, p)
+            }
+            EmitterKind::Projector { to_world, irradiance, scale, fov, .. } => {
+                let bitmap = match irradiance {
+                    ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
+                        TextureKind::Bitmap(bitmap) => Some(bitmap),
+                        _ => None,
+                    },
+                    ColorInput::Color(_) => None,
+                };
+                let (Some(bitmap), Fov::Degrees(fov)) = (bitmap, fov) else {
+                    self.out.lose(origin, "a projector without picture", "nothing");
+                    return Ok(());
+                };
+                self.out.lose(
+                    origin,
+                    "a projector whose irradiance is constant over its pixels",
+                    "a projection whose intensity is, darker towards its corners",
+                );
+                let name = self.out.carry(&bitmap.path, "textures");
+                // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
+                let scale = scale * bitmap.scale * std::f64::consts::PI;
+                let p = none.string("filename", &name).float("fov", *fov).float("scale", scale);
+                ("projection", to_world.after(&Transform::scale([-1.0, 1.0, 1.0])), p)
+            }
+            EmitterKind::Projection { to_world, image, fov, power } => {
+                let name = self.out.carry(&image.path, "textures");
+                let p = none.string("filename", &name).float("fov", *fov);
+                let p = p.float_unless("scale", image.scale, 1.0).float_unless(
+                    "power",
+                    power.unwrap_or(0.0),
+                    0.0,
+                );
+                ("projection", to_world.after(&Transform::scale([-1.0, 1.0, 1.0])), p)
+            }
+            EmitterKind::Goniometric { to_world, intensity, image, power } => {
+                let mut p = self.color(none, "I", intensity, emission, origin);
+                if let Some(image) = image {
+                    let name = self.out.carry(&image.path, "textures");
+                    p = p.string("filename", &name).float_unless("scale", image.scale, 1.0);
+                }
+                // The light's pole is +Y of its own space, the picture's +Z.
+                let swap = Transform([
+                    [1.0, 0.0, 0.0, 0.0],
+                    [0.0, 0.0, 1.0, 0.0],
+                    [0.0, 1.0, 0.0, 0.0],
+                    [0.0, 0.0, 0.0, 1.0],
+                ]);
+                ("goniometric", to_world.after(&swap), p.float_unless("power", power.unwrap_or(0.0), 0.0))
+            }
+        };
+        let mut text = String::new();
+        self.place(&mut text, "", origin);
+        if place == Transform::IDENTITY {
+            p.write(&mut text, "", "LightSource", &[name]);
+        } else {
+            text.push_str("AttributeBegin\n");
+            transform(&mut text, "\t", &place);
+            p.write(&mut text, "\t", "LightSource", &[name]);
+            text.push_str("AttributeEnd\n");
+        }
+        self.body.push_str(&text);
+        Ok(())
+    }
+
+    fn environment(
+        &mut self,
+        image: &LightImage,
+        mapping: EnvironmentMapping,
+        origin: Origin,
+    ) -> Result<String, WriteError> {
+        match (mapping, image.encoding) {
+            (EnvironmentMapping::EqualArea, TextureEncoding::Auto) => {
+                Ok(self.out.carry(&image.path, "textures"))
+            }
+            (EnvironmentMapping::EqualArea, _) => self.out.decode(image),
+            (EnvironmentMapping::LatLong, _) => {
+                self.out.lose(
+                    origin,
+                    "an environment picture by latitude and longitude",
+                    "the same light resampled to equal areas",
+                );
+                self.out.remap(image, EnvironmentMapping::EqualArea)
+            }
+        }
+    }
+
+    pub fn emission(&mut self, text: &mut String, e: &AreaEmission) -> Result<(), WriteError> {
+        if e.collimated {
+            self.out.lose(e.origin, "a lamp that shines along its normal only", "a diffuse lamp");
+        }
+        let none = Params::default();
+        let p = match &e.radiance {
+            ColorInput::Color(color) => self.color(none, "L", color, ColorSlot::Emission, e.origin),
+            ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
+                TextureKind::Bitmap(bitmap) => {
+                    let name = self.out.carry(&bitmap.path, "textures");
+                    none.string("filename", &name)
+                }
+                _ => {
+                    self.out.lose(e.origin, "the texture of a lamp", "white light");
+                    none.rgb("L", [1.0; 3])
+                }
+            },
+        };
+        p.float_unless("scale", e.scale, 1.0)
+            .float_unless("power", e.power.unwrap_or(0.0), 0.0)
+            .boolean_unless("twosided", e.two_sided, false)
+            .write(text, "\t", "AreaLightSource", &["diffuse"]);
+        Ok(())
+    }
+}

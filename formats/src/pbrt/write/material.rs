@@ -1,0 +1,281 @@
+//! Materials that pbrt has.
+
+use super::Writer;
+use super::text::Params;
+use crate::ir::{
+    Bsdf, BsdfKind, Coat, Color, ColorInput, ColorSlot, Conductor, ConductorMaterial, Dielectric, FloatInput,
+    Id, Ior, Microfacet, MicrofacetDistribution, Origin, RoughnessRemap, Shadowing,
+};
+use crate::spectrum::{conductor, ior};
+use crate::write::WriteError;
+
+use ColorSlot::{Reflectance, Unbounded};
+
+/// The type of a material and its parameters.
+pub type Said = (&'static str, Params);
+
+/// Prefixes of roughness: `dielectric`, and the two layers of `coatedconductor`.
+const PLAIN: [&str; 3] = ["roughness", "uroughness", "vroughness"];
+const INTERFACE: [&str; 3] = ["interface.roughness", "interface.uroughness", "interface.vroughness"];
+const METAL: [&str; 3] = ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"];
+
+impl Writer<'_, '_> {
+    /// What lies under masks around a material, and their opacity: pbrt's shapes have it.
+    pub fn unmasked(&self, id: Id<Bsdf>) -> (Id<Bsdf>, Option<FloatInput>) {
+        match &self.scene.bsdfs[id].kind {
+            BsdfKind::Mask { opacity, nested } => (*nested, Some(opacity.clone())),
+            BsdfKind::TwoSided { front, back: None } => match self.unmasked(*front) {
+                (_, None) => (id, None),
+                masked => masked,
+            },
+            _ => (id, None),
+        }
+    }
+
+    /// The name of a material that is defined by then.
+    pub fn material(&mut self, id: Id<Bsdf>) -> Result<String, WriteError> {
+        if let Some(name) = self.materials.get(&id) {
+            return Ok(name.clone());
+        }
+        let scene = self.scene;
+        let Bsdf { origin, kind, name } = &scene.bsdfs[id];
+        let (nested, one_sided) = match kind {
+            BsdfKind::TwoSided { front, back } => {
+                if back.is_some_and(|back| back != *front) {
+                    self.out.lose(*origin, "a material of its own on the back", "that of the front");
+                }
+                (*front, false)
+            }
+            _ => (id, true),
+        };
+        if one_sided && reflects_only(&scene.bsdfs[nested].kind) {
+            self.out.lose(*origin, "a surface that is black on its back", "the same material on both sides");
+        }
+        let Bsdf { kind, .. } = &scene.bsdfs[nested];
+        let (plugin, p) = self.said(kind, *origin)?;
+        let name = self.free(name, "material");
+        let mut text = String::new();
+        self.place(&mut text, "", *origin);
+        p.of_type(plugin).write(&mut text, "", "MakeNamedMaterial", &[&name]);
+        self.definitions.push_str(&text);
+        self.materials.insert(id, name.clone());
+        Ok(name)
+    }
+
+    /// Diffuse gray.
+    pub fn plain_material(&mut self, gray: f64) -> String {
+        let name = format!("gray-{gray}");
+        if self.taken.insert(name.clone()) {
+            let p = Params::default().rgb("reflectance", [gray; 3]).of_type("diffuse");
+            p.write(&mut self.definitions, "", "MakeNamedMaterial", &[&name]);
+        }
+        name
+    }
+
+    fn said(&mut self, kind: &BsdfKind, origin: Origin) -> Result<Said, WriteError> {
+        let none = Params::default();
+        Ok(match kind {
+            BsdfKind::Diffuse { reflectance } => {
+                ("diffuse", self.color_input(none, "reflectance", reflectance, Reflectance, origin)?)
+            }
+            BsdfKind::Dielectric(d) => ("dielectric", self.interface(none, d, origin)),
+            BsdfKind::ThinDielectric(d) => ("thindielectric", self.interface(none, d, origin)),
+            BsdfKind::RoughDielectric { interface, microfacet } => {
+                let p = self.interface(none, interface, origin);
+                ("dielectric", self.roughness(p, microfacet, PLAIN, origin)?)
+            }
+            BsdfKind::Conductor(c) => ("conductor", self.metal(none, c, ["eta", "k"], origin)?),
+            BsdfKind::RoughConductor { conductor, microfacet } => {
+                let p = self.metal(none, conductor, ["eta", "k"], origin)?;
+                ("conductor", self.roughness(p, microfacet, PLAIN, origin)?)
+            }
+            BsdfKind::CoatedDiffuse { reflectance, coat } => {
+                let p = self.color_input(none, "reflectance", reflectance, Reflectance, origin)?;
+                let p = self.coat(p, coat, "eta", origin)?;
+                ("coateddiffuse", self.roughness(p, &coat.microfacet, PLAIN, origin)?)
+            }
+            BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
+                let p = self.metal(none, conductor, ["conductor.eta", "conductor.k"], origin)?;
+                let p = self.coat(p, coat, "interface.eta", origin)?;
+                let p = self.roughness(p, &coat.microfacet, INTERFACE, origin)?;
+                // One flag serves both.
+                let same = Microfacet { remap: coat.microfacet.remap, ..microfacet.clone() };
+                ("coatedconductor", self.alphas(p, &same, METAL)?)
+            }
+            BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
+                let p = self.color_input(none, "reflectance", reflectance, Reflectance, origin)?;
+                let p = self.color_input(p, "transmittance", transmittance, Reflectance, origin)?;
+                ("diffusetransmission", p)
+            }
+            BsdfKind::Null => ("interface", none),
+            BsdfKind::Blend { weight, first, second } => {
+                let (first, second) = (self.material(*first)?, self.material(*second)?);
+                let p = none.strings("materials", &[&first, &second]);
+                ("mix", self.float_input(p, "amount", weight)?)
+            }
+            other => return self.modelled(other, origin),
+        })
+    }
+
+    /// [`Writer::said`] of a nested material.
+    pub fn said_of(&mut self, id: Id<Bsdf>) -> Result<Said, WriteError> {
+        let scene = self.scene;
+        let Bsdf { origin, kind, .. } = &scene.bsdfs[id];
+        match kind {
+            BsdfKind::TwoSided { front, .. } => self.said_of(*front),
+            kind => self.said(kind, *origin),
+        }
+    }
+
+    fn interface(&mut self, p: Params, d: &Dielectric, origin: Origin) -> Params {
+        for (what, input) in
+            [("reflectance", &d.specular_reflectance), ("transmittance", &d.specular_transmittance)]
+        {
+            self.lose_factor(input, &format!("the specular {what} of glass"), origin);
+        }
+        p.float("eta", index(&d.int_ior) / index(&d.ext_ior))
+    }
+
+    pub fn lose_factor(&mut self, input: &ColorInput, what: &str, origin: Origin) {
+        let white = match input {
+            ColorInput::Color(color) => self.out.rgb(color, Unbounded, origin) == [1.0; 3],
+            ColorInput::Texture(_) => false,
+        };
+        if !white {
+            self.out.lose(origin, what, "1: physical glass and metal");
+        }
+    }
+
+    fn metal(
+        &mut self,
+        p: Params,
+        c: &Conductor,
+        [eta, k]: [&str; 2],
+        origin: Origin,
+    ) -> Result<Params, WriteError> {
+        let around = |ext: &Option<Ior>| ext.as_ref().map_or(1.0, index);
+        if c.material != ConductorMaterial::Mirror {
+            self.lose_factor(&c.specular_reflectance, "the specular reflectance of a metal", origin);
+        }
+        match &c.material {
+            ConductorMaterial::Mirror => {
+                self.out.lose(
+                    origin,
+                    "a mirror that reflects the same at all angles",
+                    "a metal that reflects this much at normal incidence",
+                );
+                self.color_input(p, "reflectance", &c.specular_reflectance, Reflectance, origin)
+            }
+            ConductorMaterial::Reflectance(reflectance) => {
+                self.color_input(p, "reflectance", reflectance, Reflectance, origin)
+            }
+            ConductorMaterial::Named { name, ext_eta } => {
+                let ext = around(ext_eta);
+                let Some(metal) = conductor(name) else { return Ok(p) };
+                Ok(p.rgb(eta, metal.eta.map(|v| v / ext)).rgb(k, metal.k.map(|v| v / ext)))
+            }
+            ConductorMaterial::EtaK { eta: e, k: kappa, ext_eta } => {
+                let ext = around(ext_eta);
+                let mut p = p;
+                for (name, input) in [(eta, e), (k, kappa)] {
+                    p = match input {
+                        ColorInput::Color(color) if ext != 1.0 => {
+                            let rgb = self.out.rgb(color, Unbounded, origin);
+                            p.rgb(name, rgb.map(|v| v / ext))
+                        }
+                        input => self.color_input(p, name, input, Unbounded, origin)?,
+                    };
+                }
+                Ok(p)
+            }
+        }
+    }
+
+    pub fn roughness(
+        &mut self,
+        p: Params,
+        m: &Microfacet,
+        names: [&str; 3],
+        origin: Origin,
+    ) -> Result<Params, WriteError> {
+        let smooth = m.alpha_u == FloatInput::Value(0.0) && m.alpha_u == m.alpha_v;
+        if m.distribution != MicrofacetDistribution::Ggx && !smooth {
+            self.out.lose(origin, format!("the {:?} distribution of microfacets", m.distribution), "GGX");
+        }
+        if m.shadowing == Shadowing::Separable && !smooth {
+            self.out.lose(
+                origin,
+                "separable shadowing of microfacets",
+                "pbrt's height-correlated shadowing, brighter by up to 8 % at grazing angles",
+            );
+        }
+        let p = self.alphas(p, m, names)?;
+        Ok(p.boolean_unless("remaproughness", m.remap == RoughnessRemap::Sqrt || smooth, true))
+    }
+
+    fn alphas(&mut self, p: Params, m: &Microfacet, [both, u, v]: [&str; 3]) -> Result<Params, WriteError> {
+        if m.alpha_u == m.alpha_v {
+            return match &m.alpha_u {
+                FloatInput::Value(0.0) => Ok(p),
+                alpha => self.float_input(p, both, alpha),
+            };
+        }
+        let p = self.float_input(p, u, &m.alpha_u)?;
+        self.float_input(p, v, &m.alpha_v)
+    }
+
+    fn coat(&mut self, p: Params, c: &Coat, eta: &str, origin: Origin) -> Result<Params, WriteError> {
+        let mut p = p.float(eta, index(&c.eta));
+        if c.thickness != FloatInput::Value(0.01) {
+            p = self.float_input(p, "thickness", &c.thickness)?;
+        }
+        if !matches!(c.albedo, ColorInput::Color(Color::Gray(0.0))) {
+            p = self.color_input(p, "albedo", &c.albedo, Reflectance, origin)?;
+            p = self.float_input(p, "g", &c.g)?;
+        }
+        if c.max_depth != 10 {
+            p = p.integer("maxdepth", c.max_depth.into());
+        }
+        Ok(if c.samples == 1 { p } else { p.integer("nsamples", c.samples.into()) })
+    }
+
+    /// A coat of index `eta` over `reflectance`.
+    pub fn coated(
+        &mut self,
+        reflectance: &ColorInput,
+        eta: f64,
+        microfacet: Option<&Microfacet>,
+        origin: Origin,
+    ) -> Result<Said, WriteError> {
+        let p = self.color_input(Params::default(), "reflectance", reflectance, Reflectance, origin)?;
+        let p = p.float("eta", eta);
+        let p = match microfacet {
+            Some(m) => self.roughness(p, m, PLAIN, origin)?,
+            None => p,
+        };
+        Ok(("coateddiffuse", p))
+    }
+}
+
+/// The number behind an index.
+pub fn index(index: &Ior) -> f64 {
+    match index {
+        Ior::Value(v) => *v,
+        Ior::Named(name) => ior(name).unwrap_or(1.0),
+    }
+}
+
+/// Whether what is written for it is two-sided in pbrt.
+fn reflects_only(kind: &BsdfKind) -> bool {
+    matches!(
+        kind,
+        BsdfKind::Diffuse { .. }
+            | BsdfKind::Conductor(_)
+            | BsdfKind::RoughConductor { .. }
+            | BsdfKind::Plastic(_)
+            | BsdfKind::RoughPlastic { .. }
+            | BsdfKind::RoughDiffuse { .. }
+            | BsdfKind::Phong { .. }
+            | BsdfKind::Ward { .. }
+    )
+}

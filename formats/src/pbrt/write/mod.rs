@@ -1,0 +1,129 @@
+//! The scene as a pbrt-v4 file: one file per concept, as the readers beside them.
+//!
+//! Materials and textures are named and stand before the shapes that use them.
+
+mod film;
+mod light;
+mod material;
+mod model;
+mod shape;
+mod text;
+mod texture;
+
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write;
+
+use text::Params;
+
+use crate::ir::{Bsdf, Color, ColorInput, ColorSlot, FloatInput, Id, Origin, Scene, Texture};
+use crate::write::{Output, WriteError};
+
+pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
+    let scene = output.scene;
+    Writer {
+        out: output,
+        scene,
+        definitions: String::new(),
+        body: String::new(),
+        materials: HashMap::new(),
+        textures: HashMap::new(),
+        taken: HashSet::new(),
+    }
+    .document()
+}
+
+struct Writer<'o, 'a> {
+    out: &'o mut Output<'a>,
+    scene: &'a Scene,
+    /// Textures, materials and objects, each before its first use.
+    definitions: String,
+    body: String,
+    materials: HashMap<Id<Bsdf>, String>,
+    /// By kind: colours, or numbers (`true`).
+    textures: HashMap<(Id<Texture>, bool), String>,
+    taken: HashSet<String>,
+}
+
+impl Writer<'_, '_> {
+    fn document(mut self) -> Result<String, WriteError> {
+        let scene = self.scene;
+        let mut head = String::new();
+        if let Some(title) = self.out.title() {
+            let _ = writeln!(head, "# Converted from {title} by caustica {}.", env!("CARGO_PKG_VERSION"));
+        }
+        self.head(&mut head);
+        for (id, _) in scene.groups.iter() {
+            self.group(id)?;
+        }
+        for shape in &scene.shapes {
+            self.shape(shape)?;
+        }
+        for emitter in &scene.emitters {
+            self.emitter(emitter)?;
+        }
+        Ok(format!("{head}\nWorldBegin\n\n{}\n{}", self.definitions, self.body))
+    }
+
+    /// `name`, or one made from it or from `kind` that is not taken.
+    fn free(&mut self, name: &Option<String>, kind: &str) -> String {
+        let plain = name.as_deref().filter(|name| !name.is_empty());
+        let base = plain.unwrap_or(kind).to_owned();
+        let numbered = (1..).map(|n| format!("{base}-{n}"));
+        let taken = &mut self.taken;
+        let candidates = plain.map(str::to_owned).into_iter().chain(numbered);
+        candidates.into_iter().find(|name| taken.insert(name.clone())).unwrap_or(base)
+    }
+
+    /// A comment on where a thing comes from.
+    fn place(&self, text: &mut String, indent: &str, origin: Origin) {
+        if let Some(place) = self.out.place(origin) {
+            let _ = writeln!(text, "{indent}# {place}");
+        }
+    }
+
+    fn color(&mut self, p: Params, name: &str, color: &Color, slot: ColorSlot, origin: Origin) -> Params {
+        match color {
+            Color::Library(library) if slot != ColorSlot::Emission => p.spectrum(name, library),
+            _ => {
+                let mut rgb = self.out.rgb(color, slot, origin);
+                if slot == ColorSlot::Reflectance && rgb.iter().any(|v| !(0.0..=1.0).contains(v)) {
+                    let clamped = rgb.map(|v| v.clamp(0.0, 1.0));
+                    self.out.lose(
+                        origin,
+                        format!("reflectance {rgb:?} outside 0..1"),
+                        format!("rgb {clamped:?}"),
+                    );
+                    rgb = clamped;
+                }
+                p.rgb(name, rgb)
+            }
+        }
+    }
+
+    fn color_input(
+        &mut self,
+        p: Params,
+        name: &str,
+        input: &ColorInput,
+        slot: ColorSlot,
+        origin: Origin,
+    ) -> Result<Params, WriteError> {
+        Ok(match input {
+            ColorInput::Color(color) => self.color(p, name, color, slot, origin),
+            ColorInput::Texture(id) => {
+                let texture = self.texture(*id, false)?;
+                p.texture(name, &texture)
+            }
+        })
+    }
+
+    fn float_input(&mut self, p: Params, name: &str, input: &FloatInput) -> Result<Params, WriteError> {
+        Ok(match input {
+            FloatInput::Value(v) => p.float(name, *v),
+            FloatInput::Texture(id) => {
+                let texture = self.texture(*id, true)?;
+                p.texture(name, &texture)
+            }
+        })
+    }
+}

@@ -1,0 +1,171 @@
+//! Models that pbrt has not: the nearest it has, each with its loss.
+
+use super::Writer;
+use super::material::{Said, index};
+use super::text::Params;
+use crate::ir::{
+    Bitmap, BsdfKind, ColorInput, ColorSlot, FloatInput, Microfacet, MicrofacetDistribution, Origin,
+    PerturbedShading, Plastic, PrincipledIndex, RoughnessRemap, Shadowing, TextureEncoding, TextureKind,
+};
+use crate::write::WriteError;
+
+use ColorSlot::Reflectance;
+
+impl Writer<'_, '_> {
+    pub fn modelled(&mut self, kind: &BsdfKind, origin: Origin) -> Result<Said, WriteError> {
+        match kind {
+            BsdfKind::Plastic(plastic) => self.plastic(plastic, None, origin),
+            BsdfKind::RoughPlastic { plastic, microfacet } => self.plastic(plastic, Some(microfacet), origin),
+            BsdfKind::Mask { nested, .. } => {
+                self.out.lose(origin, "a mask inside another material", "the material without it");
+                self.said_of(*nested)
+            }
+            BsdfKind::TwoSided { front, .. } => self.said_of(*front),
+            BsdfKind::BumpMap { height, scale, shading, nested } => {
+                self.lose_shading(*shading, origin);
+                let (plugin, p) = self.said_of(*nested)?;
+                match height {
+                    FloatInput::Value(_) => Ok((plugin, p)),
+                    FloatInput::Texture(id) => {
+                        let texture = self.scaled_texture(*id, *scale)?;
+                        Ok((plugin, p.texture("displacement", &texture)))
+                    }
+                }
+            }
+            BsdfKind::NormalMap { normals, shading, nested } => {
+                self.lose_shading(*shading, origin);
+                let (plugin, p) = self.said_of(*nested)?;
+                let bitmap = match normals {
+                    ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
+                        TextureKind::Bitmap(bitmap) => Some(bitmap),
+                        _ => None,
+                    },
+                    ColorInput::Color(_) => None,
+                };
+                let Some(bitmap) = bitmap.filter(|b| self.plain_normals(b)) else {
+                    self.out.lose(origin, "a normal map that is transformed or no picture", "no normal map");
+                    return Ok((plugin, p));
+                };
+                let name = self.out.carry(&bitmap.path, "textures");
+                Ok((plugin, p.string("normalmap", &name)))
+            }
+            BsdfKind::Mixture { parts } => {
+                self.out.lose(origin, "a mixture of materials by weights", "the heaviest of them");
+                let heaviest = parts.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+                match heaviest {
+                    Some((_, id)) => self.said_of(*id),
+                    None => Ok(("diffuse", Params::default().rgb("reflectance", [0.0; 3]))),
+                }
+            }
+            BsdfKind::Principled(p) => {
+                let metal = matches!(p.metallic, FloatInput::Value(m) if m > 0.5);
+                let glass = matches!(p.spec_trans, FloatInput::Value(t) if t > 0.5);
+                let eta = match p.index {
+                    PrincipledIndex::Eta(eta) => eta,
+                    PrincipledIndex::Specular(s) => 2.0 / (1.0 - (0.08 * s.clamp(0.0, 1.0)).sqrt()) - 1.0,
+                };
+                let squared = squared(&p.roughness);
+                if metal {
+                    self.out.lose(origin, "the `principled` model", "a metal of its colour");
+                    let m = Params::default();
+                    let m = self.color_input(m, "reflectance", &p.base_color, Reflectance, origin)?;
+                    return Ok(("conductor", self.roughness(m, &squared, ROUGHNESS, origin)?));
+                }
+                if glass {
+                    self.out.lose(origin, "the `principled` model", "rough glass");
+                    let d = Params::default().float("eta", eta);
+                    return Ok(("dielectric", self.roughness(d, &squared, ROUGHNESS, origin)?));
+                }
+                self.out.lose(origin, "the `principled` model", "a rough coat over its colour");
+                self.coated(&p.base_color, eta, Some(&squared), origin)
+            }
+            BsdfKind::PrincipledThin(p) => {
+                self.out.lose(origin, "the `principledthin` model", "half reflection and half transmission");
+                let m = Params::default();
+                let m = self.color_input(m, "reflectance", &p.base_color, Reflectance, origin)?;
+                let m = self.color_input(m, "transmittance", &p.base_color, Reflectance, origin)?;
+                Ok(("diffusetransmission", m.float("scale", 0.5)))
+            }
+            BsdfKind::RoughDiffuse { reflectance, .. } => {
+                self.out.lose(origin, "Oren-Nayar reflection (`roughdiffuse`)", "`diffuse`");
+                let p = Params::default();
+                Ok(("diffuse", self.color_input(p, "reflectance", reflectance, Reflectance, origin)?))
+            }
+            BsdfKind::Phong { exponent, diffuse_reflectance, .. } => {
+                // The exponent whose lobe is as wide about the normal: 2/α² − 2.
+                let n = if let FloatInput::Value(n) = exponent { *n } else { 30.0 };
+                let alpha = (2.0 / (n + 2.0)).sqrt();
+                self.out.lose(origin, "the `phong` model", format!("a coat with alpha {alpha:.4}"));
+                let alpha = FloatInput::Value(alpha);
+                self.coated(diffuse_reflectance, 1.5, Some(&ggx(alpha.clone(), alpha)), origin)
+            }
+            BsdfKind::Ward { alpha_u, alpha_v, diffuse_reflectance, .. } => {
+                self.out.lose(origin, "the `ward` model", "a coat as rough");
+                let m = ggx(alpha_u.clone(), alpha_v.clone());
+                self.coated(diffuse_reflectance, 1.5, Some(&m), origin)
+            }
+            BsdfKind::Coating { int_ior, ext_ior, microfacet, nested, .. } => {
+                let scene = self.scene;
+                if let BsdfKind::Diffuse { reflectance } = &scene.bsdfs[*nested].kind {
+                    self.out.lose(origin, "a coating", "`coateddiffuse` over the same base");
+                    let eta = index(int_ior) / index(ext_ior);
+                    return self.coated(reflectance, eta, microfacet.as_ref(), origin);
+                }
+                self.out.lose(origin, "a coating", "the bare material below it");
+                self.said_of(*nested)
+            }
+            // Every other kind has a material of its own.
+            _ => Ok(("diffuse", Params::default())),
+        }
+    }
+
+    fn plastic(
+        &mut self,
+        p: &Plastic,
+        microfacet: Option<&Microfacet>,
+        origin: Origin,
+    ) -> Result<Said, WriteError> {
+        self.out.lose(
+            origin,
+            "plastic by a closed formula",
+            "`coateddiffuse`, which follows light between coat and base",
+        );
+        self.lose_factor(&p.specular_reflectance, "the specular reflectance of plastic", origin);
+        self.coated(&p.diffuse_reflectance, index(&p.int_ior) / index(&p.ext_ior), microfacet, origin)
+    }
+
+    fn lose_shading(&mut self, s: PerturbedShading, origin: Origin) {
+        if s.flip_invalid_normals || s.shadowing {
+            self.out.lose(origin, "the shadowing of tilted normals", "tilted normals as they are");
+        }
+    }
+
+    /// pbrt looks a normal map up by plain uv.
+    fn plain_normals(&self, b: &Bitmap) -> bool {
+        b.encoding == TextureEncoding::Linear
+            && b.channel.is_none()
+            && super::texture::scale_and_shift(&b.mapping) == Some([1.0, 1.0, 0.0, 0.0])
+    }
+}
+
+const ROUGHNESS: [&str; 3] = ["roughness", "uroughness", "vroughness"];
+
+fn ggx(alpha_u: FloatInput, alpha_v: FloatInput) -> Microfacet {
+    Microfacet {
+        distribution: MicrofacetDistribution::Ggx,
+        alpha_u,
+        alpha_v,
+        sample_visible: true,
+        shadowing: Shadowing::HeightCorrelated,
+        remap: RoughnessRemap::None,
+    }
+}
+
+/// α = roughness², as `principled` has it.
+fn squared(roughness: &FloatInput) -> Microfacet {
+    let alpha = match roughness {
+        FloatInput::Value(v) => FloatInput::Value(v * v),
+        texture => texture.clone(),
+    };
+    ggx(alpha.clone(), alpha)
+}

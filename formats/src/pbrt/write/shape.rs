@@ -1,0 +1,175 @@
+//! Shapes, objects and instances.
+
+use super::Writer;
+use super::text::{Params, transform};
+use crate::ir::{
+    FloatInput, Id, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind, Transform,
+};
+use crate::mesh::{Mesh, builtin};
+use crate::write::WriteError;
+
+/// Meshes up to this size stand in the scene file.
+const INLINE: usize = 64;
+
+impl Writer<'_, '_> {
+    pub fn group(&mut self, id: Id<ShapeGroup>) -> Result<(), WriteError> {
+        let scene = self.scene;
+        let name = object_name(&scene.groups[id], id);
+        let outside = std::mem::take(&mut self.body);
+        for shape in &scene.groups[id].shapes {
+            if let Some(emission) = &shape.emission {
+                self.out.lose(
+                    emission.origin,
+                    "light from a shape of a group",
+                    "a shape that does not shine",
+                );
+                self.shape(&Shape { emission: None, ..shape.clone() })?;
+            } else {
+                self.shape(shape)?;
+            }
+        }
+        let inside = std::mem::replace(&mut self.body, outside);
+        Params::default().write(&mut self.definitions, "", "ObjectBegin", &[&name]);
+        self.definitions.push_str(&inside);
+        self.definitions.push_str("ObjectEnd\n");
+        Ok(())
+    }
+
+    pub fn shape(&mut self, shape: &Shape) -> Result<(), WriteError> {
+        let mut text = String::new();
+        self.place(&mut text, "", shape.origin);
+        text.push_str("AttributeBegin\n");
+        if let Some(name) = &shape.name {
+            text.push_str(&format!("\t# {}\n", name.replace('\n', " ")));
+        }
+        if let ShapeKind::Instance { group } = shape.kind {
+            let name = object_name(&self.scene.groups[group], group);
+            self.to_world(&mut text, &shape.to_world);
+            Params::default().write(&mut text, "\t", "ObjectInstance", &[&name]);
+            text.push_str("AttributeEnd\n");
+            self.body.push_str(&text);
+            return Ok(());
+        }
+        let (material, mask) = self.shape_material(shape)?;
+        Params::default().write(&mut text, "\t", "NamedMaterial", &[&material]);
+        if let Some(emission) = &shape.emission {
+            self.emission(&mut text, emission)?;
+        }
+        // The side of Mitsuba's meshes is that of their winding in the world, pbrt's in object space.
+        let by_world = match &shape.kind {
+            ShapeKind::Mesh(file) => !file.authored_normals,
+            _ => false,
+        };
+        if shape.flip_normals != (by_world && shape.to_world.determinant3() < 0.0) {
+            text.push_str("\tReverseOrientation\n");
+        }
+        let (name, mut p, inner) = self.geometry(&shape.kind, shape.name.as_deref())?;
+        self.to_world(&mut text, &inner.map_or(shape.to_world, |inner| shape.to_world.after(&inner)));
+        if let Some(alpha) = shape.alpha.clone().or(mask) {
+            p = self.float_input(p, "alpha", &alpha)?;
+        }
+        p.write(&mut text, "\t", "Shape", &[name]);
+        text.push_str("AttributeEnd\n");
+        self.body.push_str(&text);
+        Ok(())
+    }
+
+    fn to_world(&self, text: &mut String, m: &Transform) {
+        if *m != Transform::IDENTITY {
+            transform(text, "\t", m);
+        }
+    }
+
+    /// Plugin, parameters, and a transform that comes before the shape's own.
+    fn geometry(
+        &mut self,
+        kind: &ShapeKind,
+        label: Option<&str>,
+    ) -> Result<(&'static str, Params, Option<Transform>), WriteError> {
+        let none = Params::default();
+        Ok(match kind {
+            ShapeKind::Mesh(file) => ("plymesh", none.string("filename", &self.mesh(file)?), None),
+            ShapeKind::Inline(mesh) if mesh.triangles.len() > INLINE => {
+                let name = self.out.make_inline_ply(mesh, label.unwrap_or("mesh"))?;
+                ("plymesh", none.string("filename", &name), None)
+            }
+            ShapeKind::Inline(mesh) => ("trianglemesh", triangles(mesh), None),
+            ShapeKind::Sphere { center, radius } => {
+                // Mitsuba's v runs from +Z downwards, pbrt's upwards.
+                let turned = Transform::translate(*center).after(&Transform::scale([1.0, 1.0, -1.0]));
+                let plain = Transform::translate(*center);
+                let inner = if self.scene.textures.is_empty() { plain } else { turned };
+                ("sphere", none.float("radius", *radius), Some(inner))
+            }
+            ShapeKind::Partial(PartialQuadric::Sphere { radius, z_min, z_max, phi_max }) => {
+                let p = none.float("radius", *radius).float_unless("zmin", *z_min, -radius);
+                let p = p.float_unless("zmax", *z_max, *radius).float_unless("phimax", *phi_max, 360.0);
+                ("sphere", p, None)
+            }
+            ShapeKind::Partial(PartialQuadric::Disk { height, radius, inner_radius, phi_max }) => {
+                let p = none.float("radius", *radius).float_unless("height", *height, 0.0);
+                let p = p.float_unless("innerradius", *inner_radius, 0.0);
+                ("disk", p.float_unless("phimax", *phi_max, 360.0), None)
+            }
+            ShapeKind::Partial(PartialQuadric::Cylinder { radius, z_min, z_max, phi_max }) => {
+                let p = none.float("radius", *radius).float("zmin", *z_min).float("zmax", *z_max);
+                ("cylinder", p.float_unless("phimax", *phi_max, 360.0), None)
+            }
+            ShapeKind::Rectangle => ("trianglemesh", triangles(&inline(builtin::rectangle(false))), None),
+            ShapeKind::Cube => ("trianglemesh", triangles(&inline(builtin::cube())), None),
+            ShapeKind::Disk => ("disk", none.float("radius", 1.0), None),
+            ShapeKind::Cylinder { p0, p1, radius } => {
+                let axis: [f64; 3] = std::array::from_fn(|i| p1[i] - p0[i]);
+                let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
+                let up = if axis[0].abs() < 0.5 * length { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+                let inner = Transform::look_at(*p0, *p1, up).unwrap_or(Transform::IDENTITY);
+                let p = none.float("radius", *radius).float("zmin", 0.0).float("zmax", length);
+                ("cylinder", p, Some(inner))
+            }
+            // Met by the caller.
+            ShapeKind::Instance { .. } => ("sphere", none, None),
+        })
+    }
+
+    /// The file itself where pbrt takes it alike, else one that says what is rendered.
+    fn mesh(&mut self, file: &MeshFile) -> Result<String, WriteError> {
+        let keep = file.authored_normals
+            && file.format == MeshFormat::Ply
+            && !file.flip_tex_coords
+            && self.out.is_triangle_ply(file)?;
+        if keep { Ok(self.out.carry(&file.path, "meshes")) } else { self.out.make_ply(file) }
+    }
+
+    /// The named material, and the opacity of a mask around it.
+    fn shape_material(&mut self, shape: &Shape) -> Result<(String, Option<FloatInput>), WriteError> {
+        let Some(id) = shape.bsdf else {
+            let gray = if shape.emission.is_some() { 0.0 } else { 0.5 };
+            return Ok((self.plain_material(gray), None));
+        };
+        let (id, mask) = self.unmasked(id);
+        if mask.is_some() && shape.alpha.is_some() {
+            self.out.lose(shape.origin, "a mask on a shape with an opacity of its own", "the latter");
+        }
+        Ok((self.material(id)?, mask))
+    }
+}
+
+fn object_name(group: &ShapeGroup, id: Id<ShapeGroup>) -> String {
+    match &group.name {
+        Some(name) if !name.is_empty() => name.clone(),
+        _ => format!("object-{}", id.index()),
+    }
+}
+
+fn inline(mesh: Mesh) -> InlineMesh {
+    let Mesh { positions, normals, uvs, triangles, .. } = mesh;
+    InlineMesh { positions, normals, uvs, triangles, made_from: None }
+}
+
+fn triangles(mesh: &InlineMesh) -> Params {
+    Params::default()
+        .coordinates("point3", "P", &mesh.positions)
+        .coordinates("normal", "N", &mesh.normals)
+        .coordinates("point2", "uv", &mesh.uvs)
+        .integers("indices", mesh.triangles.as_flattened().iter().copied())
+}
