@@ -19,7 +19,7 @@ impl Writer<'_, '_> {
         match color {
             Color::Gray(v) => named("float").with("value", number(*v)),
             Color::UniformSpectrum(v) if same => named("spectrum").with("value", number(*v)),
-            Color::Samples(samples) if same => {
+            Color::Samples(samples) if same && (slot != ColorSlot::Reflectance || bounded(samples)) => {
                 let pair = |[nm, v]: &[f64; 2]| format!("{}:{}", number(*nm), number(*v));
                 named("spectrum").with("value", samples.iter().map(pair).collect::<Vec<_>>().join(", "))
             }
@@ -105,4 +105,9 @@ impl Writer<'_, '_> {
 pub(super) fn rgb_element(name: &str, rgb: [f64; 3]) -> Element {
     let value = if rgb[0] == rgb[1] && rgb[1] == rgb[2] { number(rgb[0]) } else { numbers(&rgb) };
     Element::new("rgb").with("name", name).with("value", value)
+}
+
+/// Mitsuba clamps the colour of other reflectances, and warns.
+fn bounded(samples: &[[f64; 2]]) -> bool {
+    samples.iter().all(|[_, v]| (0.0..=1.0).contains(v))
 }

@@ -186,11 +186,11 @@ impl Writer<'_, '_> {
     }
 
     fn bitmap(&mut self, b: &Bitmap, factor: [f64; 3], origin: Origin) -> Result<Element, WriteError> {
-        let float_image = matches!(
-            b.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str(),
-            "exr" | "hdr" | "pfm" | "rgbe"
-        );
+        let extension = b.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let float_image = matches!(extension.as_str(), "exr" | "hdr" | "pfm" | "rgbe");
         let readable = match b.encoding {
+            // Mitsuba tells pictures by their first bytes, and these have none of their own.
+            _ if extension == "tga" => false,
             TextureEncoding::Auto | TextureEncoding::Linear => true,
             TextureEncoding::Srgb => !float_image,
             TextureEncoding::Gamma(_) => false,
