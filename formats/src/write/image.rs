@@ -10,19 +10,45 @@ use crate::ir::{Bitmap, EnvironmentMapping, LightImage, TextureEncoding};
 use crate::spectrum::{luminance, srgb_to_linear};
 
 /// Decoded linear RGB, row 0 at the top.
-struct Pixels {
-    width: usize,
-    height: usize,
-    rgb: Vec<[f64; 3]>,
+pub(super) struct Pixels {
+    pub width: usize,
+    pub height: usize,
+    pub rgb: Vec<[f64; 3]>,
+}
+
+impl Pixels {
+    /// u to the right, v down, both from 0 to 1; the border goes on.
+    pub fn bilinear(&self, [u, v]: [f64; 2]) -> [f64; 3] {
+        let (x, y) = (u * self.width as f64 - 0.5, v * self.height as f64 - 0.5);
+        self.mix(x, y, |x, y| {
+            let inside = |i: i64, n: usize| i.clamp(0, n as i64 - 1) as usize;
+            self.rgb[inside(y, self.height) * self.width + inside(x, self.width)]
+        })
+    }
+
+    pub fn nearest(&self, [u, v]: [f64; 2]) -> [f64; 3] {
+        let inside = |t: f64, n: usize| ((t * n as f64) as usize).min(n - 1);
+        self.rgb[inside(v, self.height) * self.width + inside(u, self.width)]
+    }
+
+    /// Between the four pixels around a place, in pixels.
+    fn mix(&self, x: f64, y: f64, at: impl Fn(i64, i64) -> [f64; 3]) -> [f64; 3] {
+        let (fx, fy) = (x - x.floor(), y - y.floor());
+        let (x, y) = (x.floor() as i64, y.floor() as i64);
+        let (a, b, c, d) = (at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1));
+        std::array::from_fn(|i| {
+            (a[i] * (1.0 - fx) + b[i] * fx) * (1.0 - fy) + (c[i] * (1.0 - fx) + d[i] * fx) * fy
+        })
+    }
 }
 
 impl Output<'_> {
-    fn image(&self, path: &Path) -> Result<Image, WriteError> {
+    pub(super) fn image(&self, path: &Path) -> Result<Image, WriteError> {
         let bytes = self.read(path)?;
         image::read(&bytes).map_err(|e| WriteError::Asset { path: path.to_path_buf(), reason: e.to_string() })
     }
 
-    fn pixels(
+    pub(super) fn pixels(
         &self,
         path: &Path,
         encoding: TextureEncoding,
@@ -107,7 +133,7 @@ impl Output<'_> {
     }
 }
 
-fn exr(path: &Path, pixels: &Pixels) -> Result<Vec<u8>, WriteError> {
+pub(super) fn exr(path: &Path, pixels: &Pixels) -> Result<Vec<u8>, WriteError> {
     let data: Vec<f32> = pixels.rgb.as_flattened().iter().map(|v| *v as f32).collect();
     let layer = ExrLayer { name: "", channels: &["R", "G", "B"], data: &data };
     image::encode_exr(pixels.width, pixels.height, &[layer], &[], ExrOptions::default())
@@ -160,16 +186,11 @@ fn lat_long_lookup(image: &Pixels, [x, y, z]: [f64; 3]) -> [f64; 3] {
     let u = x.atan2(-z) / TAU;
     let v = y.clamp(-1.0, 1.0).acos() / PI;
     let (sx, sy) = (u * image.width as f64 - 0.5, v * (image.height - 1) as f64);
-    let (x0, y0) = (sx.floor(), sy.floor());
-    let (fx, fy) = (sx - x0, sy - y0);
-    let at = |dx: i64, dy: i64| {
-        let x = (x0 as i64 + dx).rem_euclid(image.width as i64) as usize;
-        let y = (y0 as i64 + dy).clamp(0, image.height as i64 - 1) as usize;
+    image.mix(sx, sy, |x, y| {
+        let x = x.rem_euclid(image.width as i64) as usize;
+        let y = y.clamp(0, image.height as i64 - 1) as usize;
         image.rgb[y * image.width + x]
-    };
-    let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
-    let mix = |i: usize| (a[i] * (1.0 - fx) + b[i] * fx) * (1.0 - fy) + (c[i] * (1.0 - fx) + d[i] * fx) * fy;
-    [mix(0), mix(1), mix(2)]
+    })
 }
 
 /// Clarberg 2008: the equal-area octahedral square → direction, +Z in the middle.
@@ -194,10 +215,7 @@ fn to_square([x, y, z]: [f64; 3]) -> [f64; 2] {
 
 /// The nearest texel, as pbrt looks environments up.
 fn equal_area_lookup(image: &Pixels, direction: [f64; 3]) -> [f64; 3] {
-    let [s, t] = to_square(direction);
-    let x = ((s * image.width as f64) as usize).min(image.width - 1);
-    let y = ((t * image.height as f64) as usize).min(image.height - 1);
-    image.rgb[y * image.width + x]
+    image.nearest(to_square(direction))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod image;
 mod mesh;
 mod output;
+mod slide;
 
 use std::io;
 use std::path::{Path, PathBuf};

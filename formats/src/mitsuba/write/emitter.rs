@@ -60,17 +60,13 @@ impl Writer<'_, '_> {
                     .float_unless("scale", factor, 1.0)
             }
             EmitterKind::Projection { to_world, image, fov: angle, power } => {
-                self.out.lose(
-                    origin,
-                    "a projection whose intensity is constant over its pixels",
-                    "a projector whose irradiance is, brighter towards its corners",
-                );
                 self.power(*power, origin);
-                let name = self.out.carry(&image.path, "textures");
+                let tangent = (angle.to_radians() / 2.0).tan();
+                let name = self.out.slide_irradiance(image, tangent)?;
                 let texture = Element::plugin("texture", "bitmap")
                     .with("name", "irradiance")
                     .string("filename", &name)
-                    .boolean_unless("raw", image.encoding == TextureEncoding::Linear, false);
+                    .boolean_unless("raw", true, false);
                 // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
                 let scale = image.scale * self.light / std::f64::consts::PI;
                 fov(

@@ -174,7 +174,7 @@ fn look_at(m: &Transform) -> Option<String> {
 }
 
 /// Full angle along the shorter side, in degrees.
-fn smaller_fov(fov: Fov, axis: FovAxis, aspect: f64) -> f64 {
+pub fn smaller_fov(fov: Fov, axis: FovAxis, aspect: f64) -> f64 {
     let (degrees, axis) = match fov {
         Fov::Degrees(degrees) => (degrees, axis),
         // On 36 × 24 mm.

@@ -1,11 +1,13 @@
 //! Lights of the scene, and of shapes.
 
 use super::Writer;
+use super::film::smaller_fov;
 use super::text::{Params, transform};
 use crate::ir::{
-    AreaEmission, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, LightImage, Origin,
-    SpotFalloff, TextureEncoding, TextureKind, Transform,
+    AreaEmission, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, LightImage, Mapping,
+    Origin, SpotFalloff, TextureEncoding, TextureKind, Transform,
 };
+use crate::spectrum::luminance;
 use crate::write::WriteError;
 
 impl Writer<'_, '_> {
@@ -49,27 +51,40 @@ impl Writer<'_, '_> {
                 }
                 ("infinite", *to_world, p)
             }
-            EmitterKind::Projector { to_world, irradiance, scale, fov, .. } => {
-                let bitmap = match irradiance {
-                    ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
-                        TextureKind::Bitmap(bitmap) => Some(bitmap),
-                        _ => None,
-                    },
-                    ColorInput::Color(_) => None,
-                };
-                let (Some(bitmap), Fov::Degrees(fov)) = (bitmap, fov) else {
-                    self.out.lose(origin, "a projector without picture", "nothing");
-                    return Ok(());
-                };
-                self.out.lose(
-                    origin,
-                    "a projector whose irradiance is constant over its pixels",
-                    "a projection whose intensity is, darker towards its corners",
-                );
-                let name = self.out.carry(&bitmap.path, "textures");
+            EmitterKind::Projector { to_world, irradiance, scale, fov, fov_axis } => {
                 // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
-                let scale = scale * bitmap.scale * std::f64::consts::PI;
-                let p = none.string("filename", &name).float("fov", *fov).float("scale", scale);
+                let mut scale = scale * std::f64::consts::PI;
+                let (name, fov) = match irradiance {
+                    ColorInput::Color(color) => {
+                        let rgb = self.out.rgb(color, emission, origin);
+                        if rgb.iter().any(|v| *v != rgb[0]) {
+                            self.out.lose(
+                                origin,
+                                "the colour of a projector without picture",
+                                "its luminance",
+                            );
+                        }
+                        scale *= luminance(rgb);
+                        let fov = smaller_fov(*fov, *fov_axis, 1.0);
+                        (self.out.even_intensity(half_tangent(fov))?, fov)
+                    }
+                    ColorInput::Texture(id) => {
+                        let TextureKind::Bitmap(bitmap) = &self.scene.textures[*id].kind else {
+                            self.out.lose(origin, "a projector whose picture is not an image", "nothing");
+                            return Ok(());
+                        };
+                        if bitmap.mapping != Mapping::Uv(Transform::IDENTITY) {
+                            self.out.lose(
+                                origin,
+                                "the `to_uv` of a projector's picture",
+                                "the whole picture",
+                            );
+                        }
+                        let fov = smaller_fov(*fov, *fov_axis, self.out.aspect(&bitmap.path)?);
+                        (self.out.slide_intensity(bitmap, half_tangent(fov))?, fov)
+                    }
+                };
+                let p = none.string("filename", &name).float("fov", fov).float("scale", scale);
                 ("projection", to_world.after(&Transform::scale([-1.0, 1.0, 1.0])), p)
             }
             EmitterKind::Projection { to_world, image, fov, power } => {
@@ -158,4 +173,9 @@ impl Writer<'_, '_> {
             .write(text, "\t", "AreaLightSource", &["diffuse"]);
         Ok(())
     }
+}
+
+/// Of a full angle in degrees.
+fn half_tangent(fov: f64) -> f64 {
+    (fov.to_radians() / 2.0).tan()
 }
