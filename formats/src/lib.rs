@@ -3,6 +3,7 @@
 //! Invariants (checked by `tests/tidy.rs`): `ir` depends on `diagnostic` only; the scene
 //! languages never import each other; nothing here knows of rendering.
 
+pub mod confined;
 pub mod diagnostic;
 pub mod files;
 pub mod image;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use caustica_formats::files::Disk;
+use caustica_formats::confined::Confined;
 use caustica_formats::image::atomic_write;
 use caustica_formats::{Loss, Read, ReadOptions, Written, ir, read_scene, write_scene};
 use clap::Args;
@@ -34,7 +34,7 @@ pub struct ConvertArgs {
     /// Convert what is not supported as something near, with a warning
     #[arg(long)]
     pub allow_unsupported: bool,
-    /// Folder to search for files that the scene names
+    /// Also read and search this folder; a scene may read below its own folder only
     #[arg(long, value_name = "DIR")]
     pub allow_path: Vec<PathBuf>,
 }
@@ -46,13 +46,14 @@ pub fn run(args: &ConvertArgs) -> Result<u8, String> {
         upgrade_v3: true,
         search: args.allow_path.clone(),
     };
-    let mut read = read_scene(&Disk, &args.input, &options).map_err(|failure| failure.to_string())?;
+    let files = Confined::new(&args.input, &args.allow_path);
+    let mut read = read_scene(&files, &args.input, &options).map_err(|failure| failure.to_string())?;
     warn(&read);
     if let Some(rule) = args.spectral_to_rgb.rule() {
         read.scene.spectrum_rule = rule;
     }
-    let written = write_scene(&read, &Disk, &args.output).map_err(|e| e.to_string())?;
-    written.save(&Disk, args.force).map_err(|e| e.to_string())?;
+    let written = write_scene(&read, &files, &args.output).map_err(|e| e.to_string())?;
+    written.save(&files, args.force).map_err(|e| e.to_string())?;
     for loss in &written.losses {
         report::line(&describe(loss));
     }

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use caustica_formats::confined::Confined;
 use caustica_formats::diagnostic::Diagnostic;
-use caustica_formats::files::Disk;
 use caustica_formats::ir;
 use caustica_formats::{Read, ReadOptions, read_scene};
 use clap::{Args, ValueEnum};
@@ -64,7 +64,7 @@ pub struct SceneArgs {
     /// Render what is not supported as something near, with a warning
     #[arg(long)]
     allow_unsupported: bool,
-    /// Folder to search for files that the scene names
+    /// Also read and search this folder; a scene may read below its own folder only
     #[arg(long, value_name = "DIR")]
     allow_path: Vec<PathBuf>,
     #[arg(skip)]
@@ -136,8 +136,10 @@ pub struct Loaded {
     pub scene: Scene,
     pub settings: Settings,
     pub plan: Plan,
-    /// Of every file the scene was read from, and of the definitions.
+    /// Of every file the scene was read from.
     pub hash: String,
+    /// What of the command line decides how those files are read: name and value.
+    pub choices: Vec<(String, String)>,
 }
 
 impl SceneArgs {
@@ -181,7 +183,8 @@ impl SceneArgs {
     /// Reads, compiles and plans. Warnings are printed unless `quiet`.
     pub fn load(&self, quiet: bool) -> Result<Loaded, String> {
         let path = self.scene.clone().ok_or("no scene was given: name a Mitsuba .xml file")?;
-        let files = Hashing::new(&Disk);
+        let disk = Confined::new(&path, &self.allow_path);
+        let files = Hashing::new(&disk);
         let options = ReadOptions {
             defines: self.define.clone(),
             allow_unsupported: self.allow_unsupported,
@@ -209,7 +212,17 @@ impl SceneArgs {
         self.override_settings(&mut settings)?;
         let plan = Plan::new(&built.scene, &settings);
         let film = scene.sensors[self.sensor.unwrap_or(scene.default_sensor)].film.clone();
-        Ok(Loaded { path, film, scene: built.scene, settings, plan, hash: files.hash() })
+        Ok(Loaded { path, film, scene: built.scene, settings, plan, hash: files.hash(), choices: self.choices() })
+    }
+
+    fn choices(&self) -> Vec<(String, String)> {
+        let defined: Vec<String> = self.define.iter().map(|(n, v)| format!("{n}={v}")).collect();
+        vec![
+            ("definitions (-D)".to_owned(), defined.join(" ")),
+            ("sensor".to_owned(), self.sensor.map_or_else(|| "default".to_owned(), |n| n.to_string())),
+            ("spectral-to-rgb".to_owned(), format!("{:?}", self.spectral_to_rgb)),
+            ("allow-unsupported".to_owned(), self.allow_unsupported.to_string()),
+        ]
     }
 
     fn override_film(&self, scene: &mut ir::Scene) {

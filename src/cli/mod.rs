@@ -6,10 +6,14 @@ mod compare;
 mod convert;
 mod hashing;
 mod inspect;
+mod interrupt;
+mod limits;
 mod load;
+mod lock;
 mod output;
 mod render;
 mod report;
+mod resume;
 
 use std::process::ExitCode;
 
@@ -39,8 +43,6 @@ enum Command {
 
 /// Exit status of a run that could not do its work.
 const FAILED: u8 = 1;
-/// Exit status after Ctrl-C, as shells expect it.
-const INTERRUPTED: u8 = 130;
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {

@@ -1,5 +1,6 @@
 //! Sums of passes → files.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use caustica_formats::image::{ExrLayer, ExrOptions, encode_exr, encode_hdr, encode_pfm, encode_png};
@@ -38,22 +39,13 @@ impl Output {
                     ));
                 }
             }
-            let folder = match file.parent() {
-                Some(f) if !f.as_os_str().is_empty() => f,
-                _ => Path::new("."),
-            };
-            tempfile::Builder::new()
-                .prefix(".caustica-probe")
-                .tempfile_in(folder)
-                .map_err(|e| format!("cannot write `{}`: {e}", file.display()))?;
-            if file.is_dir() {
-                return Err(format!("cannot write `{}`: it is a folder", file.display()));
-            }
+            check_place(file)?;
         }
         Ok(())
     }
 
-    /// Encodes and writes every file, each replaced in one step.
+    /// Encodes and writes every file, each replaced in one step. What cannot be written where it should
+    /// is kept elsewhere, and the error says where.
     pub fn write(
         &self,
         loaded: &Loaded,
@@ -62,6 +54,7 @@ impl Output {
         extra: &[(String, String)],
     ) -> Result<(), String> {
         let [_, _, width, height] = loaded.scene.film.crop.map(|v| v as usize);
+        let mut problems = Vec::new();
         for file in &self.files {
             let bytes = match extension(file).as_str() {
                 "exr" => self.exr(loaded, pixels, passes, width, height, extra)?,
@@ -71,10 +64,16 @@ impl Output {
                 "hdr" => encode_hdr(width, height, &beauty(pixels, passes)).map_err(|e| e.to_string())?,
                 _ => encode_pfm(width, height, &beauty(pixels, passes)).map_err(|e| e.to_string())?,
             };
-            caustica_formats::image::atomic_write(file, &bytes)
-                .map_err(|e| format!("cannot write `{}`: {e}", file.display()))?;
+            if let Err(e) = caustica_formats::image::atomic_write(file, &bytes) {
+                let kept = match keep_elsewhere(file, &bytes) {
+                    Ok(place) => format!("the picture is in `{}` instead", place.display()),
+                    Err(why) => format!("nor could it be kept elsewhere: {why}"),
+                };
+                problems.push(format!("cannot write `{}`: {e}; {kept}", file.display()));
+            }
         }
-        Ok(())
+        if problems.is_empty() { Ok(()) } else { Err(problems.join("
+")) }
     }
 
     fn exr(
@@ -129,6 +128,48 @@ impl Output {
         };
         rgb(pixels, passes).flat_map(|c| c.map(curve)).collect()
     }
+}
+
+/// Fails when nothing can be written to `file`.
+pub fn check_place(file: &Path) -> Result<(), String> {
+    let fail = |why: &dyn std::fmt::Display| Err(format!("cannot write `{}`: {why}", file.display()));
+    match std::fs::metadata(file) {
+        Ok(old) if old.is_dir() => return fail(&"it is a folder"),
+        Ok(old) if !old.is_file() => return fail(&"it is not a regular file"),
+        _ => {}
+    }
+    let folder = match file.parent() {
+        Some(f) if !f.as_os_str().is_empty() => f,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return fail(&format!("there is no folder `{}`", folder.display()));
+    }
+    match tempfile::Builder::new().prefix(".caustica-probe").tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(e) => fail(&e),
+    }
+}
+
+/// Writes a new file here or among the temporary files; its path.
+fn keep_elsewhere(file: &Path, bytes: &[u8]) -> Result<PathBuf, String> {
+    let part = |p: Option<&std::ffi::OsStr>| p.unwrap_or_default().to_string_lossy().into_owned();
+    let (prefix, suffix) = (format!("{}-", part(file.file_stem())), format!(".{}", part(file.extension())));
+    let mut problems = Vec::new();
+    for folder in [PathBuf::from("."), std::env::temp_dir()] {
+        let kept = tempfile::Builder::new().prefix(&prefix).suffix(&suffix).tempfile_in(&folder).and_then(
+            |mut kept| {
+                kept.write_all(bytes)?;
+                kept.as_file().sync_all()?;
+                Ok(kept.keep()?.1)
+            },
+        );
+        match kept {
+            Ok(path) => return Ok(path),
+            Err(e) => problems.push(format!("`{}`: {e}", folder.display())),
+        }
+    }
+    Err(problems.join(", "))
 }
 
 fn rgb(pixels: &Pixels, passes: u32) -> impl Iterator<Item = [f64; 3]> {

@@ -1,17 +1,20 @@
 //! `caustica render`.
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::interrupt::Interrupt;
 use super::load::{Loaded, SceneArgs, stem};
-use super::output::{KNOWN_LAYERS, Output, wants_alpha};
+use super::lock::Lock;
+use super::output::{self, KNOWN_LAYERS, Output, wants_alpha};
 use super::report::{self, count, megabytes};
+use super::resume::{self, Saver};
+use super::limits;
 use crate::film::Pixels;
-use crate::render::{Budget, Checkpoint, Outcome, Progress, Statistics, Stop, render};
+use crate::render::{Budget, Outcome, Progress, Statistics, Stop, render};
 use crate::settings::SETTINGS;
 
 #[derive(Debug, Args)]
@@ -42,7 +45,7 @@ pub struct RenderArgs {
     /// Threads [default: all cores]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
-    /// Save the state of the render here as it goes
+    /// Save the state of the render here after every pass
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Go on from the checkpoint [default checkpoint: OUTPUT.checkpoint]
@@ -70,9 +73,6 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a positive number of seconds".to_owned())
 }
 
-/// Seconds between checkpoints; a checkpoint costs a write of the sums.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(10);
-
 pub fn run(args: &RenderArgs) -> Result<u8, String> {
     if args.help_settings {
         return help_settings();
@@ -86,11 +86,21 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
     let started = Instant::now();
     let loaded = args.scene.load(args.quiet)?;
     let load_seconds = started.elapsed().as_secs_f64();
+    limits::check(&loaded)?;
     let output = args.output(&loaded)?;
     output.check()?;
-    let checkpoint = args.checkpoint_path(&output);
-    let identity = identity(&loaded);
-    let (pixels, done) = args.start(&loaded, checkpoint.as_deref(), &identity)?;
+    let mut saver = Saver::new(args.checkpoint_path(&output), &loaded);
+    let saving = args.checkpoint.is_some() || args.resume;
+    let written = args.stats.iter().chain(saving.then_some(&saver.path));
+    written.into_iter().try_for_each(|file| output::check_place(file))?;
+    let _locks: Vec<_> = output
+        .files
+        .iter()
+        .chain(saving.then_some(&saver.path))
+        .map(|file| Lock::take(file))
+        .collect::<Result<_, _>>()?;
+    let saved = if args.resume { saver.resume()? } else { None };
+    let (pixels, done) = saved.unwrap_or_else(|| (Pixels::new(loaded.scene.film.pixel_count()), 0));
     if args.verbose {
         report::line(&loaded.plan.to_string());
     }
@@ -98,7 +108,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
         report::line("warning: the scene has no emitter; the picture will be black");
     }
 
-    let interrupt = watch_interrupts()?;
+    let interrupt = Interrupt::watch()?;
     let limited = args.time.is_some() || args.target_error.is_some();
     let budget = Budget {
         // A time or an error ends the render, unless a number of passes was asked for as well.
@@ -106,35 +116,31 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
             .then_some(loaded.settings.passes),
         time: args.time,
         error: args.target_error,
-        interrupt: Some(interrupt),
+        interrupt: Some(interrupt.flag()),
     };
     let bar = args.progress_bar(&budget);
-    let mut saved = Instant::now();
-    let mut checkpoint_problem = None;
     let mut on_pass = |p: &Progress<'_>| {
         show(&bar, p, &budget);
-        if let Some(path) = &checkpoint
-            && args.checkpoint.is_some()
-            && saved.elapsed() >= CHECKPOINT_INTERVAL
-        {
-            saved = Instant::now();
-            checkpoint_problem = save(path, &identity, p.pixels, p.passes).err();
+        if saving {
+            saver.after_pass(p.pixels, p.passes);
         }
     };
     let outcome = render(&loaded.scene, &loaded.plan, &loaded.settings, budget, pixels, done, &mut on_pass);
     bar.finish_and_clear();
-    if let Some(problem) = checkpoint_problem {
-        report::error(&problem);
+    let passes = outcome.statistics.passes;
+    // The picture first: it is what nobody wants to lose.
+    let picture = output.write(&loaded, &outcome.pixels, passes, &radii(&outcome.statistics));
+    if passes > 0 && (saving || outcome.stop == Stop::Interrupted) {
+        let saved = saver.save(&outcome.pixels, passes, true);
+        if let (Err(_), Err(problem)) = (&picture, &saved) {
+            report::error(problem);
+        }
+        picture.and(saved)?;
+    } else {
+        picture?;
     }
-    if let Some(path) = checkpoint
-        .as_ref()
-        .filter(|_| args.checkpoint.is_some() || args.resume || outcome.stop == Stop::Interrupted)
-    {
-        save(path, &identity, &outcome.pixels, outcome.statistics.passes)?;
-    }
-    output.write(&loaded, &outcome.pixels, outcome.statistics.passes, &radii(&outcome.statistics))?;
     args.summary(&loaded, &output, &outcome, load_seconds)?;
-    Ok(if outcome.stop == Stop::Interrupted { super::INTERRUPTED } else { 0 })
+    Ok(if outcome.stop == Stop::Interrupted { interrupt.status() } else { 0 })
 }
 
 impl RenderArgs {
@@ -174,22 +180,8 @@ impl RenderArgs {
         })
     }
 
-    fn checkpoint_path(&self, output: &Output) -> Option<PathBuf> {
-        self.checkpoint.clone().or_else(|| output.files.first().map(|f| f.with_extension("checkpoint")))
-    }
-
-    fn start(
-        &self,
-        loaded: &Loaded,
-        checkpoint: Option<&Path>,
-        identity: &[(String, String)],
-    ) -> Result<(Pixels, u32), String> {
-        let fresh = || (Pixels::new(loaded.scene.film.pixel_count()), 0);
-        let Some(path) = checkpoint.filter(|_| self.resume) else { return Ok(fresh()) };
-        let problem = |e: String| format!("cannot resume from `{}`: {e}", path.display());
-        let saved = Checkpoint::read(path).map_err(|e| problem(e.to_string()))?;
-        saved.check(identity).map_err(|e| problem(e.to_string()))?;
-        Ok((saved.pixels, saved.passes))
+    fn checkpoint_path(&self, output: &Output) -> PathBuf {
+        self.checkpoint.clone().unwrap_or_else(|| resume::default_path(&output.files[0]))
     }
 
     fn progress_bar(&self, budget: &Budget<'_>) -> ProgressBar {
@@ -312,6 +304,7 @@ impl RenderArgs {
             Stop::Passes => "all passes done",
             Stop::Time => "time is up",
             Stop::Error => "target error reached",
+            Stop::Interrupted if s.passes == 0 => "interrupted in the first pass: what it did not reach is black",
             Stop::Interrupted => "interrupted; --resume goes on from the checkpoint",
         };
         rows.push(("ended", ended.to_owned()));
@@ -335,18 +328,6 @@ fn help_settings() -> Result<u8, String> {
     Ok(0)
 }
 
-/// The flag that Ctrl-C and SIGTERM set; a second signal ends the program at once.
-fn watch_interrupts() -> Result<&'static AtomicBool, String> {
-    static INTERRUPT: AtomicBool = AtomicBool::new(false);
-    ctrlc::set_handler(|| {
-        if INTERRUPT.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(super::INTERRUPTED));
-        }
-    })
-    .map_err(|e| format!("cannot watch for Ctrl-C: {e}"))?;
-    Ok(&INTERRUPT)
-}
-
 fn show(bar: &ProgressBar, p: &Progress<'_>, budget: &Budget<'_>) {
     if bar.is_hidden() {
         return;
@@ -365,34 +346,10 @@ fn show(bar: &ProgressBar, p: &Progress<'_>, budget: &Budget<'_>) {
     }
 }
 
-fn save(path: &Path, identity: &[(String, String)], pixels: &Pixels, passes: u32) -> Result<(), String> {
-    let checkpoint = Checkpoint { identity: identity.to_vec(), passes, pixels: pixels.clone() };
-    caustica_formats::image::atomic_write(path, &checkpoint.encode())
-        .map_err(|e| format!("cannot write checkpoint `{}`: {e}", path.display()))
-}
-
 fn radii(s: &Statistics) -> Vec<(String, String)> {
     [("firstRadius", s.first_radius), ("firstCausticRadius", s.first_caustic_radius)]
         .into_iter()
         .filter(|(_, r)| *r > 0.0)
         .map(|(n, r)| (n.to_owned(), r.to_string()))
         .collect()
-}
-
-/// What makes two renders the same render: all but the number of passes.
-fn identity(loaded: &Loaded) -> Vec<(String, String)> {
-    let film = loaded.scene.film;
-    let mut rows = vec![
-        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-        ("scene hash".to_owned(), loaded.hash.clone()),
-        ("film".to_owned(), format!("{}x{} crop {:?}", film.width, film.height, film.crop)),
-        ("filter".to_owned(), filter_name(&loaded.scene.filter)),
-    ];
-    rows.extend(loaded.settings.values().filter(|(n, _)| *n != "passes").map(|(n, v)| (n.to_owned(), v)));
-    rows
-}
-
-fn filter_name(filter: &crate::film::Filter) -> String {
-    let [x, y] = filter.shapes();
-    if x == y { format!("{x:?}") } else { format!("{x:?} × {y:?}") }
 }

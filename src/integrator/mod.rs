@@ -35,10 +35,9 @@ pub struct PassStats {
     /// Seconds of tracing photons and of building maps.
     pub trace_seconds: f64,
     pub build_seconds: f64,
-    /// Search radii of the pass, 0 without a map; and those of pass 0.
+    /// Search radii of the pass, 0 without a map.
     pub radius: f32,
     pub caustic_radius: f32,
-    pub first_radii: [f32; 2],
 }
 
 /// A camera ray, the numbers of its path, and what came of it.
@@ -55,6 +54,11 @@ pub trait Integrator: Sync {
 
     /// Pairs of random numbers of a camera path that are worth low-discrepancy points.
     const STRATIFIED_PAIRS: u32;
+
+    /// Search radii of pass 0 (global, caustic), 0 without a map.
+    fn first_radii(&self) -> [f32; 2] {
+        [0.0; 2]
+    }
 
     fn begin_pass(&self, pass: u32) -> (Self::Pass, PassStats);
 

@@ -1,6 +1,7 @@
 //! Photon mapping: camera paths end at the first rough surface, where direct light is sampled and
 //! everything else is read from the photon maps.
 
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
@@ -9,7 +10,7 @@ use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::{Ray, Rgb, Vec2, Vec3};
-use crate::photon::trace::{TraceJob, trace};
+use crate::photon::trace::{TraceJob, Traced, trace_until};
 use crate::photon::{Boundary, Estimator, Owner, PhotonMap, radius};
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Plan, Scene, Settings, Surface};
@@ -21,6 +22,8 @@ pub struct PhotonMapper<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     settings: &'a Settings,
+    /// Once set, maps are cut short; what comes of them is thrown away.
+    stop: Option<&'a AtomicBool>,
     /// Light paths a pass.
     paths: [u64; 2],
     /// Search radii of the first pass.
@@ -65,8 +68,18 @@ impl<'a> PhotonMapper<'a> {
     /// Measures what the settings leave open: path counts from a pilot, radii from the density of the
     /// first pass. Deterministic: a resumed render measures the same.
     pub fn new(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings) -> Self {
-        let mut mapper =
-            Self { scene, plan, settings, paths: [0; 2], radii: [0.0; 2], kept: OnceLock::new() };
+        Self::stoppable(scene, plan, settings, None)
+    }
+
+    /// The same, cut short once `stop` is set.
+    pub fn stoppable(
+        scene: &'a Scene,
+        plan: &'a Plan,
+        settings: &'a Settings,
+        stop: Option<&'a AtomicBool>,
+    ) -> Self {
+        let kept = OnceLock::new();
+        let mut mapper = Self { scene, plan, settings, stop, paths: [0; 2], radii: [0.0; 2], kept };
         let places = if plan.global_map || plan.caustics { mapper.gather_places() } else { Vec::new() };
         for which in [Which::Global, Which::Caustic] {
             mapper.paths[which as usize] = mapper.path_count(which);
@@ -104,6 +117,10 @@ impl<'a> PhotonMapper<'a> {
         }
     }
 
+    fn traced(&self, which: Which, pass: u32, paths: u64) -> Traced {
+        trace_until(self.scene, &self.job(which, pass, paths), self.stop)
+    }
+
     fn path_count(&self, which: Which) -> u64 {
         let count = if which == Which::Global { self.plan.global_paths } else { self.plan.caustic_paths };
         match count {
@@ -111,9 +128,9 @@ impl<'a> PhotonMapper<'a> {
             Count::Auto => 0,
             Count::Stored(wanted) => {
                 let pilot = 1 << 14;
-                let stored = trace(self.scene, &self.job(which, u32::MAX, pilot)).photons.len() as u64;
+                let stored = self.traced(which, u32::MAX, pilot).photons.len() as u64;
                 // A map that hardly fills would take for ever: a thousand paths a photon is the most.
-                (wanted * pilot).div_ceil(stored.max(1)).min(wanted.saturating_mul(1000))
+                wanted.saturating_mul(pilot).div_ceil(stored.max(1)).min(wanted.saturating_mul(1000))
             }
         }
     }
@@ -129,7 +146,7 @@ impl<'a> PhotonMapper<'a> {
             Radius::Relative(r) => r * self.scene.sphere.radius,
             Radius::Auto if !self.wanted(which) => 0.0,
             Radius::Auto => {
-                let traced = trace(self.scene, &self.job(which, 0, self.paths[which as usize]));
+                let traced = self.traced(which, 0, self.paths[which as usize]);
                 let pixel = radius::pixel(gather_places);
                 let scene_radius = self.scene.sphere.radius;
                 let mut found = match which {
@@ -207,7 +224,7 @@ impl<'a> PhotonMapper<'a> {
         let s = self.settings;
         let paths = self.paths[which as usize];
         let start = Instant::now();
-        let traced = trace(self.scene, &self.job(which, pass, paths));
+        let traced = self.traced(which, pass, paths);
         stats.trace_seconds += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let radius = self.radius(which, pass);
@@ -337,8 +354,12 @@ impl Integrator for PhotonMapper<'_> {
 
     const STRATIFIED_PAIRS: u32 = 16;
 
+    fn first_radii(&self) -> [f32; 2] {
+        self.radii
+    }
+
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {
-        let mut stats = PassStats { first_radii: self.radii, ..PassStats::default() };
+        let mut stats = PassStats::default();
         let mut make = |pass| {
             Arc::new(Maps {
                 global: self.build(Which::Global, pass, &mut stats),

@@ -1,5 +1,7 @@
 //! Light paths: from the lamps through the scene, leaving photons on rough surfaces.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use rayon::prelude::*;
 
 use super::{LightPath, Owner, Photon};
@@ -39,10 +41,18 @@ const CHUNK: u64 = 2048;
 
 /// Traces all paths of a job. The result does not depend on the number of threads.
 pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
+    trace_until(scene, job, None)
+}
+
+/// The same, but with an unusable part of the paths once `stop` is set.
+pub fn trace_until(scene: &Scene, job: &TraceJob, stop: Option<&AtomicBool>) -> Traced {
     let chunks: Vec<Traced> = (0..job.paths.div_ceil(CHUNK))
         .into_par_iter()
         .map(|c| {
             let mut out = Traced::default();
+            if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                return out;
+            }
             for i in c * CHUNK..((c + 1) * CHUNK).min(job.paths) {
                 trace_path(scene, job, i, &mut out);
             }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::film::{Pixels, Radiance, accumulate};
+use crate::film::{Pixels, Radiance, STRIDE, accumulate};
 use crate::integrator::{CameraSample, Integrator, PassStats, PathTracer, PhotonMapper, Scratch};
 use crate::math::Vec2;
 use crate::sampling::{Sampler, mix};
@@ -19,7 +19,7 @@ pub struct Budget<'a> {
     pub time: Option<Duration>,
     /// Relative standard error of the picture, see `Pixels::relative_error`.
     pub error: Option<f64>,
-    /// Set from outside (Ctrl-C) to end after the running pass.
+    /// Set from outside (Ctrl-C) to end at once: the running pass is taken back, unless it is the first.
     pub interrupt: Option<&'a AtomicBool>,
 }
 
@@ -73,6 +73,7 @@ pub struct Statistics {
 /// A finished render.
 #[derive(Debug)]
 pub struct Outcome {
+    /// Sums of `statistics.passes` whole passes. When that is 0, what an interrupted first pass reached.
     pub pixels: Pixels,
     pub statistics: Statistics,
     pub stop: Stop,
@@ -95,7 +96,7 @@ pub fn render(
             run(scene, &integrator, settings, budget, pixels, done, start, progress)
         }
         IntegratorKind::PhotonMap => {
-            let integrator = PhotonMapper::new(scene, plan, settings);
+            let integrator = PhotonMapper::stoppable(scene, plan, settings, budget.interrupt);
             run(scene, &integrator, settings, budget, pixels, done, start, progress)
         }
     }
@@ -121,6 +122,10 @@ fn run<I: Integrator>(
         scene_bytes: (scene.geometry.bytes() + scene.textures.bytes()) as u64,
         ..Statistics::default()
     };
+    [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
+    let stopped = || budget.interrupt.is_some_and(|i| i.load(Ordering::Relaxed));
+    // The sums before the running pass, to take it back.
+    let mut before = Vec::new();
     let mut passes = done;
     let mut longest = Duration::ZERO;
     let stop = loop {
@@ -128,7 +133,7 @@ fn run<I: Integrator>(
         if budget.passes.is_some_and(|n| passes >= n) {
             break Stop::Passes;
         }
-        if budget.interrupt.is_some_and(|i| i.load(Ordering::Relaxed)) {
+        if stopped() {
             break Stop::Interrupted;
         }
         // A pass that would end late by more than half of itself is not begun; one is always made.
@@ -139,12 +144,24 @@ fn run<I: Integrator>(
             break Stop::Error;
         }
         let begun = Instant::now();
+        if budget.interrupt.is_some() && passes > 0 {
+            before.resize(pixels.len(), [0.0; STRIDE]);
+            before.copy_from_slice(pixels.as_slice());
+        }
         let (shared, pass) = integrator.begin_pass(passes);
         let camera = Instant::now();
-        sample_all(scene, integrator, &shared, settings.seed, passes, &mut pixels, &mut stats);
+        let stop = budget.interrupt;
+        let whole =
+            sample_all(scene, integrator, &shared, settings.seed, passes, stop, &mut pixels, &mut stats);
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
         count(&mut stats, &pass);
+        if !whole {
+            if passes > 0 {
+                pixels.as_mut_slice().copy_from_slice(&before);
+            }
+            break Stop::Interrupted;
+        }
         passes += 1;
         // The mean length follows passes that grow cheaper as the radius shrinks.
         longest = begun.elapsed().max(longest.mul_f32(0.9));
@@ -163,26 +180,27 @@ fn count(stats: &mut Statistics, pass: &PassStats) {
     stats.rays += pass.photon_rays;
     stats.rejected_photons += pass.rejected_photons;
     stats.map_bytes = stats.map_bytes.max(pass.map_bytes);
-    [stats.first_radius, stats.first_caustic_radius] = pass.first_radii;
     if pass.radius > 0.0 || pass.caustic_radius > 0.0 {
         (stats.last_radius, stats.last_caustic_radius) = (pass.radius, pass.caustic_radius);
     }
 }
 
+/// One sample of every pixel; false when `stop` was set before all were made.
 fn sample_all<I: Integrator>(
     scene: &Scene,
     integrator: &I,
     shared: &I::Pass,
     seed: u64,
     pass: u32,
+    stop: Option<&AtomicBool>,
     pixels: &mut Pixels,
     stats: &mut Statistics,
-) {
+) -> bool {
     let [x0, y0, width, height] = scene.film.crop.map(|v| v as usize);
     let inverse = Vec2::new(1.0 / scene.film.width as f32, 1.0 / scene.film.height as f32);
     let band = width * BLOCK;
     let has_aperture = scene.sensor.has_aperture();
-    let counted: Vec<(Scratch, u64)> = pixels
+    let counted: Vec<(Scratch, u64, bool)> = pixels
         .as_mut_slice()
         .par_chunks_mut(band)
         .enumerate()
@@ -193,6 +211,9 @@ fn sample_all<I: Integrator>(
             let mut samples = Vec::with_capacity(BLOCK * BLOCK);
             let mut places = Vec::with_capacity(BLOCK * BLOCK);
             for column in (0..width).step_by(BLOCK) {
+                if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                    return (scratch, rejected, false);
+                }
                 samples.clear();
                 places.clear();
                 for row in 0..rows {
@@ -218,13 +239,16 @@ fn sample_all<I: Integrator>(
                     }
                 }
             }
-            (scratch, rejected)
+            (scratch, rejected, true)
         })
         .collect();
-    for (scratch, rejected) in counted {
+    let mut whole = true;
+    for (scratch, rejected, reached) in counted {
+        whole &= reached;
         stats.rays += scratch.rays;
         stats.lookups += scratch.gather.lookups;
         stats.photons_gathered += scratch.gather.photons;
         stats.rejected_samples += rejected;
     }
+    whole
 }

@@ -6,7 +6,23 @@ use std::path::Path;
 /// Writes `bytes` to `path` through a temporary file in the same folder that is flushed to disk and
 /// then renamed over the target. The temporary file is removed when anything fails.
 pub fn atomic_write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
-    let path = path.as_ref();
+    write(path.as_ref(), bytes, true)
+}
+
+/// The same without the flush: whole whatever happens to the program, not to the machine.
+pub fn atomic_replace(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
+    write(path.as_ref(), bytes, false)
+}
+
+fn write(path: &Path, bytes: &[u8], flush: bool) -> io::Result<()> {
+    let old = std::fs::metadata(path).ok();
+    // Pipes and devices cannot be replaced, only written to.
+    if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
+        return std::fs::File::options().write(true).open(path)?.write_all(bytes);
+    }
+    // Through a link the file it stands for is replaced, not the link.
+    let linked = std::fs::canonicalize(path);
+    let path = linked.as_deref().unwrap_or(path);
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -17,12 +33,14 @@ pub fn atomic_write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        let mode = std::fs::metadata(path).map_or(0o666, |old| old.permissions().mode() & 0o777);
+        let mode = old.map_or(0o666, |old| old.permissions().mode() & 0o777);
         builder.permissions(std::fs::Permissions::from_mode(mode));
     }
     let mut file = builder.tempfile_in(folder)?;
     file.write_all(bytes)?;
-    file.as_file().sync_all()?;
+    if flush {
+        file.as_file().sync_all()?;
+    }
     file.persist(path).map_err(|failed| failed.error)?;
     Ok(())
 }

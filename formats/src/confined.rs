@@ -1,0 +1,99 @@
+//! A scene reads below its own folder and the folders its user named, nowhere else.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::files::{Disk, Files};
+
+/// The file system below some folders. Links and `..` are followed first, so they lead nowhere else.
+#[derive(Clone, Debug)]
+pub struct Confined {
+    roots: Vec<PathBuf>,
+}
+
+impl Confined {
+    /// The folder of `scene` and `allowed`. Folders that do not exist allow nothing.
+    pub fn new(scene: &Path, allowed: &[PathBuf]) -> Self {
+        let own = match scene.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
+            _ => PathBuf::from("."),
+        };
+        // A link to a scene stands for the scene.
+        let linked = std::fs::canonicalize(scene).ok().and_then(|real| real.parent().map(Path::to_path_buf));
+        let roots = [own].into_iter().chain(linked).chain(allowed.iter().cloned());
+        Self { roots: roots.filter_map(|root| std::fs::canonicalize(root).ok()).collect() }
+    }
+
+    fn allows(&self, real: &Path) -> bool {
+        self.roots.iter().any(|root| real.starts_with(root))
+    }
+}
+
+impl Files for Confined {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let real = std::fs::canonicalize(path)?;
+        if self.allows(&real) {
+            return Disk.read(&real);
+        }
+        let folder = real.parent().unwrap_or(Path::new("/")).display();
+        Err(io::Error::new(
+            io::ErrorKind::PermissionDenied,
+            format!(
+                "a scene may read below its own folder only; allow this one with `--allow-path {folder}`"
+            ),
+        ))
+    }
+
+    /// True outside of the folders too: reading then says what to allow, where "not found" would puzzle.
+    fn is_file(&self, path: &Path) -> bool {
+        Disk.is_file(path)
+    }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        match std::fs::canonicalize(folder) {
+            Ok(real) if self.allows(&real) => Disk.names(&real),
+            _ => Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_below_the_folders_only() {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let at = |name: &str| place.path().join(name);
+        for folder in ["scenes/meshes", "other", "scenes-too"] {
+            std::fs::create_dir_all(at(folder)).expect("creatable");
+        }
+        for file in ["scenes/s.xml", "scenes/meshes/m", "other/o", "scenes-too/t"] {
+            std::fs::write(at(file), file).expect("writable");
+        }
+        let files = Confined::new(&at("scenes/s.xml"), &[]);
+        assert!(files.read(&at("scenes/s.xml")).is_ok());
+        assert!(files.read(&at("scenes/meshes/../meshes/m")).is_ok());
+        for outside in ["other/o", "scenes/../other/o", "scenes-too/t"] {
+            let problem = files.read(&at(outside)).expect_err("outside").to_string();
+            let real = std::fs::canonicalize(at(outside)).expect("exists");
+            let folder = real.parent().expect("has a folder").display().to_string();
+            assert!(problem.ends_with(&format!("`--allow-path {folder}`")), "{problem}");
+        }
+        assert!(files.names(&at("other")).is_empty());
+        let files = Confined::new(&at("scenes/s.xml"), &[at("other")]);
+        assert!(files.read(&at("scenes/../other/o")).is_ok());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_lead_nowhere_else() {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let scenes = place.path().join("scenes");
+        std::fs::create_dir(&scenes).expect("creatable");
+        std::fs::write(place.path().join("secret"), "x").expect("writable");
+        std::os::unix::fs::symlink("../secret", scenes.join("mesh.obj")).expect("linkable");
+        assert!(Confined::new(&scenes.join("s.xml"), &[]).read(&scenes.join("mesh.obj")).is_err());
+    }
+}

@@ -1,0 +1,42 @@
+//! Ctrl-C and SIGTERM: the first one ends the render in good order, the second one the program.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+/// What the signals set.
+#[derive(Debug)]
+pub struct Interrupt {
+    stop: Arc<AtomicBool>,
+    signal: Arc<AtomicUsize>,
+}
+
+impl Interrupt {
+    /// Watches from now on. Until then signals end the program as they do by default.
+    pub fn watch() -> Result<Self, String> {
+        let watched = Self { stop: Arc::default(), signal: Arc::default() };
+        for signal in [SIGINT, SIGTERM] {
+            watched.register(signal).map_err(|e| format!("cannot watch for signal {signal}: {e}"))?;
+        }
+        Ok(watched)
+    }
+
+    fn register(&self, signal: i32) -> Result<(), std::io::Error> {
+        // In this order: the exit looks at the flag before the same signal sets it.
+        flag::register_conditional_shutdown(signal, 128 + signal, self.stop.clone())?;
+        flag::register_usize(signal, self.signal.clone(), signal as usize)?;
+        flag::register(signal, self.stop.clone())?;
+        Ok(())
+    }
+
+    pub fn flag(&self) -> &AtomicBool {
+        &self.stop
+    }
+
+    /// Exit status that shells expect after the signal: 130 or 143.
+    pub fn status(&self) -> u8 {
+        128 + self.signal.load(Ordering::Relaxed) as u8
+    }
+}

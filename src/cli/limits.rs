@@ -1,0 +1,61 @@
+//! What a render will need, against what the machine has: said before anything is allocated.
+
+use super::load::Loaded;
+use super::report::megabytes;
+use crate::film::STRIDE;
+use crate::settings::{Count, IntegratorKind};
+
+/// Bytes a pixel: the sums twice (a cut pass is taken back), and a checkpoint or a picture with all
+/// its layers being written.
+const PIXEL: u128 = 3 * 8 * STRIDE as u128;
+/// Bytes of a photon while its map is built: as traced in its chunk and joined, 52 each, then sorted, 40.
+const PHOTON: u128 = 144;
+/// Bytes of the results of a chunk of 2048 light paths that store nothing.
+const CHUNK: u128 = 64;
+
+/// Fails with the name of the setting that wants more memory than there is.
+pub fn check(loaded: &Loaded) -> Result<(), String> {
+    within(loaded, available())
+}
+
+fn within(loaded: &Loaded, memory: u128) -> Result<(), String> {
+    let [_, _, width, height] = loaded.scene.film.crop;
+    refuse(
+        &format!("a film of {width} × {height} pixels (--size, --crop)"),
+        u128::from(width) * u128::from(height) * PIXEL,
+        memory,
+    )?;
+    if loaded.settings.integrator == IntegratorKind::Path {
+        return Ok(());
+    }
+    // A path to the global map leaves a photon or more; most of the others miss.
+    for (name, count, stored) in [
+        ("photons", loaded.settings.photons, PHOTON),
+        ("caustic_photons", loaded.settings.caustic_photons, 0),
+    ] {
+        let bytes = match count {
+            Count::Auto => 0,
+            Count::Paths(n) => u128::from(n) * stored + u128::from(n) / 2048 * CHUNK,
+            Count::Stored(n) => u128::from(n) * PHOTON,
+        };
+        refuse(&format!("setting `{name}` = {count}"), bytes, memory)?;
+    }
+    Ok(())
+}
+
+fn refuse(what: &str, bytes: u128, memory: u128) -> Result<(), String> {
+    if bytes <= memory {
+        return Ok(());
+    }
+    let shown = |n: u128| megabytes(u64::try_from(n).unwrap_or(u64::MAX));
+    Err(format!("{what} needs about {} of memory; {} are free", shown(bytes), shown(memory)))
+}
+
+/// Free memory in bytes; where the system does not tell, that of a large machine.
+fn available() -> u128 {
+    let told = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
+        let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+        line.split_whitespace().next()?.parse::<u128>().ok()
+    });
+    told.map_or(1 << 38, |kb| kb * 1024)
+}
