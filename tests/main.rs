@@ -14,6 +14,7 @@ mod convert;
 mod depth;
 mod determinism;
 mod environment;
+mod faults;
 mod flux;
 mod furnace;
 mod hostile;

@@ -1,15 +1,22 @@
-//! A scene reads below its own folder and the folders its user named, nowhere else.
+//! A scene reads below its own folder and the folders its user named, and meshes and pictures below
+//! the folders it declares itself, nowhere else.
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock};
 
 use crate::files::{Disk, Files};
 
 /// The file system below some folders. Links and `..` are followed first, so they lead nowhere else.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Confined {
     roots: Vec<PathBuf>,
+    /// For files named as one of [`ASSETS`] only: a scene may not show what else stands there.
+    declared: RwLock<Vec<PathBuf>>,
 }
+
+const ASSETS: &[&str] =
+    &["obj", "ply", "serialized", "exr", "hdr", "rgbe", "pfm", "png", "jpg", "jpeg", "tga", "bmp", "gz"];
 
 impl Confined {
     /// The folder of `scene` and `allowed`. Folders that do not exist allow nothing.
@@ -21,12 +28,23 @@ impl Confined {
         // A link to a scene stands for the scene.
         let linked = std::fs::canonicalize(scene).ok().and_then(|real| real.parent().map(Path::to_path_buf));
         let roots = [own].into_iter().chain(linked).chain(allowed.iter().cloned());
-        Self { roots: roots.filter_map(|root| std::fs::canonicalize(root).ok()).collect() }
+        let roots = roots.filter_map(|root| std::fs::canonicalize(root).ok()).collect();
+        Self { roots, declared: RwLock::default() }
     }
 
     fn allows(&self, real: &Path) -> bool {
-        self.roots.iter().any(|root| real.starts_with(root))
+        self.roots.iter().any(|root| real.starts_with(root)) || is_asset(real) && self.is_declared(real)
     }
+
+    fn is_declared(&self, real: &Path) -> bool {
+        let declared = self.declared.read().unwrap_or_else(PoisonError::into_inner);
+        declared.iter().any(|root| real.starts_with(root))
+    }
+}
+
+fn is_asset(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    ASSETS.contains(&extension.as_str())
 }
 
 impl Files for Confined {
@@ -52,9 +70,18 @@ impl Files for Confined {
     fn names(&self, folder: &Path) -> Vec<String> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         match std::fs::canonicalize(folder) {
-            Ok(real) if self.allows(&real) => Disk.names(&real),
+            Ok(real) if self.allows(&real) || self.is_declared(&real) => Disk.names(&real),
             _ => Vec::new(),
         }
+    }
+
+    fn declare(&self, folder: &Path) -> bool {
+        let Ok(real) = std::fs::canonicalize(folder) else { return false };
+        if self.allows(&real) || self.is_declared(&real) {
+            return false;
+        }
+        self.declared.write().unwrap_or_else(PoisonError::into_inner).push(real);
+        true
     }
 }
 
@@ -84,6 +111,26 @@ mod tests {
         assert!(files.names(&at("other")).is_empty());
         let files = Confined::new(&at("scenes/s.xml"), &[at("other")]);
         assert!(files.read(&at("scenes/../other/o")).is_ok());
+    }
+
+    #[test]
+    fn declared_folders_give_meshes_and_pictures_only() {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let at = |name: &str| place.path().join(name);
+        for folder in ["tests/scenes", "common/meshes"] {
+            std::fs::create_dir_all(at(folder)).expect("creatable");
+        }
+        for file in ["common/meshes/m.ply", "common/meshes/password", "common/s.xml", "beside.ply"] {
+            std::fs::write(at(file), file).expect("writable");
+        }
+        let files = Confined::new(&at("tests/scenes/s.xml"), &[]);
+        assert!(files.read(&at("tests/scenes/../../common/meshes/m.ply")).is_err());
+        assert!(files.declare(&at("tests/scenes/../../common")));
+        assert!(!files.declare(&at("common/meshes")));
+        assert!(files.read(&at("tests/scenes/../../common/meshes/m.ply")).is_ok());
+        for other in ["common/meshes/password", "common/s.xml", "beside.ply"] {
+            assert!(files.read(&at(other)).is_err(), "{other}");
+        }
     }
 
     #[cfg(unix)]

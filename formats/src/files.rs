@@ -16,6 +16,11 @@ pub trait Files: fmt::Debug + Sync {
     fn names(&self, _folder: &Path) -> Vec<String> {
         Vec::new()
     }
+    /// The scene declares a search folder (`<path>`). True when that lets meshes and pictures be read
+    /// from where nothing could be read before.
+    fn declare(&self, _folder: &Path) -> bool {
+        false
+    }
 }
 
 /// No scene, mesh or texture file may be larger than this (8 GiB).

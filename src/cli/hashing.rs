@@ -51,4 +51,8 @@ impl Files for Hashing<'_> {
     fn names(&self, folder: &Path) -> Vec<String> {
         self.inner.names(folder)
     }
+
+    fn declare(&self, folder: &Path) -> bool {
+        self.inner.declare(folder)
+    }
 }

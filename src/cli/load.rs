@@ -212,7 +212,15 @@ impl SceneArgs {
         self.override_settings(&mut settings)?;
         let plan = Plan::new(&built.scene, &settings);
         let film = scene.sensors[self.sensor.unwrap_or(scene.default_sensor)].film.clone();
-        Ok(Loaded { path, film, scene: built.scene, settings, plan, hash: files.hash(), choices: self.choices() })
+        Ok(Loaded {
+            path,
+            film,
+            scene: built.scene,
+            settings,
+            plan,
+            hash: files.hash(),
+            choices: self.choices(),
+        })
     }
 
     fn choices(&self) -> Vec<(String, String)> {

@@ -72,8 +72,7 @@ impl Output {
                 problems.push(format!("cannot write `{}`: {e}; {kept}", file.display()));
             }
         }
-        if problems.is_empty() { Ok(()) } else { Err(problems.join("
-")) }
+        if problems.is_empty() { Ok(()) } else { Err(problems.join("\n")) }
     }
 
     fn exr(

@@ -7,12 +7,12 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt::Interrupt;
+use super::limits;
 use super::load::{Loaded, SceneArgs, stem};
 use super::lock::Lock;
 use super::output::{self, KNOWN_LAYERS, Output, wants_alpha};
 use super::report::{self, count, megabytes};
 use super::resume::{self, Saver};
-use super::limits;
 use crate::film::Pixels;
 use crate::render::{Budget, Outcome, Progress, Statistics, Stop, render};
 use crate::settings::SETTINGS;
@@ -304,7 +304,9 @@ impl RenderArgs {
             Stop::Passes => "all passes done",
             Stop::Time => "time is up",
             Stop::Error => "target error reached",
-            Stop::Interrupted if s.passes == 0 => "interrupted in the first pass: what it did not reach is black",
+            Stop::Interrupted if s.passes == 0 => {
+                "interrupted in the first pass: what it did not reach is black"
+            }
             Stop::Interrupted => "interrupted; --resume goes on from the checkpoint",
         };
         rows.push(("ended", ended.to_owned()));

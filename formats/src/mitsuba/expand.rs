@@ -222,7 +222,14 @@ impl<'a> Expander<'a> {
             self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
             return;
         }
-        self.folders.insert(0, self.own_folder().join(value.replace('\\', "/")));
+        let value = value.replace('\\', "/");
+        let folder = self.own_folder().join(&value);
+        // Scenes share folders of meshes that stand beside theirs; an absolute path is for the user to allow.
+        if Path::new(&value).is_relative() && self.files.declare(&folder) {
+            let text = format!("meshes and pictures are read outside of the scene's folder, from `{value}`");
+            self.problems.push(Diagnostic::warning(text, Some(element.place("value"))));
+        }
+        self.folders.insert(0, folder);
     }
 
     fn include(&mut self, element: &Element, depth: usize, out: &mut Vec<Element>) {

@@ -1,0 +1,226 @@
+//! What signals, kills, full places and other processes do to a render: outcomes of the program itself.
+#![cfg(unix)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use caustica_formats::image;
+
+const SCENE: &str = "scenes/cornell-glass.xml";
+
+fn program(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args).stdin(Stdio::null());
+    command
+}
+
+fn render(output: &Path, more: &[&str]) -> Command {
+    let output = output.to_str().expect("a path in UTF-8");
+    let mut command = program(&["render", SCENE, "--quiet", "-o", output]);
+    if !more.contains(&"--size") {
+        command.args(["--size", "48x48"]);
+    }
+    command.args(more);
+    command
+}
+
+fn done(command: &mut Command) -> (Option<i32>, String) {
+    let Output { status, stderr, .. } = command.output().expect("the program starts");
+    (status.code(), String::from_utf8_lossy(&stderr).into_owned())
+}
+
+fn spawned(command: &mut Command) -> Child {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
+}
+
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status();
+    assert!(status.expect("kill starts").success());
+}
+
+fn wait_for(path: &Path) {
+    let begun = Instant::now();
+    while !path.exists() {
+        assert!(begun.elapsed() < Duration::from_secs(120), "{} never came", path.display());
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn place() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = folder.path().join("out.exr");
+    (folder, output)
+}
+
+fn pixels(path: &Path) -> Vec<f32> {
+    let bytes = std::fs::read(path).expect("readable");
+    image::read(&bytes).expect("a whole picture").data
+}
+
+#[test]
+fn signals_leave_a_valid_picture_and_the_status_that_shells_expect() {
+    for (name, status) in [("INT", 130), ("TERM", 143)] {
+        let (_folder, output) = place();
+        let checkpoint = output.with_extension("checkpoint");
+        let checkpoint = checkpoint.to_str().expect("a path in UTF-8");
+        let mut child = spawned(&mut render(&output, &["--passes", "1000000", "--checkpoint", checkpoint]));
+        wait_for(Path::new(checkpoint));
+        signal(&child, name);
+        assert_eq!(child.wait().expect("waited").code(), Some(status), "after SIG{name}");
+        let finite = pixels(&output).iter().all(|v| v.is_finite());
+        assert!(finite, "a picture of finite numbers after SIG{name}");
+    }
+}
+
+/// A render that is killed and resumed at any moment ends with the picture of one that was left alone.
+#[test]
+fn killed_renders_resume_to_the_same_bytes() {
+    let (folder, whole) = place();
+    assert_eq!(done(&mut render(&whole, &["--passes", "300"])).0, Some(0));
+    let expected = std::fs::read(&whole).expect("written");
+    let output = folder.path().join("killed.exr");
+    // One render, killed again and again after delays that cover loading, passes and writing.
+    let mut kills = 0;
+    for attempt in 0_u64.. {
+        assert!(attempt < 400, "the render never ended");
+        let mut child = spawned(&mut render(&output, &["--passes", "300", "--resume"]));
+        std::thread::sleep(Duration::from_millis(20 + attempt * 37 % 300 + attempt * 3));
+        signal_if_running(&mut child, &mut kills);
+        if child.wait().expect("waited").success() {
+            break;
+        }
+        if output.exists() {
+            assert!(!pixels(&output).is_empty());
+        }
+    }
+    assert!(kills >= 3, "killed {kills} times only");
+    assert!(std::fs::read(&output).expect("written") == expected, "after {kills} kills");
+}
+
+fn signal_if_running(child: &mut Child, kills: &mut u32) {
+    if child.try_wait().expect("asked").is_none() && child.kill().is_ok() {
+        *kills += 1;
+    }
+}
+
+#[test]
+fn checkpoints_of_other_renders_are_refused_by_name() {
+    let (_folder, output) = place();
+    let begin = |more: &[&str]| done(render(&output, &["--passes", "2", "--resume"]).args(more));
+    assert_eq!(begin(&[]).0, Some(0));
+    for (change, named) in
+        [(["--seed", "7"], "seed"), (["--filter", "mitchell"], "filter"), (["--max-depth", "3"], "max_depth")]
+    {
+        let (status, text) = begin(&change);
+        assert_eq!(status, Some(1), "{change:?}: {text}");
+        assert!(text.contains("cannot resume") && text.contains(named), "{text}");
+    }
+    let checkpoint = output.with_extension("checkpoint");
+    let bytes = std::fs::read(&checkpoint).expect("written");
+    std::fs::write(&checkpoint, &bytes[..bytes.len() / 2]).expect("writable");
+    let (status, text) = begin(&[]);
+    assert_eq!(status, Some(1), "{text}");
+    assert!(text.contains("cannot resume"), "{text}");
+}
+
+#[test]
+fn places_that_cannot_be_written_are_found_before_rendering() {
+    let (folder, output) = place();
+    let missing = folder.path().join("no/such/out.exr");
+    let directory = folder.path().join("dir.exr");
+    std::fs::create_dir(&directory).expect("creatable");
+    for bad in [&missing, &directory, &PathBuf::from("/proc/out.exr")] {
+        // A number of passes that would take hours: the error comes before them.
+        let (status, text) = done(&mut render(bad, &["--passes", "1000000"]));
+        assert_eq!(status, Some(1), "{text}");
+        assert!(text.contains("cannot write") && text.contains(bad.to_str().expect("UTF-8")), "{text}");
+    }
+    let stats = missing.to_str().expect("UTF-8");
+    let (status, text) = done(&mut render(&output, &["--passes", "1000000", "--stats", stats]));
+    assert_eq!(status, Some(1), "{text}");
+    assert!(text.contains("cannot write"), "{text}");
+}
+
+/// The folder goes away while the render runs: the picture is kept, its place is told.
+#[test]
+fn a_picture_that_cannot_be_written_is_kept_elsewhere() {
+    let (folder, _) = place();
+    let gone = folder.path().join("gone");
+    let elsewhere = folder.path().join("elsewhere");
+    for f in [&gone, &elsewhere] {
+        std::fs::create_dir(f).expect("creatable");
+    }
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENE);
+    let output = gone.join("out.png");
+    let checkpoint = elsewhere.join("c");
+    let mut command = program(&["render", scene.to_str().expect("UTF-8"), "--size", "32x32", "--quiet"]);
+    command.current_dir(&elsewhere).env("TMPDIR", &elsewhere).args(["--passes", "1000000", "-o"]);
+    command.arg(&output).arg("--checkpoint").arg(&checkpoint).stderr(Stdio::piped());
+    let child = command.spawn().expect("the program starts");
+    wait_for(&checkpoint);
+    std::fs::remove_dir_all(&gone).expect("removable");
+    signal(&child, "TERM");
+    let ended = child.wait_with_output().expect("waited");
+    let text = String::from_utf8_lossy(&ended.stderr);
+    assert!(!ended.status.success(), "{text}");
+    let kept = std::fs::read_dir(&elsewhere).expect("readable").flatten();
+    let kept: Vec<_> = kept.filter(|f| f.path().extension().is_some_and(|e| e == "png")).collect();
+    assert_eq!(kept.len(), 1, "{text}");
+    assert!(text.contains(&*kept[0].file_name().to_string_lossy()), "{text}");
+    assert!(!pixels(&kept[0].path()).is_empty());
+}
+
+#[test]
+fn two_processes_do_not_write_one_output() {
+    let (_folder, output) = place();
+    let checkpoint = output.with_extension("checkpoint");
+    let name = checkpoint.to_str().expect("UTF-8");
+    let mut first = spawned(&mut render(&output, &["--passes", "1000000", "--checkpoint", name]));
+    wait_for(&checkpoint);
+    let (status, text) = done(&mut render(&output, &["--passes", "1"]));
+    signal(&first, "TERM");
+    assert_eq!(first.wait().expect("waited").code(), Some(143));
+    assert_eq!(status, Some(1), "{text}");
+    assert!(text.contains("another process is writing"), "{text}");
+    // The lock went with the process.
+    assert_eq!(done(&mut render(&output, &["--passes", "1"])).0, Some(0));
+}
+
+#[test]
+fn what_memory_cannot_hold_is_refused_with_the_setting() {
+    let (_folder, output) = place();
+    for (setting, value, named) in [
+        ("--size", "60000x60000", "60000×60000 pixels"),
+        ("--photons", "1000000000000", "setting `photons` = 1000000000000 needs about"),
+    ] {
+        let (status, text) = done(&mut render(&output, &[setting, value]));
+        assert_eq!(status, Some(1), "{text}");
+        assert!(text.contains(named), "{text}");
+    }
+}
+
+#[test]
+fn scenes_read_below_their_folder_only() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scenes = folder.path().join("scenes");
+    std::fs::create_dir(&scenes).expect("creatable");
+    std::fs::write(folder.path().join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("writable");
+    let mesh = |name: &str| {
+        format!(
+            "<scene version='3.0.0'><sensor type='perspective'/><shape type='obj'><string name='filename' value='{name}'/></shape></scene>"
+        )
+    };
+    let absolute = folder.path().join("m.obj");
+    let scene = scenes.join("s.xml");
+    for name in ["../m.obj", absolute.to_str().expect("UTF-8")] {
+        std::fs::write(&scene, mesh(name)).expect("writable");
+        let scene = scene.to_str().expect("UTF-8");
+        let (status, text) = done(&mut program(&["inspect", scene]));
+        assert_eq!(status, Some(1), "{text}");
+        assert!(text.contains("--allow-path"), "{text}");
+        let allowed = folder.path().to_str().expect("UTF-8");
+        let (status, text) = done(&mut program(&["inspect", scene, "--allow-path", allowed]));
+        assert_eq!(status, Some(0), "{text}");
+    }
+}
