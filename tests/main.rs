@@ -17,6 +17,7 @@ mod environment;
 mod faults;
 mod flux;
 mod furnace;
+mod hard;
 mod hostile;
 mod layers;
 mod lights;

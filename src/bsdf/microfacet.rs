@@ -112,11 +112,11 @@ impl Microfacet {
         }
     }
 
-    /// Density of [`Microfacet::sample`] per solid angle of `m`; `wi.z` > 0.
-    pub fn pdf(&self, wi: Vec3, m: Vec3) -> f32 {
+    /// Density of [`Microfacet::sample`] per solid angle of `m`; `wi.z` > 0, `cos` = |wi·m|.
+    pub fn pdf(&self, wi: Vec3, m: Vec3, cos: f32) -> f32 {
         match self.kind {
             Kind::Phong => self.d(m) * m.z,
-            Kind::Beckmann | Kind::Ggx => self.d(m) * self.g1(wi, m) * wi.dot(m).abs() / wi.z,
+            Kind::Beckmann | Kind::Ggx => self.d(m) * self.g1(wi, m) * cos / wi.z,
         }
     }
 

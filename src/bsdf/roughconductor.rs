@@ -85,6 +85,9 @@ impl Scatter for RoughConductor {
 
 /// Density of reflection about a sampled normal; both directions above the surface.
 pub(super) fn reflected_pdf(microfacet: &Microfacet, wi: Vec3, wo: Vec3) -> f32 {
-    let m = (wi + wo).normalize();
-    microfacet.pdf(wi, m) / (4.0 * wo.dot(m)).max(f32::MIN_POSITIVE)
+    let h = wi + wo;
+    // wi·m = wo·m = |wi + wo|/2. Towards grazing the sum is all rounding: dot products with it would
+    // differ, and f·cos/pdf with them, which is to be Fresnel's factor times masking and no more.
+    let cos = (0.5 * h.length()).max(f32::MIN_POSITIVE);
+    microfacet.pdf(wi, h.normalize_or(Vec3::Z), cos) / (4.0 * cos)
 }

@@ -54,6 +54,8 @@ pub(super) struct Meeting {
     pub fresnel: f32,
     /// Index on the far side of `wi` over that on its own.
     pub eta: f32,
+    /// |wi·m|.
+    pub cos: f32,
     /// |dω_m/dω_o|.
     pub jacobian: f32,
 }
@@ -70,28 +72,30 @@ impl Meeting {
         if im * wi.z <= 0.0 || om * wo.z <= 0.0 {
             return None;
         }
-        let jacobian = if reflected {
-            1.0 / (4.0 * om.abs())
+        let (cos, jacobian) = if reflected {
+            // Both are this; towards grazing the dot products are all rounding and would differ.
+            let cos = 0.5 * h.length();
+            (cos, 1.0 / (4.0 * cos))
         } else {
             let t = im + eta_path * om;
-            (eta_path * eta_path * om / (t * t)).abs()
+            (im.abs(), (eta_path * eta_path * om / (t * t)).abs())
         };
         let fresnel = fresnel::dielectric(im, eta).reflectance;
-        jacobian.is_finite().then_some(Self { m, reflected, fresnel, eta: eta_path, jacobian })
+        jacobian.is_finite().then_some(Self { m, reflected, fresnel, eta: eta_path, cos, jacobian })
     }
 
     /// Specular BSDF without Fresnel factor and without cosine, for radiance or importance.
     pub fn f(&self, microfacet: &Microfacet, wi: Vec3, wo: Vec3, mode: Transport) -> f32 {
         let dg = microfacet.d(self.m) * microfacet.g(wi, wo, self.m);
         // |wi·m|·|dω_m/dω_o| is 1/4 for reflection, and Walter's eq. 21 for refraction.
-        let f = dg * (wi.dot(self.m) * self.jacobian / (wi.z * wo.z)).abs();
+        let f = dg * (self.cos * self.jacobian / (wi.z * wo.z)).abs();
         if !self.reflected && mode == Transport::Radiance { f / (self.eta * self.eta) } else { f }
     }
 
     /// Density of `wo` given that its normal was sampled and the kind of event chosen.
     pub fn pdf(&self, microfacet: &Microfacet, wi: Vec3) -> f32 {
         let up = if wi.z < 0.0 { -wi } else { wi };
-        microfacet.pdf(up, self.m) * self.jacobian
+        microfacet.pdf(up, self.m, self.cos) * self.jacobian
     }
 }
 

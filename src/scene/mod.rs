@@ -92,8 +92,8 @@ impl Surface {
 /// measured errors of barycentric points and of the triangle test stay below eight.
 pub const LIFT: f32 = 1.0 / 524_288.0;
 
-/// Everything a render needs. Coordinates are relative to `origin`, the middle of the author's scene,
-/// so that a scene far from the author's origin loses no precision.
+/// Everything a render needs. Coordinates are relative to `origin`, a point of the author's scene
+/// near the camera, so that what is seen close is precise wherever it stands.
 #[derive(Debug)]
 pub struct Scene {
     pub geometry: Geometry,
@@ -150,7 +150,7 @@ impl Scene {
                 };
                 let l = level.analytic[i as usize].local(p);
                 let n = if shape.flip { -l.n } else { l.n };
-                let extent = level.analytic[i as usize].bounds().magnitude();
+                let extent = level.analytic[i as usize].magnitude(l.p);
                 let mut s = Surface {
                     p: l.p,
                     ng: n,

@@ -61,6 +61,15 @@ impl Analytic {
         each!(self, s => s.local(p))
     }
 
+    /// Largest number whose rounding to f32 is in the point `p` of [`Analytic::local`].
+    pub fn magnitude(&self, p: Vec3) -> f32 {
+        match self {
+            // What its f64 loses of the radius, in roundings of f32.
+            Self::Sphere(s) => p.abs().max_element() + s.radius * 2f32.powi(-29),
+            _ => self.bounds().magnitude(),
+        }
+    }
+
     /// ∂p/∂u and ∂p/∂v at `p`, which lies on the shape up to rounding.
     pub fn partials(&self, p: Vec3) -> [Vec3; 2] {
         each!(self, s => s.partials(p))

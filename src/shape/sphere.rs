@@ -17,7 +17,7 @@ pub struct Sphere {
 
 impl Sphere {
     pub fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
-        let o = (ray.o - self.center).as_dvec3();
+        let o = ray.o.as_dvec3() - self.center.as_dvec3();
         let d = ray.d.as_dvec3();
         let r = f64::from(self.radius);
         let a = d.length_squared();
@@ -33,11 +33,14 @@ impl Sphere {
     }
 
     pub fn local(&self, p: Vec3) -> Local {
-        let n = (p - self.center).normalize();
+        // In f64: the point of a large ball is known as well as that of a small one beside it.
+        let center = self.center.as_dvec3();
+        let outward = (p.as_dvec3() - center).normalize();
+        let n = outward.as_vec3a();
         let o = self.to_object.to_local(n);
         let u = o.y.atan2(o.x) / (2.0 * PI);
         Local {
-            p: self.center + n * self.radius,
+            p: (center + outward * f64::from(self.radius)).as_vec3a(),
             n: if self.inward { -n } else { n },
             uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, o.z.clamp(-1.0, 1.0).acos() / PI),
         }

@@ -106,7 +106,7 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
         origin: [0.0; 3],
     };
     let sensor = sensor::choose(&mut b);
-    let shapes = shapes::build(&mut b);
+    let shapes = shapes::build(&mut b, sensor.map(|s| s.to_world.point([0.0; 3])));
     let mut emitters = shapes.emitters;
     let environment = emitters::build(&mut b, shapes.origin, &mut emitters);
     let camera = sensor.map(|s| sensor::build(&mut b, s, shapes.origin));

@@ -18,7 +18,7 @@ use crate::math::{Bounds, Vec2, Vec3};
 use crate::scene::geometry::{Geometry, Instance, Level, MAX_INDEX, Placement, Primitive};
 use crate::scene::{LIFT, ShapeRecord};
 use crate::shape::{Analytic, triangle};
-use extent::middle;
+use extent::origin;
 
 /// What the shapes of a scene become.
 pub struct Shapes {
@@ -46,9 +46,9 @@ fn cache_key(m: &ir::MeshFile) -> (PathBuf, String) {
     (path, format!("{:?}", mesh_key(m)))
 }
 
-pub fn build(b: &mut Builder<'_>) -> Shapes {
+pub fn build(b: &mut Builder<'_>, camera: Option<[f64; 3]>) -> Shapes {
     let meshes = load_meshes(b);
-    let origin = middle(b, &meshes);
+    let origin = origin(b, &meshes, camera);
     b.origin = origin;
     let mut level = LevelBuilder::default();
     let mut records = Vec::new();

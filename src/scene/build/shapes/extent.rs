@@ -5,8 +5,9 @@ use caustica_formats::ir::{PartialQuadric, ShapeKind};
 use super::super::Builder;
 use super::{Meshes, cache_key};
 
-/// Middle of the scene's bounds in the author's coordinates, in f64.
-pub fn middle(b: &Builder<'_>, meshes: &Meshes) -> [f64; 3] {
+/// The point of the scene's bounds that is nearest to `camera`, or their middle without one, in the
+/// author's coordinates and f64: single precision is finest there.
+pub fn origin(b: &Builder<'_>, meshes: &Meshes, camera: Option<[f64; 3]>) -> [f64; 3] {
     let mut min = [f64::INFINITY; 3];
     let mut max = [f64::NEG_INFINITY; 3];
     let mut add = |p: [f64; 3]| {
@@ -33,8 +34,9 @@ pub fn middle(b: &Builder<'_>, meshes: &Meshes) -> [f64; 3] {
         }
     }
     std::array::from_fn(|i| {
-        let c = 0.5 * (min[i] + max[i]);
-        if c.is_finite() { c } else { 0.0 }
+        let middle = 0.5 * (min[i] + max[i]);
+        let near = camera.map_or(middle, |c| c[i].max(min[i]).min(max[i]));
+        if near.is_finite() && middle.is_finite() { near } else { 0.0 }
     })
 }
 

@@ -1,0 +1,99 @@
+//! Hard cases: every one has an expectation that is exact or derived, and is rendered by the path
+//! tracer and by photon mapping. What was measured is written to `target/hard-cases.md`.
+
+mod geometry;
+mod light;
+mod maps;
+mod optics;
+mod place;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+use caustica::scene::Scene;
+use caustica::scene::build::{BuildOptions, build};
+use caustica_formats::files::Disk;
+use caustica_formats::{ReadOptions, read_scene};
+
+use crate::support::{ALL, Estimate, Picture, assert_agree, assert_same};
+
+/// A name and the settings that choose the integrator.
+type Method = (&'static str, &'static [(&'static str, &'static str)]);
+
+const PATH: Method = ("path", &[("integrator", "path")]);
+const MAPS: Method = ("photon map", &[("photons", "8000"), ("caustic_photons", "8000")]);
+const METHODS: [Method; 2] = [PATH, MAPS];
+
+type Rows = BTreeMap<String, [String; 3]>;
+static TABLE: LazyLock<Mutex<Rows>> = LazyLock::new(Mutex::default);
+
+/// Adds a row to the table and writes it whole: a failing case does not hide the others.
+fn record(case: &str, expectation: &str, measured: &str, bound: &str) {
+    let mut rows = TABLE.lock().unwrap_or_else(PoisonError::into_inner);
+    rows.insert(case.to_owned(), [expectation, measured, bound].map(str::to_owned));
+    let mut text = "| case | expectation | measured | bound |\n|---|---|---|---|\n".to_owned();
+    for (case, [expectation, measured, bound]) in rows.iter() {
+        text.push_str(&format!("| {case} | {expectation} | {measured} | {bound} |\n"));
+    }
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/hard-cases.md");
+    std::fs::create_dir_all(file.parent().expect("has a folder")).expect("target/ can be made");
+    caustica_formats::image::atomic_write(file, text.as_bytes()).expect("the table can be written");
+}
+
+/// A scene of `scenes/hard/` with the values of its parameters.
+fn hard_scene(name: &str, parameters: &[(&str, &str)]) -> Scene {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/hard").join(format!("{name}.xml"));
+    let defines = parameters.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
+    let options = ReadOptions { defines, ..ReadOptions::default() };
+    let read = read_scene(&Disk, &path, &options).unwrap_or_else(|failure| panic!("{failure}"));
+    match build(&read.scene, &Disk, BuildOptions::default()) {
+        Ok(built) => built.scene,
+        Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
+    }
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.3} %", 100.0 * part)
+}
+
+/// A mean is what it should be, see [`assert_agree`].
+#[track_caller]
+fn agree(case: &str, expectation: &str, a: Estimate, b: Estimate, relative: f64) {
+    let sigma = a.sigma.hypot(b.sigma) / b.mean.abs();
+    let measured = format!("{:+.3} % ± {}", 100.0 * (a.mean / b.mean - 1.0), percent(sigma));
+    record(case, expectation, &measured, &percent(relative));
+    assert_agree(case, a, b, relative);
+}
+
+/// Two renders of the same random numbers differ by `relative` in the mean of no channel.
+#[track_caller]
+fn same(case: &str, expectation: &str, a: &Picture, b: &Picture, relative: f64) {
+    let worst = (0..3).map(|c| a.minus(b, ALL, c).mean / b.beauty(c).mean);
+    let worst = worst.fold(0.0_f64, |w, d| if d.abs() > w.abs() { d } else { w });
+    record(case, expectation, &format!("{:+.4} %", 100.0 * worst), &percent(relative));
+    (0..3).for_each(|c| assert_same(case, a, b, ALL, c, relative));
+}
+
+/// The largest value of any pixel.
+fn brightest(picture: &Picture) -> f64 {
+    picture.pixel_values().into_iter().flatten().fold(0.0, f64::max)
+}
+
+/// Every pixel is exactly black.
+#[track_caller]
+fn black(case: &str, picture: &Picture) {
+    let most = brightest(picture);
+    record(case, "black", &format!("brightest pixel {most:e}"), "0");
+    assert!(most == 0.0, "{case}: {most:e}");
+}
+
+/// Ended, and every value is finite and not negative (samples that are not are counted and refused by
+/// `render` already).
+#[track_caller]
+fn sound(case: &str, picture: &Picture) {
+    let all = picture.pixel_values();
+    let bad = all.iter().flatten().filter(|v| !v.is_finite() || **v < 0.0).count();
+    record(case, "ends, finite, not negative", &format!("{bad} bad values"), "0");
+    assert_eq!(bad, 0, "{case}");
+}

@@ -1,0 +1,182 @@
+//! Limits of the formulas of optics.
+
+use super::{METHODS, PATH, agree, black, record, same, sound};
+use crate::support::{
+    DOWN, Estimate, UP, area, box_camera, camera, diffuse, lamp, rectangle, render, scene, sphere, walls,
+};
+
+fn glass(eta: f64) -> String {
+    format!(
+        "<bsdf type='dielectric'><float name='int_ior' value='{eta:.9}'/><float name='ext_ior' value='1'/></bsdf>"
+    )
+}
+
+const SKY: &str = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+
+/// What is as dense as air is not there: nothing is reflected, nothing bent. 1e-6 away, R = 2.5e-13, and
+/// rays are bent by 1e-6 except in a rim of 1e-3 of the radius.
+#[test]
+fn glass_as_dense_as_air_is_not_there() {
+    for (name, settings) in METHODS {
+        let room = [box_camera(24), walls("0.7"), lamp(0.3, "15")].concat();
+        let empty = render(&scene(&room), settings, 256);
+        for eta in [1.0, 1.0 + 1e-6, 1.0 - 1e-6] {
+            let filled = [&room, &*sphere("0,-0.3,0.2", 0.3, &glass(eta))].concat();
+            let filled = render(&scene(&filled), settings, 256);
+            // The ball turns direct light into caustic light and its walls are another rounding: noise.
+            agree(
+                &format!("ball of eta 1{:+e}, {name}", eta - 1.0),
+                "as without it",
+                filled.beauty(1),
+                empty.beauty(1),
+                0.02,
+            );
+        }
+    }
+}
+
+/// A block of glass reflects totally from within; a lossless one is invisible under an even sky.
+#[test]
+fn total_reflection_loses_nothing() {
+    let cube = |eta: f64| {
+        format!(
+            "{}{SKY}<shape type='cube'><transform name='to_world'><rotate x='1' y='1' angle='30'/></transform>{}</shape>",
+            camera("0,0,5", "0,0,0", 40.0, 20),
+            glass(eta)
+        )
+    };
+    for (name, settings) in METHODS {
+        let mut settings = settings.to_vec();
+        settings.push(("max_depth", "-1"));
+        // The critical angle of a cube's other wall is 45° at √2.
+        for eta in [1.5, std::f64::consts::SQRT_2, 3.0] {
+            let picture = render(&scene(&cube(eta)), &settings, 128);
+            agree(
+                &format!("cube of eta {eta:.4}, {name}"),
+                "the sky's 1",
+                picture.beauty(1),
+                Estimate::exact(1.0),
+                0.01,
+            );
+        }
+    }
+}
+
+fn materials() -> Vec<(String, String)> {
+    let rough = |kind: &str, alpha: f64, more: &str| {
+        (
+            format!("{kind} of alpha {alpha}"),
+            format!("<bsdf type='{kind}'><float name='alpha' value='{alpha}'/>{more}</bsdf>"),
+        )
+    };
+    let none = "<string name='material' value='none'/>";
+    let mut all = vec![
+        ("diffuse".to_owned(), diffuse("1")),
+        (
+            "plastic".to_owned(),
+            "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='1'/></bsdf>".to_owned(),
+        ),
+        ("glass".to_owned(), glass(1.5)),
+    ];
+    for alpha in [1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0] {
+        all.push(rough("roughconductor", alpha, none));
+        all.push(rough("roughdielectric", alpha, ""));
+        all.push(rough("roughplastic", alpha, ""));
+    }
+    all
+}
+
+/// Under a sky of 1 no surface shows more than 1 (within noise), whatever the roughness, and down to
+/// grazing views of 89.999°.
+#[test]
+fn nothing_shines_brighter_than_its_sky() {
+    let views = [
+        ("ball", sphere("0,0,0", 1.0, "@"), camera("0,0,5", "0,0,0", 30.0, 12)),
+        // 1.7e-5 high at a distance of 1: 89.999° from the normal, and the film sees 1e-6 around it.
+        ("grazing", rectangle(2.0, UP, "@"), camera("0,1.7453e-5,1", "0,0,0", 1e-4, 4)),
+    ];
+    for (view, shape, camera) in &views {
+        for (material, bsdf) in materials() {
+            for (name, settings) in METHODS {
+                let body = [camera.as_str(), SKY, &shape.replace('@', &bsdf)].concat();
+                let picture = render(&scene(&body), settings, 64);
+                let seen = picture.beauty(1);
+                let case = format!("{view}, {material}, {name}");
+                let bound = 1.0 + 4.5 * seen.sigma + 1e-4;
+                record(&case, "at most the sky's 1", &format!("{:.4}", seen.mean), &format!("{bound:.4}"));
+                assert!(seen.mean.is_finite() && seen.mean >= 0.0 && seen.mean <= bound, "{case}: {seen:?}");
+            }
+        }
+    }
+}
+
+fn mirrors(reflectance: &str) -> String {
+    format!(
+        "{}<shape type='cube'><boolean name='flip_normals' value='true'/><bsdf type='conductor'>
+         <string name='material' value='none'/><rgb name='specular_reflectance' value='{reflectance}'/></bsdf>
+         {}</shape>",
+        camera("0.1,0.2,0.3", "0,0,-1", 60.0, 12),
+        area("1")
+    )
+}
+
+/// Walls of mirrors that shine: 1/(1 − ρ). Roulette ends paths of reflectance 0.999 and 1, whose spread
+/// has no bound, so those must only end.
+#[test]
+fn boxes_of_mirrors_end_and_keep_their_energy() {
+    for (name, settings) in METHODS {
+        let mut settings = settings.to_vec();
+        settings.push(("max_depth", "-1"));
+        let picture = render(&scene(&mirrors("0.8")), &settings, 256);
+        agree(
+            &format!("box of mirrors of 0.8, {name}"),
+            "1/(1 − ρ)",
+            picture.beauty(1),
+            Estimate::exact(5.0),
+            0.02,
+        );
+        for reflectance in ["0.999", "1"] {
+            let picture = render(&scene(&mirrors(reflectance)), &settings, 16);
+            sound(&format!("box of mirrors of {reflectance}, {name}"), &picture);
+        }
+        let white =
+            mirrors("1").replace("conductor", "diffuse").replace("specular_reflectance", "reflectance");
+        let white = white.replace("<string name='material' value='none'/>", "");
+        sound(&format!("furnace of albedo 1, {name}"), &render(&scene(&white), &settings, 4));
+    }
+}
+
+#[test]
+fn black_surfaces_show_nothing_but_lamps() {
+    let room = |reflectance: &str| {
+        let wall = diffuse(reflectance);
+        let view = camera("0,0,3", "0,-1,0", 30.0, 12);
+        let floor = rectangle(1.0, &format!("{UP}<translate y='-1'/>"), &wall);
+        let lamp = rectangle(0.3, &format!("{DOWN}<translate y='1'/>"), &area("10"));
+        [view, floor, rectangle(1.0, "<translate z='-1'/>", &wall), lamp].concat()
+    };
+    for (name, settings) in METHODS {
+        black(&format!("black walls, {name}"), &render(&scene(&room("0")), settings, 16));
+        let settings = [settings, &[("max_depth", "1")]].concat();
+        black(&format!("depth 1, {name}"), &render(&scene(&room("0.5")), &settings, 4));
+    }
+}
+
+/// A camera in glass sees the sky with the radiance n² (Mitsuba scales it back on the way out: 1), and
+/// one in a closed body sees nothing.
+#[test]
+fn cameras_may_stand_inside_of_things() {
+    for (name, settings) in METHODS {
+        let mut settings = settings.to_vec();
+        settings.push(("max_depth", "-1"));
+        let inside = |bsdf: &str| {
+            [&camera("0.1,0,0", "0,0.2,-1", 60.0, 12), SKY, &*sphere("0,0,0", 1.0, bsdf)].concat()
+        };
+        let in_glass = render(&scene(&inside(&glass(1.5))), &settings, 64);
+        let in_stone = render(&scene(&inside(&diffuse("0.5"))), &settings, 16);
+        let by_path = render(&scene(&inside(&glass(1.5))), &[PATH.1, &[("max_depth", "-1")]].concat(), 64);
+        sound(&format!("camera in glass, {name}"), &in_glass);
+        same(&format!("camera in glass, {name}, against path"), "the same", &in_glass, &by_path, 0.01);
+        black(&format!("camera in a closed body, {name}"), &in_stone);
+    }
+}
