@@ -97,7 +97,7 @@ fn lossless_things_inside_a_furnace_are_invisible() {
             check(&format!("{name} at {z}, path"), &body, 0.5, &[("integrator", "path")], 256);
             for nee in ["true", "false"] {
                 let settings = [("nee", nee), ("photons", "8000"), ("caustic_photons", "8000")];
-                check(&format!("{name} at {z}, nee {nee}"), &body, 0.5, &settings, 32);
+                check(&format!("{name} at {z}, nee {nee}"), &body, 0.5, &settings, 48);
             }
         }
     }

@@ -2,7 +2,7 @@ use std::f32::consts::PI;
 
 use super::table::Table;
 use super::{DirectSample, Emission};
-use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
+use crate::math::{Frame, LIFT, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::{Discrete, warp};
 use crate::shape::{Analytic, AreaSample, triangle};
 use crate::texture::{OnMesh, Param, Site, Textures};
@@ -130,7 +130,13 @@ impl Area {
         }
         let pdf = d2 / (cos * self.area);
         let value = textures.eval(self.radiance, &site(&s)) / pdf;
-        Some(DirectSample { dir, target: Some(s.p + n * self.lift), value, pdf })
+        Some(DirectSample { dir, target: Some(self.above(s.p, n, p)), value, pdf })
+    }
+
+    /// The end of a shadow ray from `p` to the point `q` of the lamp: clear of it by the roundings of both.
+    #[inline(always)]
+    fn above(&self, q: Vec3, n: Vec3, p: Vec3) -> Vec3 {
+        q + n * self.lift.max(p.abs().max_element() * LIFT)
     }
 
     /// A sphere seen from outside is sampled within its cone: no sample is wasted on its far side.
@@ -153,18 +159,18 @@ impl Area {
         gap: f32,
         u: Vec2,
     ) -> Option<DirectSample> {
-        let axis = Frame::from_normal((sphere.center - p).normalize());
+        let axis = Frame::from_normal(sphere.middle_from(p).normalize());
         let dir = axis.to_world(warp::cone(u, gap));
         // A direction on the cone's rim may miss by rounding; the point nearest to it then serves.
         let ray = Ray::new(p, dir);
-        let t = sphere.intersect(&ray, f32::INFINITY).unwrap_or_else(|| (sphere.center - p).dot(dir));
+        let t = sphere.intersect(&ray, f32::INFINITY).unwrap_or_else(|| sphere.middle_from(p).dot(dir));
         let local = sphere.local(ray.at(t));
         let pdf = 1.0 / (2.0 * PI * gap);
         let value = textures
             .eval(self.radiance, &Site { uv: local.uv, p: local.p, n: local.n, on: OnMesh::NONE })
             / pdf;
         let n = if sphere.inward { -local.n } else { local.n };
-        Some(DirectSample { dir, target: Some(local.p + n * self.lift), value, pdf })
+        Some(DirectSample { dir, target: Some(self.above(local.p, n, p)), value, pdf })
     }
 
     /// Density with which [`Area::sample_direct`] chooses the point `q` with geometric normal `n` seen

@@ -1,6 +1,7 @@
 //! Laws of the emitters that no Mitsuba scene can ask for.
 
 use super::*;
+use crate::math::DVec3;
 use crate::math::Frame;
 use crate::sampling::warp;
 use crate::shape::{Analytic, Sphere};
@@ -50,7 +51,7 @@ fn close(what: &str, a: Rgb, b: Rgb, bound: f32) {
 fn photons_and_direct_light_have_the_same_power() {
     let sphere = |inward| {
         let to_object = axes();
-        Surface::Analytic(Analytic::Sphere(Sphere { center: Vec3::X, radius: 0.5, to_object, inward }))
+        Surface::Analytic(Analytic::Sphere(Sphere { center: DVec3::X, radius: 0.5, to_object, inward }))
     };
     let radiance = Param::Constant(Rgb::new(1.0, 2.0, 3.0));
     let lamp =
@@ -92,7 +93,7 @@ fn photons_and_direct_light_have_the_same_power() {
 fn both_sides_of_a_lamp_are_sampled() {
     let to_object = axes();
     for inward in [false, true] {
-        let shape = Analytic::Sphere(Sphere { center: Vec3::ZERO, radius: 1.0, to_object, inward });
+        let shape = Analytic::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0, to_object, inward });
         let radiance = Param::gray(2.0);
         let lamp = Area::new(Surface::Analytic(shape), radiance, Sides::Both, 1e-6, &Textures::default());
         for (p, solid) in [

@@ -80,7 +80,7 @@ pub fn photon_places(photons: &[Photon]) -> Vec<Place> {
         .map(|ph| Place {
             p: ph.p,
             n: ph.n,
-            lift: ph.p.abs().max_element() * crate::scene::LIFT,
+            lift: ph.p.abs().max_element() * crate::math::LIFT,
             footprint: 0.0,
         })
         .collect()

@@ -11,7 +11,7 @@ pub use plan::Plan;
 use crate::bsdf::{Closure, Material, Point};
 use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere, Sides};
 use crate::film::{FilmSize, Filter};
-use crate::math::{Frame, Ray, Rgb, Vec2, Vec3, luminance};
+use crate::math::{Frame, LIFT, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::Discrete;
 use crate::sensor::Sensor;
 use crate::texture::{OnMesh, Site, Textures};
@@ -87,10 +87,6 @@ impl Surface {
         self.tangents.map(|t| self.frame.s * t.x + self.frame.t * t.y)
     }
 }
-
-/// Relative size of [`Surface::lift`]: 2⁻¹⁹ of the largest coordinate involved, some sixteen roundings;
-/// measured errors of barycentric points and of the triangle test stay below eight.
-pub const LIFT: f32 = 1.0 / 524_288.0;
 
 /// Everything a render needs. Coordinates are relative to `origin`, a point of the author's scene
 /// near the camera, so that what is seen close is precise wherever it stands.

@@ -1,13 +1,14 @@
 use std::f32::consts::PI;
 
 use super::{AreaSample, Local};
-use crate::math::{Ray, Vec2, Vec3};
+use crate::math::{DVec3, Ray, Vec2, Vec3};
 use crate::sampling::warp;
 
-/// Flat ellipse `center + x·u + y·v`, x² + y² ≤ 1.
+/// Flat ellipse `center + x·u + y·v`, x² + y² ≤ 1. Its plane is met in f64, so that a point of a vast disk
+/// is as precise as those of what stands on it.
 #[derive(Clone, Debug)]
 pub struct Disk {
-    pub center: Vec3,
+    pub center: DVec3,
     pub u: Vec3,
     pub v: Vec3,
     /// Unit normal of the side that faces local +Z (or −Z when flipped).
@@ -18,27 +19,30 @@ pub struct Disk {
 }
 
 impl Disk {
-    pub fn new(center: Vec3, u: Vec3, v: Vec3, normal: Vec3) -> Self {
+    pub fn new(center: DVec3, u: Vec3, v: Vec3, normal: Vec3) -> Self {
         let n = u.cross(v);
         let inv = 1.0 / n.length_squared();
         Self { center, u, v, normal, du: v.cross(n) * inv, dv: n.cross(u) * inv }
     }
 
     fn coordinates(&self, p: Vec3) -> Vec2 {
-        let d = p - self.center;
+        let d = (p.as_dvec3() - self.center).as_vec3a();
         Vec2::new(self.du.dot(d), self.dv.dot(d))
     }
 
     pub fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
-        let t = self.normal.dot(self.center - ray.o) / self.normal.dot(ray.d);
+        let n = self.normal.as_dvec3();
+        let t = (n.dot(self.center - ray.o.as_dvec3()) / n.dot(ray.d.as_dvec3())) as f32;
         (t > 0.0 && t < tmax && self.coordinates(ray.at(t)).length_squared() <= 1.0).then_some(t)
     }
 
     pub fn local(&self, p: Vec3) -> Local {
         let c = self.coordinates(p);
+        let n = self.normal.as_dvec3();
+        let above = n.dot(p.as_dvec3() - self.center);
         let phi = c.y.atan2(c.x) / (2.0 * PI);
         Local {
-            p: self.center + self.u * c.x + self.v * c.y,
+            p: (p.as_dvec3() - n * above).as_vec3a(),
             n: self.normal,
             uv: Vec2::new(c.length(), if phi < 0.0 { phi + 1.0 } else { phi }),
         }
@@ -56,7 +60,7 @@ impl Disk {
 
     pub fn sample_area(&self, u: Vec2) -> AreaSample {
         let d = warp::disk(u);
-        let local = self.local(self.center + self.u * d.x + self.v * d.y);
+        let local = self.local((self.center + (self.u * d.x + self.v * d.y).as_dvec3()).as_vec3a());
         AreaSample { p: local.p, n: local.n, uv: local.uv }
     }
 }

@@ -12,7 +12,7 @@ pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use sphere::Sphere;
 
-use crate::math::{Bounds, Ray, Vec2, Vec3};
+use crate::math::{Bounds, DVec3, Ray, Vec2, Vec3};
 
 /// A point on an analytic shape.
 #[derive(Clone, Copy, Debug)]
@@ -65,8 +65,10 @@ impl Analytic {
     pub fn magnitude(&self, p: Vec3) -> f32 {
         match self {
             // What its f64 loses of the radius, in roundings of f32.
-            Self::Sphere(s) => p.abs().max_element() + s.radius * 2f32.powi(-29),
-            _ => self.bounds().magnitude(),
+            Self::Sphere(s) => p.abs().max_element() + (s.radius * 2f64.powi(-29)) as f32,
+            // Of the plane of a vast one, single precision keeps what it does of the point itself.
+            Self::Disk(_) => p.abs().max_element(),
+            Self::Cylinder(_) => self.bounds().magnitude(),
         }
     }
 
@@ -88,12 +90,13 @@ impl Analytic {
     pub fn bounds(&self) -> Bounds {
         match self {
             Self::Sphere(s) => {
-                let r = Vec3::splat(s.radius.abs());
-                Bounds { min: s.center - r, max: s.center + r }
+                let r = DVec3::splat(s.radius);
+                Bounds { min: (s.center - r).as_vec3a(), max: (s.center + r).as_vec3a() }
             }
             Self::Disk(d) => {
                 let e = (d.u * d.u + d.v * d.v).map(f32::sqrt);
-                Bounds { min: d.center - e, max: d.center + e }
+                let center = d.center.as_vec3a();
+                Bounds { min: center - e, max: center + e }
             }
             Self::Cylinder(c) => {
                 let n = c.axis.n;

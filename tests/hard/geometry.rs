@@ -150,16 +150,21 @@ fn percent_dark(part: f64) -> String {
 /// The large ball is a plane of albedo 1/2 here, so the small one must look as over a plane.
 #[test]
 fn balls_of_1e_minus_5_and_1e5_meet() {
-    let plane = [
-        "<sensor type='perspective'><float name='fov' value='30'/>
+    let plane = |half: f64| {
+        let shapes = [
+            "<sensor type='perspective'><float name='fov' value='30'/>
          <transform name='to_world'><lookat origin='0,4,8' target='0,1,0' up='0,1,0'/></transform>",
-        &crate::support::film(24, 24),
-        "</sensor><emitter type='constant'><rgb name='radiance' value='1'/></emitter>",
-        &rectangle(1e6, UP, &diffuse("0.5")),
-        &sphere("0,1,0", 1.0, &diffuse("0.5")),
-    ]
-    .concat();
-    let truth = render(&scene(&plane), PATH.1, 512);
+            &crate::support::film(24, 24),
+            "</sensor><emitter type='constant'><rgb name='radiance' value='1'/></emitter>",
+            &rectangle(half, UP, &diffuse("0.5")),
+            &sphere("0,1,0", 1.0, &diffuse("0.5")),
+        ];
+        render(&scene(&shapes.concat()), PATH.1, 512)
+    };
+    // The sky seen below the horizon of a plane of 1e3 is 1e-3 of what the ball sees.
+    let truth = plane(1e3);
+    let vast = plane(1e6);
+    agree("ball on a plane of 1e6, path", "on one of 1e3", vast.beauty(1), truth.beauty(1), 0.01);
     let path = render(&hard_scene("two-sizes", &[("size", "24")]), PATH.1, 512);
     agree("balls of 1e-5 and 1e5, path", "as over a plane", path.beauty(1), truth.beauty(1), 0.01);
     let settings = [("nee", "true"), ("photons", "8000")];

@@ -25,7 +25,7 @@ fn a_tiny_lamp_is_a_point() {
         / f64::from(n * n);
     let truth = 0.5 / std::f64::consts::PI * 1e8 * 4.0 * half * half * mean;
     for (name, settings) in METHODS {
-        let picture = render(&scene(&body), settings, 64);
+        let picture = render(&scene(&body), settings, 256);
         agree(
             &format!("lamp of 1e-4 of the scene, {name}"),
             "ρ/π·L·A·h²/d⁴",
@@ -46,7 +46,7 @@ fn a_lamp_inside_glass_shines_for_both() {
             .concat();
     // The floor as seen beside the ball: the ball itself shows the lamp, which both see alike.
     let path = render(&scene(&body), PATH.1, 4096);
-    let maps = render(&scene(&body), &[("photons", "8000"), ("caustic_photons", "60000")], 64);
+    let maps = render(&scene(&body), &[("photons", "8000"), ("caustic_photons", "60000")], 256);
     agree("lamp inside glass, photon map", "as path", maps.beauty(1), path.beauty(1), 0.02);
 }
 
@@ -153,7 +153,7 @@ fn lamps_behind_a_gap_agree() {
     .concat();
     let body = body.replacen("origin='0,3,0'", "origin='0,1.4,0'", 1);
     let path = render(&scene(&body), PATH.1, 256);
-    let maps = render(&scene(&body), &[("photons", "16000")], 64);
+    let maps = render(&scene(&body), &[("photons", "16000")], 256);
     agree(
         "light by one bounce only, photon map against path",
         "the same",

@@ -42,10 +42,10 @@ pub fn place(kind: &ShapeKind, m: &Transform, flip: bool) -> Option<Analytic> {
     let unit = axes.map(|a| vec3(a.map(|x| x / scale)));
     match kind {
         ShapeKind::Sphere { center, radius } => {
-            let radius = (radius.abs() * scale) as f32;
+            let radius = radius.abs() * scale;
             let to_object = Frame { s: unit[0], t: unit[1], n: unit[2] };
-            (radius > 0.0 && radius.is_finite()).then(|| {
-                Analytic::Sphere(Sphere { center: vec3(m.point(*center)), radius, to_object, inward })
+            (radius as f32 > 0.0 && (radius as f32).is_finite()).then(|| {
+                Analytic::Sphere(Sphere { center: m.point(*center).into(), radius, to_object, inward })
             })
         }
         ShapeKind::Cylinder { p0, p1, radius } => {
@@ -69,7 +69,7 @@ pub fn place(kind: &ShapeKind, m: &Transform, flip: bool) -> Option<Analytic> {
             let n = u.cross(v).normalize_or_zero();
             let n = if n.dot(vec3(axes[2])) < 0.0 { -n } else { n };
             (n != Vec3::ZERO)
-                .then(|| Analytic::Disk(Disk::new(vec3(m.point([0.0; 3])), u, v, if flip { -n } else { n })))
+                .then(|| Analytic::Disk(Disk::new(m.point([0.0; 3]).into(), u, v, if flip { -n } else { n })))
         }
         _ => None,
     }

@@ -1,6 +1,7 @@
 //! Shapes → world-space primitives, instances and area emitters.
 
 mod extent;
+mod split;
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -14,9 +15,9 @@ use caustica_formats::mesh::builtin;
 use super::attributes::with_default_uvs;
 use super::{Builder, analytic, partial};
 use crate::emitter::{Emitter, MeshTriangle, SceneSphere, Surface};
-use crate::math::{Bounds, Vec2, Vec3};
+use crate::math::{Bounds, LIFT, Vec2, Vec3};
+use crate::scene::ShapeRecord;
 use crate::scene::geometry::{Geometry, Instance, Level, MAX_INDEX, Placement, Primitive};
-use crate::scene::{LIFT, ShapeRecord};
 use crate::shape::{Analytic, triangle};
 use extent::origin;
 
@@ -237,8 +238,13 @@ fn add_shape(
         }
         _ => None,
     };
-    b.attach_attributes(material, mesh, index, shape.origin);
     let shines = shape.emission.as_ref().is_some_and(|e| matches!(e.radiance, ir::ColorInput::Texture(_)));
+    // Pieces of a triangle have other uv than it when nobody gave any.
+    let own_uvs = |m: &Mesh| !m.uvs.is_empty() || !(shines || b.varies(material));
+    // The camera is near the origin of the world, not of instances.
+    let pieces = mesh.filter(|m| emitters.is_some() && own_uvs(m)).and_then(|m| split::split(m, to_level));
+    let mesh = pieces.as_ref().or(mesh);
+    b.attach_attributes(material, mesh, index, shape.origin);
     let surface = match mesh {
         Some(mesh) => {
             if mesh.triangles.len() > MAX_INDEX {
