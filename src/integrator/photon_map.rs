@@ -282,6 +282,7 @@ impl<'a> PhotonMapper<'a> {
         for (map, estimator) in maps.into_iter().flatten() {
             let boundary = self.settings.boundary.then_some(Boundary {
                 scene: self.scene,
+                plan: self.plan,
                 sampler,
                 rays: &mut scratch.rays,
             });

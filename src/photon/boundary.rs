@@ -5,12 +5,15 @@
 //! without bias by inverse binomial sampling: points of the disc are drawn from the kernel until
 //! [`WANTED`] of them are on the surface; n trials then have the mean WANTED/c. Far from edges two
 //! trials always do.
+//!
+//! Photons lie on the surface even where the query cannot see it, behind a thin wall or across a corner:
+//! where a trial met an obstacle, only photons in sight may be counted, by the same test.
 
 use super::kernel::KernelKind;
 use super::store::HEIGHT;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Plan, Scene, Surface};
 
 /// Points that must be found on the surface.
 const WANTED: u32 = 2;
@@ -21,39 +24,107 @@ const MOST: u32 = 20;
 #[derive(Debug)]
 pub struct Boundary<'a> {
     pub scene: &'a Scene,
+    pub plan: &'a Plan,
     pub sampler: &'a mut Sampler,
     pub rays: &'a mut u64,
 }
 
+/// What the trials found.
+#[derive(Clone, Copy, Debug)]
+pub struct Correction {
+    /// For the estimate.
+    pub factor: f32,
+    /// Something stands on the disc: photons count where [`Boundary::sees`] them.
+    pub obstructed: bool,
+}
+
+/// The disc of a query, on the side of the unit normal `frame.n`.
+struct Disc<'a> {
+    s: &'a Surface,
+    frame: Frame,
+    radius: f32,
+}
+
+impl Disc<'_> {
+    fn start(&self) -> Vec3 {
+        self.s.p + self.frame.n * self.s.lift
+    }
+
+    /// Over the point at `aside`, as high as photons there may lie.
+    fn above(&self, aside: Vec3) -> Vec3 {
+        self.start() + aside + self.frame.n * (aside.length() * HEIGHT)
+    }
+}
+
 impl Boundary<'_> {
-    /// Factor for an estimate at `s`, on the side of the unit normal `n`.
-    pub fn correction(&mut self, s: &Surface, n: Vec3, radius: f32, kernel: KernelKind) -> f32 {
-        let frame = Frame::from_normal(n);
-        let mut found = 0;
-        let mut trials = 0;
+    /// For an estimate at `s`, on the side of the unit normal `n`.
+    pub fn correction(&mut self, s: &Surface, n: Vec3, radius: f32, kernel: KernelKind) -> Correction {
+        let disc = Disc { s, frame: Frame::from_normal(n), radius };
+        let (mut found, mut trials, mut obstructed) = (0, 0, false);
         while found < WANTED && trials < MOST {
             trials += 1;
-            found += u32::from(self.on_surface(s, &frame, radius, kernel));
+            let (x, y) = self.draw(kernel);
+            let aside = (disc.frame.s * x + disc.frame.t * y) * radius;
+            let hidden = !self.in_sight(&disc, aside);
+            obstructed |= hidden;
+            found += u32::from(!hidden && self.has_surface(&disc, aside));
         }
-        trials as f32 / WANTED as f32
+        Correction { factor: trials as f32 / WANTED as f32, obstructed }
     }
 
-    /// Draws a point of the disc and looks for the surface there. The point must be in sight of the
-    /// centre: along the surface, which sees beneath things that touch it, or over a gentle rise, which
-    /// sees across a hollow. And there must be surface below it at a height at which photons count.
-    fn on_surface(&mut self, s: &Surface, frame: &Frame, radius: f32, kernel: KernelKind) -> bool {
-        let (x, y) = self.draw(kernel);
-        let aside = (frame.s * x + frame.t * y) * radius;
-        let rise = aside.length() * HEIGHT;
-        let start = s.p + frame.n * s.lift;
-        let above = start + aside + frame.n * rise;
-        let blocked = self.blocked(start, start + aside) && self.blocked(start, above);
-        !blocked && self.blocked(above, above - frame.n * (2.0 * (rise + s.lift)))
+    /// Whether a photon at `p` counts for a query at `s` that is obstructed.
+    pub fn sees(&mut self, s: &Surface, n: Vec3, radius: f32, p: Vec3) -> bool {
+        let disc = Disc { s, frame: Frame::from_normal(n), radius };
+        let offset = p - s.p;
+        self.in_sight(&disc, offset - n * n.dot(offset))
     }
 
-    fn blocked(&mut self, from: Vec3, to: Vec3) -> bool {
+    /// Whether nothing stands between the centre and the point at `aside`: along the surface, which sees
+    /// beneath things that touch it, or over a gentle rise, which sees across a hollow, or over whatever
+    /// is lower than the disc is wide. Glass stands in nobody's way.
+    fn in_sight(&mut self, disc: &Disc<'_>, aside: Vec3) -> bool {
+        let (start, above) = (disc.start(), disc.above(aside));
+        if !self.opaque(start, start + aside) || !self.opaque(start, above) {
+            return true;
+        }
+        let high = start + disc.frame.n * disc.radius;
+        !self.opaque(start, high) && !self.opaque(high, high + aside) && !self.opaque(high + aside, above)
+    }
+
+    /// Whether there is surface at `aside`, at a height at which photons count.
+    fn has_surface(&mut self, disc: &Disc<'_>, aside: Vec3) -> bool {
+        let above = disc.above(aside);
+        let rise = aside.length() * HEIGHT + disc.s.lift;
         *self.rays += 1;
-        self.scene.geometry.occluded(&Ray { o: from, d: to - from, tmax: 1.0 })
+        self.scene.geometry.occluded(&between(above, above - disc.frame.n * (2.0 * rise)))
+    }
+
+    fn opaque(&mut self, from: Vec3, to: Vec3) -> bool {
+        *self.rays += 1;
+        let ray = between(from, to);
+        if !self.scene.geometry.occluded(&ray) {
+            return false;
+        }
+        !self.plan.transmission || self.opaque_beyond_glass(ray, to)
+    }
+
+    #[inline(never)]
+    fn opaque_beyond_glass(&mut self, mut ray: Ray, to: Vec3) -> bool {
+        // Each step passes a surface; what has more of them than this within a disc may as well be solid.
+        for _ in 0..16 {
+            *self.rays += 1;
+            let Some(hit) = self.scene.geometry.closest(&ray) else { return false };
+            let s = self.scene.surface(&ray, &hit);
+            if !self.scene.material(&s).nature().transmits {
+                return true;
+            }
+            let o = s.origin(ray.d);
+            if (to - o).dot(ray.d) <= 0.0 {
+                return false;
+            }
+            ray = between(o, to);
+        }
+        true
     }
 
     /// A point of the unit disc with the kernel's density, by rejection: no kernel rises outwards.
@@ -68,4 +139,8 @@ impl Boundary<'_> {
             }
         }
     }
+}
+
+fn between(from: Vec3, to: Vec3) -> Ray {
+    Ray { o: from, d: to - from, tmax: 1.0 }
 }

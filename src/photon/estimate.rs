@@ -54,7 +54,7 @@ impl Gather {
         wi: Vec3,
         throughput: Rgb,
         max_photon_depth: u32,
-        boundary: Option<Boundary<'_>>,
+        mut boundary: Option<Boundary<'_>>,
         out: &mut Radiance,
     ) {
         if map.is_empty() {
@@ -66,6 +66,7 @@ impl Gather {
         let local = s.frame.to_local(wi);
         let lambertian = closure.lambertian(local);
         let all_depths = max_photon_depth >= u32::from(map.deepest);
+        let mut edge = None;
         if let (Some(albedo), Some(path), true, usize::MAX) =
             (lambertian, map.uniform_path, all_depths, estimator.cap)
         {
@@ -73,22 +74,34 @@ impl Gather {
                 let (sum, count) = scan::accumulate::<K>(map, &q);
                 (sum * normalisation::<K>(q.radius * q.radius), count)
             });
-            self.photons += u64::from(count);
             if count == 0 {
                 return;
             }
-            let edge = boundary.map_or(1.0, |mut b| b.correction(s, n, q.radius, estimator.kernel));
-            out.add(path.layer(), throughput * albedo * sum * (FRAC_1_PI * edge));
-            return;
+            let found = boundary.as_mut().map(|b| b.correction(s, n, q.radius, estimator.kernel));
+            if !found.is_some_and(|e| e.obstructed) {
+                self.photons += u64::from(count);
+                let factor = found.map_or(1.0, |e| e.factor);
+                out.add(path.layer(), throughput * albedo * sum * (FRAC_1_PI * factor));
+                return;
+            }
+            edge = found;
         }
         let r2 = self.find(map, &q, estimator.cap);
         self.photons += self.found.len() as u64;
         if self.found.is_empty() {
             return;
         }
-        let edge = boundary.map_or(1.0, |mut b| b.correction(s, n, r2.sqrt(), estimator.kernel));
+        let mut factor = 1.0;
+        if let Some(b) = &mut boundary {
+            let radius = r2.sqrt();
+            let edge = edge.unwrap_or_else(|| b.correction(s, n, radius, estimator.kernel));
+            factor = edge.factor;
+            if edge.obstructed {
+                self.found.retain(|&(_, i)| b.sees(s, n, radius, map.place(i)));
+            }
+        }
         with_kernel!(estimator.kernel, K => {
-            let scale = normalisation::<K>(r2) * edge;
+            let scale = normalisation::<K>(r2) * factor;
             for &(d2, i) in &self.found {
                 let i = i as usize;
                 if u32::from(map.depth[i]) > max_photon_depth {

@@ -221,6 +221,12 @@ impl PhotonMap {
         }
     }
 
+    /// Where photon `i` lies.
+    #[inline]
+    pub fn place(&self, i: u32) -> Vec3 {
+        Vec3::from_array(self.position.each_ref().map(|axis| axis[i as usize]))
+    }
+
     /// The `k` nearest photons of the disc (fewer if it holds fewer) as (squared distance, index) in
     /// `out`, unordered. Ties go to the lower index, so the set does not depend on how it is searched.
     /// `hint` is where to start; it is updated and affects speed only.

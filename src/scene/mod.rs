@@ -190,6 +190,10 @@ impl Scene {
         self.materials[material as usize].closure(&point, wi)
     }
 
+    pub fn material(&self, s: &Surface) -> &Material {
+        &self.materials[self.shapes[s.shape as usize].material as usize]
+    }
+
     /// Radiance leaving the surface towards `w` (world) by its own emission.
     #[inline(always)]
     pub fn emitted(&self, s: &Surface, w: Vec3) -> Rgb {

@@ -19,6 +19,8 @@ pub struct Plan {
     pub direct_mis: bool,
     /// Shadow rays look through masks and index-matched boundaries.
     pub transparent_shadows: bool,
+    /// Light passes through some surfaces.
+    pub transmission: bool,
     /// A number decides which lamp is sampled; with one there is nothing to decide.
     pub many_lamps: bool,
     /// A number decides which lobe of a material scatters; all are plain diffuse otherwise.
@@ -76,6 +78,7 @@ impl Plan {
             caustics,
             direct_mis: environment || large_lamp,
             transparent_shadows: scene.materials.iter().any(|m| m.passes_shadow_rays()),
+            transmission: natures().any(|n| n.transmits),
             many_lamps: scene.emitters.len() > 1,
             many_lobes: scene.materials.iter().any(|m| m.chooses_lobes()),
             environment,
