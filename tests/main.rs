@@ -23,6 +23,7 @@ mod layers;
 mod lights;
 mod map;
 mod nee;
+mod readme;
 mod roulette;
 mod tidy;
 mod watertight;

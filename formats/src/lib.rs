@@ -13,6 +13,7 @@ pub mod mitsuba;
 pub mod pbrt;
 mod read;
 pub mod spectrum;
+pub mod support;
 mod write;
 
 pub use read::{Failure, Read, ReadOptions, read_scene};

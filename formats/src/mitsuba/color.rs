@@ -12,7 +12,7 @@ use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
 type ReadSpectrum = fn(&mut Props<'_>) -> Option<Color>;
 
 /// Spectrum plugins.
-const SPECTRA: &[Plugin<ReadSpectrum>] = &[
+pub(super) const SPECTRA: &[Plugin<ReadSpectrum>] = &[
     read("d65", d65),
     read("uniform", uniform),
     read("srgb", srgb),

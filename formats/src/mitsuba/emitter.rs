@@ -15,7 +15,7 @@ use crate::ir::{
 type ReadEmitter = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<EmitterKind>;
 
 /// Emitters that stand in the scene.
-const EMITTERS: &[Plugin<ReadEmitter>] = &[
+pub(super) const EMITTERS: &[Plugin<ReadEmitter>] = &[
     read("point", point),
     read("spot", spot),
     read("directional", directional),
@@ -35,7 +35,7 @@ const EMITTERS: &[Plugin<ReadEmitter>] = &[
 const BAKED: &str = "render it into a latitude-longitude picture and use an `envmap`";
 
 /// Emitters that are a shape's surface; true where they shine along the normal only.
-const AREA_EMITTERS: &[Plugin<bool>] =
+pub(super) const AREA_EMITTERS: &[Plugin<bool>] =
     &[read("area", false), read("directionalarea", true), unsupported("projector")];
 
 impl<'a> Reader<'a> {

@@ -10,7 +10,7 @@ use crate::ir::{ComponentFormat, Crop, Film, Filter, Origin, PixelFormat, Tonema
 type ReadTonemap = fn(&mut Props<'_>) -> Option<Tonemap>;
 type ReadFilter = fn(&mut Props<'_>) -> Filter;
 
-const FILMS: &[Plugin<ReadTonemap>] = &[
+pub(super) const FILMS: &[Plugin<ReadTonemap>] = &[
     read("hdrfilm", high_range),
     read("ldrfilm", low_range),
     read("tiledhdrfilm", high_range),
@@ -18,7 +18,7 @@ const FILMS: &[Plugin<ReadTonemap>] = &[
     unsupported("specfilm"),
 ];
 
-const FILTERS: &[Plugin<ReadFilter>] = &[
+pub(super) const FILTERS: &[Plugin<ReadFilter>] = &[
     read("box", |p| Filter::Box { radius: p.positive("radius", 0.5) }),
     read("tent", |p| Filter::Tent { radius: p.positive("radius", 1.0) }),
     read("gaussian", |p| Filter::Gaussian { stddev: p.positive("stddev", 0.5) }),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::object::{Class, ObjectIndex, Value};
-use super::plugin::{Found, Plugin, find, read, unsupported};
+use super::plugin::{Found, Plugin, approximated, find, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::{Diagnostic, Severity, Span, nearest};
@@ -14,7 +14,7 @@ use ScalarType::{Boolean, Float, Integer, String as Text};
 type Settings = &'static [(&'static str, ScalarType)];
 
 #[derive(Clone, Copy)]
-enum Kind {
+pub(super) enum Kind {
     /// Rendered as asked, with these settings beside the common ones.
     Own(Settings),
     /// Rendered by `path`; its own settings do not matter.
@@ -23,7 +23,9 @@ enum Kind {
     Wrapper,
 }
 
-const INTEGRATORS: &[Plugin<Kind>] = &[
+const AS_PATH: &str = "as `path`";
+
+pub(super) const INTEGRATORS: &[Plugin<Kind>] = &[
     read("path", Kind::Own(INTEGRATOR_SETTINGS)),
     read("direct", Kind::Own(DIRECT)),
     read("volpath", Kind::Own(&[])),
@@ -32,20 +34,20 @@ const INTEGRATORS: &[Plugin<Kind>] = &[
     read("photonmapper", Kind::Own(PHOTON_MAPPER)),
     read("ppm", Kind::Own(PROGRESSIVE)),
     read("sppm", Kind::Own(PROGRESSIVE)),
-    read("volpath_simple", Kind::Approximated),
-    read("bdpt", Kind::Approximated),
-    read("vpl", Kind::Approximated),
-    read("pssmlt", Kind::Approximated),
-    read("mlt", Kind::Approximated),
-    read("erpt", Kind::Approximated),
-    read("prb", Kind::Approximated),
-    read("prb_basic", Kind::Approximated),
-    read("prbvolpath", Kind::Approximated),
-    read("moment", Kind::Wrapper),
-    read("aov", Kind::Wrapper),
-    read("stokes", Kind::Wrapper),
-    read("irrcache", Kind::Wrapper),
-    read("adaptive", Kind::Wrapper),
+    approximated("volpath_simple", Kind::Approximated, AS_PATH),
+    approximated("bdpt", Kind::Approximated, AS_PATH),
+    approximated("vpl", Kind::Approximated, AS_PATH),
+    approximated("pssmlt", Kind::Approximated, AS_PATH),
+    approximated("mlt", Kind::Approximated, AS_PATH),
+    approximated("erpt", Kind::Approximated, AS_PATH),
+    approximated("prb", Kind::Approximated, AS_PATH),
+    approximated("prb_basic", Kind::Approximated, AS_PATH),
+    approximated("prbvolpath", Kind::Approximated, AS_PATH),
+    approximated("moment", Kind::Wrapper, "the picture alone"),
+    approximated("aov", Kind::Wrapper, "the picture alone"),
+    approximated("stokes", Kind::Wrapper, "the picture alone"),
+    approximated("irrcache", Kind::Wrapper, "as what it wraps"),
+    approximated("adaptive", Kind::Wrapper, "as what it wraps"),
     unsupported("depth"),
     unsupported("ao"),
     unsupported("field"),

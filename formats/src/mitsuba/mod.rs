@@ -32,6 +32,7 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
 use crate::read::{Failure, Read, ReadOptions};
+use crate::support::{Concept, Support};
 
 /// Reads the scene at `path` with everything it includes. Meshes and textures are only looked for,
 /// not opened. Fails with all problems found, never only the first.
@@ -71,4 +72,25 @@ fn in_source_order(problems: &mut Vec<Diagnostic>) {
     problems.sort_by_key(|p| (std::cmp::Reverse(p.severity), place(p)));
     // An object that several others refer to may be read more than once.
     problems.dedup();
+}
+
+/// Every plugin that is known, by concept.
+pub fn support() -> Vec<Concept> {
+    use plugin::concept;
+    let mut emitters = concept("emitters", emitter::EMITTERS);
+    let on_shapes = concept("emitters", emitter::AREA_EMITTERS).plugins;
+    emitters.plugins.retain(|&(name, _)| !on_shapes.iter().any(|&(n, s)| n == name && s == Support::Full));
+    emitters.plugins.extend(on_shapes.into_iter().filter(|&(_, s)| s == Support::Full));
+    vec![
+        concept("shapes", shape::SHAPES),
+        concept("BSDFs", bsdf::BSDFS),
+        emitters,
+        concept("textures", texture::TEXTURES),
+        concept("spectra", color::SPECTRA),
+        concept("sensors", sensor::SENSORS),
+        concept("films", film::FILMS),
+        concept("filters", film::FILTERS),
+        concept("samplers", sensor::SAMPLERS),
+        concept("integrators", integrator::INTEGRATORS),
+    ]
 }

@@ -11,7 +11,7 @@ use crate::ir::{Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform};
 /// What is special to a sensor; the number is `far_clip`.
 type ReadOptics = fn(&mut Props<'_>, f64) -> (Projection, Option<Lens>);
 
-const SENSORS: &[Plugin<ReadOptics>] = &[
+pub(super) const SENSORS: &[Plugin<ReadOptics>] = &[
     read("perspective", pinhole),
     read("thinlens", thin_lens),
     read("orthographic", orthographic),
@@ -26,7 +26,7 @@ const SENSORS: &[Plugin<ReadOptics>] = &[
 ];
 
 /// Our own sample points replace them all.
-const SAMPLERS: &[Plugin<()>] = &[
+pub(super) const SAMPLERS: &[Plugin<()>] = &[
     read("independent", ()),
     read("stratified", ()),
     read("multijitter", ()),

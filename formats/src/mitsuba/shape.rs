@@ -9,7 +9,7 @@ use crate::ir::{MeshFile, MeshFormat, Shape, ShapeGroup, ShapeKind};
 
 type ReadShape = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<ShapeKind>;
 
-const SHAPES: &[Plugin<ReadShape>] = &[
+pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
     read("obj", obj),
     read("ply", ply),
     read("serialized", serialized),

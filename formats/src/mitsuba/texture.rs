@@ -14,7 +14,7 @@ use crate::ir::{
 
 type ReadTexture = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<TextureKind>;
 
-const TEXTURES: &[Plugin<ReadTexture>] = &[
+pub(super) const TEXTURES: &[Plugin<ReadTexture>] = &[
     read("bitmap", bitmap),
     read("checkerboard", checkerboard),
     read("scale", scale),

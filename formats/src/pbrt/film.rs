@@ -1,7 +1,7 @@
 //! Films and pixel filters.
 
 use super::params::Params;
-use super::plugin::{Plugin, read};
+use super::plugin::{Plugin, approximated, read};
 use super::reader::Reader;
 use super::sensor::default_film;
 use super::space::ColorSpace;
@@ -10,12 +10,15 @@ use crate::ir::{ComponentFormat, Crop, Film, Filter};
 
 type ReadFilm = fn(&mut Params);
 
-const FILMS: &[Plugin<ReadFilm>] =
-    &[read("rgb", |_| {}), read("gbuffer", gbuffer), read("spectral", spectral)];
+pub(super) const FILMS: &[Plugin<ReadFilm>] = &[
+    read("rgb", |_| {}),
+    approximated("gbuffer", gbuffer, "the picture alone"),
+    approximated("spectral", spectral, "as `rgb`"),
+];
 
 type ReadFilter = fn(&mut Params) -> Filter;
 
-const FILTERS: &[Plugin<ReadFilter>] = &[
+pub(super) const FILTERS: &[Plugin<ReadFilter>] = &[
     read("box", boxed),
     read("gaussian", |p| Filter::TruncatedGaussian {
         radius: radius(p, 1.5),

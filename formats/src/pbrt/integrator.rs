@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::params::Params;
-use super::plugin::{Plugin, read, unsupported};
+use super::plugin::{self, Plugin, read, unsupported};
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Integrator, Origin, Scalar, Setting};
@@ -13,15 +13,17 @@ type Settings = BTreeMap<String, Setting>;
 /// Fills in settings and names the integrator.
 type ReadIntegrator = fn(&mut Params, &mut Settings) -> &'static str;
 
-const INTEGRATORS: &[Plugin<ReadIntegrator>] = &[
+const AS_PATH: &str = "as `path`";
+
+pub(super) const INTEGRATORS: &[Plugin<ReadIntegrator>] = &[
     read("path", path),
     read("volpath", path),
     read("simplepath", simple_path),
-    read("simplevolpath", |p, _| approximated(p)),
-    read("lightpath", |p, _| approximated(p)),
-    read("randomwalk", |p, _| approximated(p)),
-    read("bdpt", bdpt),
-    read("mlt", mlt),
+    plugin::approximated("simplevolpath", |p, _| approximated(p), AS_PATH),
+    plugin::approximated("lightpath", |p, _| approximated(p), AS_PATH),
+    plugin::approximated("randomwalk", |p, _| approximated(p), AS_PATH),
+    plugin::approximated("bdpt", bdpt, AS_PATH),
+    plugin::approximated("mlt", mlt, AS_PATH),
     read("sppm", sppm),
     unsupported("ambientocclusion"),
     unsupported("function"),

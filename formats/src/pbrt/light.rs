@@ -19,7 +19,7 @@ use ParamType as T;
 
 type ReadLight = fn(&mut Reader<'_>, &mut Params) -> Option<EmitterKind>;
 
-const LIGHTS: &[Plugin<ReadLight>] = &[
+pub(super) const LIGHTS: &[Plugin<ReadLight>] = &[
     read("point", point),
     read("distant", distant),
     read("spot", spot),
@@ -28,7 +28,7 @@ const LIGHTS: &[Plugin<ReadLight>] = &[
     read("infinite", infinite),
 ];
 
-const AREA_LIGHTS: &[Plugin<()>] = &[read("diffuse", ())];
+pub(super) const AREA_LIGHTS: &[Plugin<()>] = &[read("diffuse", ())];
 
 impl Reader<'_> {
     pub fn light(&mut self, mut p: Params) {

@@ -3,7 +3,7 @@
 use super::color::Use;
 use super::directive::{Directive, Param};
 use super::params::Params;
-use super::plugin::{Plugin, read, unsupported};
+use super::plugin::{Plugin, approximated, read, unsupported};
 use super::reader::{Named, Reader, text};
 use super::texture::upside_down;
 use crate::diagnostic::{Diagnostic, Span, nearest};
@@ -15,11 +15,14 @@ use crate::ir::{
 
 type ReadMaterial = fn(&mut Reader<'_>, &mut Params) -> Option<BsdfKind>;
 
-const MATERIALS: &[Plugin<ReadMaterial>] = &[
+/// What the coated materials are instead.
+const CLOSED_FORM: &str = "closed form, no random walk";
+
+pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     read("diffuse", diffuse),
-    read("coateddiffuse", coated_diffuse),
+    approximated("coateddiffuse", coated_diffuse, CLOSED_FORM),
     read("conductor", conductor),
-    read("coatedconductor", coated_conductor),
+    approximated("coatedconductor", coated_conductor, CLOSED_FORM),
     read("dielectric", dielectric),
     read("thindielectric", thin_dielectric),
     read("diffusetransmission", diffuse_transmission),

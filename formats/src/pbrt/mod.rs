@@ -34,6 +34,7 @@ use std::path::Path;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap, Span};
 use crate::files::Files;
 use crate::read::{Failure, Read, ReadOptions};
+use crate::support::Concept;
 
 /// Reads the scene at `path` with everything it includes. Meshes and textures are only looked for,
 /// not opened. Fails with all problems found, never only the first.
@@ -75,4 +76,23 @@ fn in_source_order(problems: &mut Vec<Diagnostic>) {
     // An area light is read once for every shape it lights.
     let mut said = HashSet::new();
     problems.retain(|p| p.span.is_none() || said.insert((p.span, p.message.clone())));
+}
+
+/// Every type that is known, by concept.
+pub fn support() -> Vec<Concept> {
+    use plugin::concept;
+    let mut lights = concept("lights", light::LIGHTS);
+    let area = concept("lights", light::AREA_LIGHTS).plugins;
+    lights.plugins.extend(area.into_iter().map(|(_, support)| ("diffuse (area)", support)));
+    vec![
+        concept("shapes", shape::SHAPES),
+        concept("materials", material::MATERIALS),
+        lights,
+        concept("textures", texture::TEXTURES),
+        concept("cameras", sensor::CAMERAS),
+        concept("films", film::FILMS),
+        concept("filters", film::FILTERS),
+        concept("samplers", sensor::SAMPLERS),
+        concept("integrators", integrator::INTEGRATORS),
+    ]
 }

@@ -2,11 +2,14 @@
 
 use super::params::Params;
 use crate::diagnostic::{Diagnostic, nearest};
+use crate::support::{Concept, Support};
 
 /// A row of a concept's table.
 pub(super) struct Plugin<F> {
     pub name: &'static str,
     pub status: Status<F>,
+    /// What is rendered instead of it, or nothing when it is rendered itself.
+    pub instead: &'static str,
 }
 
 #[derive(Clone, Copy)]
@@ -17,11 +20,16 @@ pub(super) enum Status<F> {
 }
 
 pub(super) const fn read<F: Copy>(name: &'static str, reader: F) -> Plugin<F> {
-    Plugin { name, status: Status::Read(reader) }
+    Plugin { name, status: Status::Read(reader), instead: "" }
+}
+
+/// Read, and rendered as `instead`.
+pub(super) const fn approximated<F: Copy>(name: &'static str, reader: F, instead: &'static str) -> Plugin<F> {
+    Plugin { name, status: Status::Read(reader), instead }
 }
 
 pub(super) const fn unsupported<F: Copy>(name: &'static str) -> Plugin<F> {
-    Plugin { name, status: Status::Unsupported }
+    Plugin { name, status: Status::Unsupported, instead: "" }
 }
 
 pub(super) fn find<F: Copy>(table: &[Plugin<F>], name: &str) -> Option<Status<F>> {
@@ -40,4 +48,15 @@ pub(super) fn unknown<F>(table: &[Plugin<F>], params: &Params) -> Diagnostic {
             problem.help(format!("known: {}", names.join(", ")))
         }
     }
+}
+
+/// What the table says, for people.
+pub(super) fn concept<F>(name: &'static str, table: &[Plugin<F>]) -> Concept {
+    let support = |row: &Plugin<F>| match (&row.status, row.instead) {
+        (Status::Read(_), "") => Support::Full,
+        (Status::Read(_), instead) => Support::Approximated(instead),
+        _ => Support::Refused,
+    };
+    let plugins = table.iter().filter(|row| !row.name.is_empty());
+    Concept { name, plugins: plugins.map(|row| (row.name, support(row))).collect() }
 }

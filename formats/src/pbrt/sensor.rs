@@ -8,7 +8,7 @@ use crate::ir::{Film, Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform
 
 type ReadCamera = fn(&mut Params) -> Projection;
 
-const CAMERAS: &[Plugin<ReadCamera>] = &[
+pub(super) const CAMERAS: &[Plugin<ReadCamera>] = &[
     read("perspective", perspective),
     read("orthographic", |_| Projection::Orthographic),
     unsupported("spherical"),
@@ -17,7 +17,7 @@ const CAMERAS: &[Plugin<ReadCamera>] = &[
 
 type ReadSampler = fn(&mut Params) -> u32;
 
-const SAMPLERS: &[Plugin<ReadSampler>] = &[
+pub(super) const SAMPLERS: &[Plugin<ReadSampler>] = &[
     read("zsobol", |p| p.count("pixelsamples", 16, 1)),
     read("paddedsobol", |p| p.count("pixelsamples", 16, 1)),
     read("sobol", |p| p.count("pixelsamples", 16, 1)),

@@ -15,12 +15,12 @@ use ParamType as T;
 
 /// Whether a texture gives numbers or colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
     Float,
     Spectrum,
 }
 
-enum Made {
+pub(super) enum Made {
     Texture(Box<TextureKind>),
     /// A plain value.
     Input(ColorInput),
@@ -32,7 +32,7 @@ fn made(kind: TextureKind) -> Made {
 
 type ReadTexture = fn(&mut Reader<'_>, &mut Params, Kind) -> Option<Made>;
 
-const TEXTURES: &[Plugin<ReadTexture>] = &[
+pub(super) const TEXTURES: &[Plugin<ReadTexture>] = &[
     read("constant", |r, p, k| Some(Made::Input(r.operand(p, "value", k, 1.0)))),
     read("scale", scale),
     read("mix", mix),

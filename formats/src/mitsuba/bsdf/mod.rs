@@ -13,7 +13,7 @@ use crate::ir::{Bsdf, BsdfKind, Color, ColorInput, ColorSlot, Id};
 
 type ReadBsdf = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<BsdfKind>;
 
-const BSDFS: &[Plugin<ReadBsdf>] = &[
+pub(super) const BSDFS: &[Plugin<ReadBsdf>] = &[
     read("diffuse", basic::diffuse),
     read("dielectric", |r, p| Some(BsdfKind::Dielectric(basic::dielectric(r, p)))),
     read("thindielectric", |r, p| Some(BsdfKind::ThinDielectric(basic::dielectric(r, p)))),

@@ -20,7 +20,7 @@ use ParamType as T;
 
 type ReadShape = fn(&mut Reader<'_>, &mut Params) -> Option<ShapeKind>;
 
-const SHAPES: &[Plugin<ReadShape>] = &[
+pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
     read("trianglemesh", |_, p| mesh::triangles(p).map(inline)),
     read("plymesh", ply),
     read("bilinearmesh", |r, p| bilinear_mesh(r, p).map(inline)),
