@@ -26,4 +26,5 @@ mod nee;
 mod readme;
 mod roulette;
 mod tidy;
+mod transmission;
 mod watertight;

@@ -8,7 +8,7 @@ use caustica::photon::kernel::KernelKind;
 use caustica::photon::store::{HEIGHT, NORMAL_AGREEMENT};
 use caustica::photon::{Estimator, Gather, LightPath, Photon, PhotonMap, Query};
 use caustica::sampling::CounterRng;
-use caustica::scene::Surface;
+use caustica::scene::{PhotonSide, Surface};
 use caustica::settings::Lookup;
 use caustica::texture::Textures;
 use proptest::prelude::*;
@@ -173,6 +173,7 @@ fn density(map: &PhotonMap, estimator: &Estimator, p: Vec3) -> f64 {
         map,
         estimator,
         &surface(p),
+        PhotonSide { n: Vec3::Z, both: false },
         &white(),
         Vec3::Z,
         Rgb::ONE,

@@ -96,7 +96,11 @@ impl Node {
     pub fn nature(&self) -> Nature {
         let mut nature = Nature::default();
         self.visit(&mut |node| match node {
-            Self::Model(m) => nature = nature.with(m.nature()),
+            Self::Model(m) => {
+                let own = m.nature();
+                let diffuses_through = own.transmits && own.smooth.is_some();
+                nature = nature.with(Nature { diffuses_through, ..own });
+            }
             Self::Null | Self::Mask(..) => nature.transmits = true,
             Self::Tilted(..) => nature.oriented = true,
             Self::TwoSided(_) | Self::Blend(..) | Self::Mixture(_) => {}

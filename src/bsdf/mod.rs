@@ -114,6 +114,8 @@ pub struct Nature {
     pub smooth: Option<[f32; 2]>,
     /// Light reaches the other side.
     pub transmits: bool,
+    /// Smooth lobes are among what does.
+    pub diffuses_through: bool,
     /// Turning the shading frame about the normal makes a difference.
     pub oriented: bool,
 }
@@ -125,6 +127,7 @@ impl Nature {
     fn with(mut self, other: Self) -> Self {
         self.delta |= other.delta;
         self.transmits |= other.transmits;
+        self.diffuses_through |= other.diffuses_through;
         self.oriented |= other.oriented;
         self.smooth = match (self.smooth, other.smooth) {
             (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),

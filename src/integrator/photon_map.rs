@@ -187,7 +187,7 @@ impl<'a> PhotonMapper<'a> {
                     let wi = s.frame.to_local(-ray.d);
                     match self.step(&self.scene.closure(&s, wi), wi, &mut sampler) {
                         Step::Gather(_) => {
-                            let n = if s.ng.dot(ray.d) <= 0.0 { s.ng } else { -s.ng };
+                            let n = self.scene.photon_side(&s, -ray.d).n;
                             return Some(radius::Place {
                                 p: s.p,
                                 n,
@@ -279,6 +279,7 @@ impl<'a> PhotonMapper<'a> {
             out.add(Layer::Direct, throughput * direct);
         }
         let maps = [&maps.global, &maps.caustic];
+        let side = self.scene.photon_side(s, back);
         for (map, estimator) in maps.into_iter().flatten() {
             let boundary = self.settings.boundary.then_some(Boundary {
                 scene: self.scene,
@@ -286,7 +287,7 @@ impl<'a> PhotonMapper<'a> {
                 sampler,
                 rays: &mut scratch.rays,
             });
-            scratch.gather.estimate(map, estimator, s, closure, back, throughput, left, boundary, out);
+            scratch.gather.estimate(map, estimator, s, side, closure, back, throughput, left, boundary, out);
         }
     }
 

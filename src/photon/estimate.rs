@@ -10,7 +10,7 @@ use super::{LightPath, scan};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::film::Radiance;
 use crate::math::{Rgb, Vec3, decode_direction};
-use crate::scene::Surface;
+use crate::scene::{PhotonSide, Surface};
 use crate::settings::Lookup;
 
 /// How one map is read.
@@ -50,6 +50,7 @@ impl Gather {
         map: &PhotonMap,
         estimator: &Estimator,
         s: &Surface,
+        side: PhotonSide,
         closure: &Closure,
         wi: Vec3,
         throughput: Rgb,
@@ -61,10 +62,11 @@ impl Gather {
             return;
         }
         self.lookups += 1;
-        let n = if s.ng.dot(wi) >= 0.0 { s.ng } else { -s.ng };
+        let n = side.n;
         let q = Query { p: s.p, n, lift: s.lift, radius: estimator.radius };
         let local = s.frame.to_local(wi);
-        let lambertian = closure.lambertian(local);
+        // Where photons of both sides lie together, each has to be asked for its side.
+        let lambertian = closure.lambertian(local).filter(|_| !side.both);
         let all_depths = max_photon_depth >= u32::from(map.deepest);
         let mut edge = None;
         if let (Some(albedo), Some(path), true, usize::MAX) =

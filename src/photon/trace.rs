@@ -94,7 +94,7 @@ fn trace_path(scene: &Scene, job: &TraceJob, index: u64, out: &mut Traced) {
         let closure = scene.closure(&surface, wi);
         let owned = path.owner(job.next_event, job.caustic_map) == job.owner;
         if owned && closure.has_smooth(wi, Range::rough(job.glossy)) {
-            store(&surface, to_lamp, wi.z, flux, path, depth, out);
+            store(scene, &surface, to_lamp, wi.z, flux, path, depth, out);
         }
         // A photon at the next surface needs two more segments: there, and from there to the camera.
         if depth.saturating_add(2) > job.max_depth {
@@ -151,6 +151,7 @@ fn adjoint(
 const MAX_CORRECTION: f32 = 100.0;
 
 fn store(
+    scene: &Scene,
     s: &Surface,
     wi: crate::math::Vec3,
     wi_ns: f32,
@@ -169,6 +170,6 @@ fn store(
         out.rejected += 1;
         return;
     }
-    let n = if wi_ng > 0.0 { s.ng } else { -s.ng };
+    let n = scene.photon_side(s, wi).n;
     out.photons.push(Photon { p: s.p, flux, wi, n, path, depth: depth.min(255) as u8 });
 }

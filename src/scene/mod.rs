@@ -114,6 +114,15 @@ pub struct Scene {
     pub settings: Settings,
 }
 
+/// A side of a surface as photons know it.
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonSide {
+    /// Unit normal that its photons carry.
+    pub n: Vec3,
+    /// Photons of the other side are among them.
+    pub both: bool,
+}
+
 impl Scene {
     /// Position, normals and uv at a hit.
     #[inline(always)]
@@ -188,6 +197,14 @@ impl Scene {
         let axes = [s.frame.s, s.frame.t];
         let point = Point { textures: &self.textures, site: s.site(), tangents: s.tangents, axes };
         self.materials[material as usize].closure(&point, wi)
+    }
+
+    /// The side of the surface whose photons tell of the light along `w` (world): that of `w`, and the
+    /// front for both sides where light of either comes through in all directions.
+    #[inline]
+    pub fn photon_side(&self, s: &Surface, w: Vec3) -> PhotonSide {
+        let both = self.material(s).nature().diffuses_through;
+        PhotonSide { n: if both || s.ng.dot(w) >= 0.0 { s.ng } else { -s.ng }, both }
     }
 
     pub fn material(&self, s: &Surface) -> &Material {
