@@ -64,7 +64,19 @@ fn lookup(c: &mut Criterion) {
                 let mut out = Radiance::default();
                 for (s, wi) in &places {
                     let closure = scene.closure(s, s.frame.to_local(*wi));
-                    gather.estimate(map, &estimator, s, &closure, *wi, Rgb::ONE, u32::MAX, None, &mut out);
+                    let side = scene.photon_side(s, *wi);
+                    gather.estimate(
+                        map,
+                        &estimator,
+                        s,
+                        side,
+                        &closure,
+                        *wi,
+                        Rgb::ONE,
+                        u32::MAX,
+                        None,
+                        &mut out,
+                    );
                 }
                 out
             });

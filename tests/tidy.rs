@@ -161,6 +161,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "Read",
                     "ReadOptions",
                     "read",
+                    "support",
                     "write",
                 ],
                 "pbrt" => &[
@@ -175,6 +176,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "Read",
                     "ReadOptions",
                     "read",
+                    "support",
                     "write",
                 ],
                 _ => continue,
