@@ -3,7 +3,7 @@
 use super::direct::{keeps_density, power_heuristic, propose};
 use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Event, Range, Transport};
-use crate::film::{Layer, Radiance};
+use crate::film::Layer;
 use crate::math::simd::widest;
 use crate::math::{Ray, Rgb, Vec3};
 use crate::sampling::Sampler;
@@ -84,23 +84,17 @@ struct Walk {
     seen: bool,
 }
 
-/// A path at a surface that scatters it on.
-#[derive(Debug)]
-struct Arrival<'a> {
-    surface: Surface,
-    closure: Closure<'a>,
-    wi: Vec3,
-}
-
 /// Light on its way: rays, and what they bring to which path if they are free.
 #[derive(Debug, Default)]
 struct Shadows {
     rays: Vec<Ray>,
     values: Vec<(usize, Layer, Rgb)>,
     occluded: Vec<bool>,
+    /// Counts those that were answered at once, too.
+    sent: u64,
 }
 
-/// Paths that go together, and room for what each stage leaves to the next.
+/// Paths that go together.
 #[derive(Debug, Default)]
 pub struct Wave {
     rays: Vec<Ray>,
@@ -161,93 +155,46 @@ impl PathTracer<'_> {
         let mut wave = std::mem::take(&mut scratch.wave);
         wave.begin(samples);
         let Wave { rays, walks, hits, active, shadows } = &mut wave;
-        let mut arrivals: Vec<Option<Arrival<'_>>> = Vec::new();
-        arrivals.resize_with(samples.len(), || None);
         let mut live = if self.max_depth > 0 { samples.len() } else { 0 };
         while live > 0 {
             scratch.rays += live as u64;
             self.scene.geometry.closest_each(rays, &active[..live], hits);
-            // Loops rather than `retain`: closures are not compiled for the wider instructions.
+            shadows.rays.clear();
+            shadows.values.clear();
+            // A loop rather than `retain`: closures are not compiled for the wider instructions.
             let mut kept = 0;
             for k in 0..live {
                 let i = active[k];
                 active[kept] = i;
-                let (hit, out) = (hits[i].as_ref(), &mut samples[i].out);
-                kept += usize::from(self.arrive(&mut rays[i], &mut walks[i], hit, &mut arrivals[i], out));
+                let hit = hits[i].as_ref();
+                kept += usize::from(self.step(i, &mut rays[i], &mut walks[i], hit, &mut samples[i], shadows));
             }
             live = kept;
-            self.light(&active[..live], walks, &arrivals, samples, shadows, &mut scratch.rays);
-            let mut kept = 0;
-            for k in 0..live {
-                let i = active[k];
-                active[kept] = i;
-                kept += usize::from(match &arrivals[i] {
-                    Some(at) => self.leave(&mut rays[i], &mut walks[i], at, &mut samples[i].sampler),
-                    None => true,
-                });
+            scratch.rays += shadows.sent;
+            shadows.sent = 0;
+            self.scene.geometry.occluded_each(&shadows.rays, &mut shadows.occluded);
+            for (&(i, layer, value), &occluded) in shadows.values.iter().zip(&shadows.occluded) {
+                if !occluded {
+                    samples[i].out.add(layer, value);
+                }
             }
-            live = kept;
         }
         scratch.wave = wave;
     }
 
-    /// Next event estimation of all paths that arrived somewhere.
+    /// Everything at the end of a ray of path `i`: adds what shines there, sends light from the lamps, and
+    /// scatters the path. False when it is over.
     #[inline(always)]
-    fn light(
+    fn step(
         &self,
-        active: &[usize],
-        walks: &[Walk],
-        arrivals: &[Option<Arrival<'_>>],
-        samples: &mut [CameraSample],
-        shadows: &mut Shadows,
-        count: &mut u64,
-    ) {
-        let (scene, plan) = (self.scene, self.plan);
-        shadows.rays.clear();
-        shadows.values.clear();
-        for &i in active {
-            let Some(Arrival { surface: s, closure, wi }) = &arrivals[i] else { continue };
-            let walk = &walks[i];
-            let left = self.max_depth - walk.depth;
-            let rough = (Range::rough(self.glossy), walk.stage.direct_layer());
-            let glossy = (Range::glossy(self.glossy), walk.stage.after(Event::Glossy).layer());
-            let lobes = if closure.has_smooth(*wi, glossy.0) { &[rough, glossy][..] } else { &[rough] };
-            for &(range, layer) in lobes {
-                let CameraSample { sampler, out, .. } = &mut samples[i];
-                let Some(p) = propose(scene, plan, s, closure, range, *wi, true, left, sampler) else {
-                    continue;
-                };
-                *count += 1;
-                let value = walk.throughput * p.value;
-                if plan.transparent_shadows {
-                    out.add(layer, value * scene.visibility(s, &p.light, true, left));
-                } else {
-                    shadows.rays.push(shadow_ray(s, &p.light));
-                    shadows.values.push((i, layer, value));
-                }
-            }
-        }
-        scene.geometry.occluded_each(&shadows.rays, &mut shadows.occluded);
-        for (&(i, layer, value), &occluded) in shadows.values.iter().zip(&shadows.occluded) {
-            if !occluded {
-                samples[i].out.add(layer, value);
-            }
-        }
-    }
-
-    /// Adds what shines where the ray ends. False when the path is over; without an arrival it goes on
-    /// straight.
-    #[inline(always)]
-    fn arrive<'s>(
-        &'s self,
+        i: usize,
         ray: &mut Ray,
         walk: &mut Walk,
         hit: Option<&Hit>,
-        arrival: &mut Option<Arrival<'s>>,
-        out: &mut Radiance,
+        sample: &mut CameraSample,
+        shadows: &mut Shadows,
     ) -> bool {
         let scene = self.scene;
-        *arrival = None;
         walk.depth += 1;
         let visible_lamps = !self.hide_emitters || walk.seen;
         let Some(hit) = hit else {
@@ -257,7 +204,7 @@ impl PathTracer<'_> {
                 } else {
                     1.0
                 };
-                out.add(walk.stage.layer(), walk.throughput * scene.background(ray.d) * weight);
+                sample.out.add(walk.stage.layer(), walk.throughput * scene.background(ray.d) * weight);
             }
             return false;
         };
@@ -268,7 +215,7 @@ impl PathTracer<'_> {
             *ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
             return true;
         }
-        out.alpha = 1.0;
+        sample.out.alpha = 1.0;
         let emitted = scene.emitted(&s, back);
         if emitted.max_element() > 0.0 && visible_lamps {
             let weight = if walk.pdf > 0.0 {
@@ -276,7 +223,7 @@ impl PathTracer<'_> {
             } else {
                 1.0
             };
-            out.add(walk.stage.layer(), walk.throughput * emitted * weight);
+            sample.out.add(walk.stage.layer(), walk.throughput * emitted * weight);
         }
         walk.seen = true;
         if walk.depth >= self.max_depth {
@@ -284,24 +231,64 @@ impl PathTracer<'_> {
         }
         let wi = s.frame.to_local(back);
         let closure = scene.closure(&s, wi);
-        *arrival = Some(Arrival { surface: s, closure, wi });
-        true
+        self.light(i, walk, &s, &closure, wi, sample, shadows);
+        self.scatter(ray, walk, &s, &closure, wi, &mut sample.sampler)
+    }
+
+    /// Next event estimation.
+    #[inline(always)]
+    fn light(
+        &self,
+        i: usize,
+        walk: &Walk,
+        s: &Surface,
+        closure: &Closure<'_>,
+        wi: Vec3,
+        sample: &mut CameraSample,
+        shadows: &mut Shadows,
+    ) {
+        let (scene, plan) = (self.scene, self.plan);
+        let left = self.max_depth - walk.depth;
+        let rough = (Range::rough(self.glossy), walk.stage.direct_layer());
+        let glossy = (Range::glossy(self.glossy), walk.stage.after(Event::Glossy).layer());
+        let lobes = if closure.has_smooth(wi, glossy.0) { &[rough, glossy][..] } else { &[rough] };
+        for &(range, layer) in lobes {
+            let proposal = propose(scene, plan, s, closure, range, wi, true, left, &mut sample.sampler);
+            let Some(p) = proposal else { continue };
+            shadows.sent += 1;
+            let value = walk.throughput * p.value;
+            if plan.transparent_shadows {
+                sample.out.add(layer, value * scene.visibility(s, &p.light, true, left));
+            } else {
+                shadows.rays.push(shadow_ray(s, &p.light));
+                shadows.values.push((i, layer, value));
+            }
+        }
     }
 
     /// Scatters the path; false when that ends it.
     #[inline(always)]
-    fn leave(&self, ray: &mut Ray, walk: &mut Walk, at: &Arrival<'_>, sampler: &mut Sampler) -> bool {
+    fn scatter(
+        &self,
+        ray: &mut Ray,
+        walk: &mut Walk,
+        s: &Surface,
+        closure: &Closure<'_>,
+        wi: Vec3,
+        sampler: &mut Sampler,
+    ) -> bool {
         let u_lobe = if self.plan.many_lobes { sampler.next_1d() } else { 0.0 };
         let u = sampler.next_2d();
-        let sample = at.closure.sample(at.wi, u_lobe, u, Transport::Radiance, self.glossy);
-        let Some(sample) = sample else { return false };
+        let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Radiance, self.glossy) else {
+            return false;
+        };
         walk.throughput *= sample.weight;
         walk.eta *= sample.eta;
         if !keeps_density(sample.event) {
-            (walk.pdf, walk.from) = (sample.pdf, at.surface.p);
+            (walk.pdf, walk.from) = (sample.pdf, s.p);
         }
         walk.stage = walk.stage.after(sample.event);
-        *ray = at.surface.leave(at.surface.frame.to_world(sample.wo));
+        *ray = s.leave(s.frame.to_world(sample.wo));
         if walk.depth >= self.rr_depth {
             let survival = (walk.throughput.max_element() * walk.eta * walk.eta).min(0.95);
             if sampler.random() >= survival {
