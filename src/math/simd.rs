@@ -8,20 +8,20 @@ use std::ops::{Add, Div, Mul, Sub};
 /// Lanes of a [`Wide`].
 pub const WIDTH: usize = 8;
 
-/// Eight floats. `min` and `max` give the second operand when one is NaN, as the instructions do.
-pub trait Wide:
+/// `N` floats. `min` and `max` give the second operand when one is NaN, as the instructions do.
+pub trait Wide<const N: usize = WIDTH>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// A truth value for each lane.
     type Mask: Copy;
     /// A number 0..4 for each lane.
     type Index: Copy;
-    fn index(x: &[u32; WIDTH]) -> Self::Index;
+    fn index(x: &[u32; N]) -> Self::Index;
     /// Lane l is `x[index[l]]`.
     fn pick(x: &[f32; 4], index: Self::Index) -> Self;
     fn splat(x: f32) -> Self;
-    fn load(x: &[f32; WIDTH]) -> Self;
-    fn array(self) -> [f32; WIDTH];
+    fn load(x: &[f32; N]) -> Self;
+    fn array(self) -> [f32; N];
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
     fn less(self, other: Self) -> Self::Mask;
@@ -117,10 +117,10 @@ impl Wide for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use avx::Avx2;
+pub(crate) use avx::{Avx2, Avx512};
 
-/// Every function here must end up inlined in one with the feature; what makes values of [`Avx2`] is
-/// reached from [`widest_wide!`] only, which has checked for it.
+/// Every function here must end up inlined in one with the feature; what makes values of these types is
+/// reached from [`widest_wide!`] and [`widest_bundle!`] only, which have checked for it.
 #[cfg(target_arch = "x86_64")]
 mod avx {
     use std::arch::x86_64::*;
@@ -202,6 +202,83 @@ mod avx {
             Self(unsafe { _mm256_blendv_ps(other.0, self.0, mask) })
         }
     }
+
+    /// [`Wide`] of sixteen as one register.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Avx512(__m512);
+
+    operator! { Avx512:
+        Add add |a, b| unsafe { _mm512_add_ps(a, b) };
+        Sub sub |a, b| unsafe { _mm512_sub_ps(a, b) };
+        Mul mul |a, b| unsafe { _mm512_mul_ps(a, b) };
+        Div div |a, b| unsafe { _mm512_div_ps(a, b) };
+    }
+
+    impl Wide<16> for Avx512 {
+        type Mask = __mmask16;
+        type Index = __m512i;
+        #[inline(always)]
+        fn index(x: &[u32; 16]) -> __m512i {
+            // SAFETY: see the module; the load reads the sixteen integers of `x`.
+            unsafe { _mm512_loadu_si512(x.as_ptr().cast()) }
+        }
+        #[inline(always)]
+        fn pick(x: &[f32; 4], index: __m512i) -> Self {
+            // SAFETY: see the module; the load reads the four floats of `x`.
+            Self(unsafe { _mm512_permutevar_ps(_mm512_broadcast_f32x4(_mm_loadu_ps(x.as_ptr())), index) })
+        }
+        methods! {
+            fn splat(x: f32) -> Self = Self(_mm512_set1_ps(x));
+            fn load(x: &[f32; 16]) -> Self = Self(_mm512_loadu_ps(x.as_ptr()));
+        }
+        #[inline(always)]
+        fn array(self) -> [f32; 16] {
+            let mut out = [0.0; 16];
+            // SAFETY: see the module; the store writes the sixteen floats of `out`.
+            unsafe { _mm512_storeu_ps(out.as_mut_ptr(), self.0) };
+            out
+        }
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            Self(unsafe { _mm512_min_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            Self(unsafe { _mm512_max_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn less(self, other: Self) -> __mmask16 {
+            unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn less_or_equal(self, other: Self) -> __mmask16 {
+            unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn equal(self, other: Self) -> __mmask16 {
+            unsafe { _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn and(a: __mmask16, b: __mmask16) -> __mmask16 {
+            a & b
+        }
+        #[inline(always)]
+        fn or(a: __mmask16, b: __mmask16) -> __mmask16 {
+            a | b
+        }
+        #[inline(always)]
+        fn and_not(a: __mmask16, b: __mmask16) -> __mmask16 {
+            !a & b
+        }
+        #[inline(always)]
+        fn bits(mask: __mmask16) -> u32 {
+            u32::from(mask)
+        }
+        #[inline(always)]
+        fn select(self, mask: __mmask16, other: Self) -> Self {
+            Self(unsafe { _mm512_mask_blend_ps(mask, other.0, self.0) })
+        }
+    }
 }
 
 /// `widest_wide!(body; a: A = x, ... => R)` calls `body::<W>(x, ...)`, which must be `#[inline(always)]`, with
@@ -233,6 +310,33 @@ macro_rules! widest_wide {
 }
 pub(crate) use widest_wide;
 
+/// Like [`widest_wide!`] for bodies `body::<N, W>` that take as many lanes as there are.
+macro_rules! widest_bundle {
+    ($type:ident::$body:ident; $($name:ident: $ty:ty = $value:expr),* $(,)? => $ret:ty) => {{
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx2")]
+            fn avx2($($name: $ty),*) -> $ret {
+                $type::$body::<8, crate::math::simd::Avx2>($($name),*)
+            }
+            #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+            fn avx512($($name: $ty),*) -> $ret {
+                $type::$body::<16, crate::math::simd::Avx512>($($name),*)
+            }
+            if crate::math::simd::has_avx512vl() {
+                // SAFETY: the features were just detected.
+                return unsafe { avx512($($value),*) };
+            }
+            if crate::math::simd::has_avx2() {
+                // SAFETY: the feature was just detected.
+                return unsafe { avx2($($value),*) };
+            }
+        }
+        $type::$body::<8, crate::math::simd::Portable>($($value),*)
+    }};
+}
+pub(crate) use widest_bundle;
+
 /// Whether 256-bit integer and float instructions exist.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
@@ -240,11 +344,11 @@ pub fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2")
 }
 
-/// Whether 256-bit instructions with mask registers exist.
+/// Whether 512-bit instructions, and mask registers for 256-bit ones, exist.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub fn has_avx512vl() -> bool {
-    is_x86_feature_detected!("avx512vl") && is_x86_feature_detected!("avx512dq")
+    is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") && is_x86_feature_detected!("avx512dq")
 }
 
 /// `widest!(body(a: A = x, ...) -> R)` calls `body(x, ...)`, which must be `#[inline(always)]`, compiled

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use crate::accel::{Bvh, Visitor};
-use crate::math::simd::{Wide, widest_wide};
+use crate::math::simd::{Wide, widest_bundle, widest_wide};
 use crate::math::{Bounds, Ray, Vec3};
 use crate::shape::Analytic;
 use crate::shape::triangle::{Block, Bundle, Corners, Nearest, Shear, WIDTH};
@@ -318,14 +318,14 @@ impl Geometry {
             which.iter().for_each(|&i| hits[i] = self.closest(&rays[i]));
             return;
         }
-        widest_wide!(Geometry::closest_flat; geometry: &Geometry = self, rays: &[Ray] = rays,
+        widest_bundle!(Geometry::closest_flat; geometry: &Geometry = self, rays: &[Ray] = rays,
             which: &[usize] = which, hits: &mut [Option<Hit>] = hits => ())
     }
 
     #[inline(always)]
-    fn closest_flat<W: Wide>(&self, rays: &[Ray], which: &[usize], hits: &mut [Option<Hit>]) {
-        for some in which.chunks(WIDTH) {
-            let mut bundle = Bundle::<W>::new(std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]));
+    fn closest_flat<const N: usize, W: Wide<N>>(&self, rays: &[Ray], which: &[usize], hits: &mut [Option<Hit>]) {
+        for some in which.chunks(N) {
+            let mut bundle = Bundle::<N, W>::new(std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]));
             for (corners, i) in self.world.flat.iter().zip(0..) {
                 bundle.add(corners, i);
             }
@@ -350,14 +350,14 @@ impl Geometry {
             occluded.extend(rays.iter().map(|ray| self.occluded(ray)));
             return;
         }
-        widest_wide!(Geometry::occluded_flat; geometry: &Geometry = self, rays: &[Ray] = rays,
+        widest_bundle!(Geometry::occluded_flat; geometry: &Geometry = self, rays: &[Ray] = rays,
             occluded: &mut Vec<bool> = occluded => ())
     }
 
     #[inline(always)]
-    fn occluded_flat<W: Wide>(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
-        for some in rays.chunks(WIDTH) {
-            let bundle = Bundle::<W>::new(std::array::from_fn(|l| &some[l.min(some.len() - 1)]));
+    fn occluded_flat<const N: usize, W: Wide<N>>(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        for some in rays.chunks(N) {
+            let bundle = Bundle::<N, W>::new(std::array::from_fn(|l| &some[l.min(some.len() - 1)]));
             let mut blocked = 0;
             for corners in &self.world.flat {
                 blocked |= bundle.blocked(corners);

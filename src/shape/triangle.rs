@@ -42,7 +42,7 @@ impl Shear {
     }
 
     #[inline(always)]
-    fn test<W: Wide>(&self, b: &Block, tmax: W) -> Lanes<W> {
+    fn test<W: Wide>(&self, b: &Block, tmax: W) -> Lanes<W, W::Mask> {
         let o = [W::splat(self.o[0]), W::splat(self.o[1]), W::splat(self.o[2])];
         let s = [W::splat(self.s[0]), W::splat(self.s[1]), W::splat(self.s[2])];
         // No closure: it would not be compiled for the wider instructions.
@@ -62,14 +62,14 @@ impl Shear {
 
 /// A point with permuted axes, relative to a ray that becomes +Z.
 #[inline(always)]
-fn shear<W: Wide>(p: [W; 3], o: [W; 3], s: [W; 3]) -> [W; 3] {
+fn shear<const N: usize, W: Wide<N>>(p: [W; 3], o: [W; 3], s: [W; 3]) -> [W; 3] {
     let z = p[2] - o[2];
     [p[0] - o[0] - s[0] * z, p[1] - o[1] - s[1] * z, z]
 }
 
 /// The test proper, on sheared corners.
 #[inline(always)]
-fn test_sheared<W: Wide>(corners: &[[W; 3]; 3], sz: W, tmax: W) -> Lanes<W> {
+fn test_sheared<const N: usize, W: Wide<N>>(corners: &[[W; 3]; 3], sz: W, tmax: W) -> Lanes<W, W::Mask> {
     let [[x0, y0, z0], [x1, y1, z1], [x2, y2, z2]] = *corners;
     let e = [x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0];
     let z = [z0, z1, z2];
@@ -83,10 +83,10 @@ fn test_sheared<W: Wide>(corners: &[[W; 3]; 3], sz: W, tmax: W) -> Lanes<W> {
     decide(e, z, sz, tmax)
 }
 
-/// Eight rays that are tested against one triangle after the other: where there is no tree, that saves
+/// Rays that are tested against one triangle after the other: where there is no tree, that saves
 /// finding the best of several lanes. A triangle gives each ray the same bits as [`Shear`] does.
 #[derive(Clone, Copy, Debug)]
-pub struct Bundle<W: Wide> {
+pub struct Bundle<const N: usize, W: Wide<N>> {
     k: [W::Index; 3],
     o: [W; 3],
     s: [W; 3],
@@ -100,12 +100,12 @@ pub struct Bundle<W: Wide> {
 /// Corners with a lane to spare, as [`Bundle`] reads them.
 pub type Corners = [[f32; 4]; 3];
 
-impl<W: Wide> Bundle<W> {
+impl<const N: usize, W: Wide<N>> Bundle<N, W> {
     /// Unused lanes must repeat a ray.
     #[inline(always)]
-    pub fn new(rays: [&Ray; WIDTH]) -> Self {
-        let (mut k, mut o, mut s) = ([[0; WIDTH]; 3], [[0.0; WIDTH]; 3], [[0.0; WIDTH]; 3]);
-        let mut tmax = [0.0; WIDTH];
+    pub fn new(rays: [&Ray; N]) -> Self {
+        let (mut k, mut o, mut s) = ([[0; N]; 3], [[0.0; N]; 3], [[0.0; N]; 3]);
+        let mut tmax = [0.0; N];
         for (lane, ray) in rays.into_iter().enumerate() {
             let shear = Shear::new(ray);
             for axis in 0..3 {
@@ -128,7 +128,7 @@ impl<W: Wide> Bundle<W> {
     }
 
     #[inline(always)]
-    fn test(&self, corners: &Corners) -> Lanes<W> {
+    fn test(&self, corners: &Corners) -> Lanes<W, W::Mask> {
         let corners = [self.corner(&corners[0]), self.corner(&corners[1]), self.corner(&corners[2])];
         test_sheared(&corners, self.s[2], self.t)
     }
@@ -157,17 +157,17 @@ impl<W: Wide> Bundle<W> {
 
     /// For each ray: triangle (`u32::MAX` for none), distance, weights of the second and third corner.
     #[inline(always)]
-    pub fn found(&self) -> ([u32; WIDTH], [[f32; WIDTH]; 3]) {
+    pub fn found(&self) -> ([u32; N], [[f32; N]; 3]) {
         (self.triangle.array().map(f32::to_bits), [self.t.array(), self.b1.array(), self.b2.array()])
     }
 }
 
 /// Edge functions → hits.
 #[inline(always)]
-fn decide<W: Wide>(e: [W; 3], z: [W; 3], sz: W, tmax: W) -> Lanes<W> {
+fn decide<const N: usize, W: Wide<N>>(e: [W; 3], z: [W; 3], sz: W, tmax: W) -> Lanes<W, W::Mask> {
     let zero = W::splat(0.0);
-    let negative = W::or(W::or(e[0].less(zero), e[1].less(zero)), e[2].less(zero));
-    let positive = W::or(W::or(zero.less(e[0]), zero.less(e[1])), zero.less(e[2]));
+    let negative = e[0].min(e[1]).min(e[2]).less(zero);
+    let positive = zero.less(e[0].max(e[1]).max(e[2]));
     let inv = W::splat(1.0) / (e[0] + e[1] + e[2]);
     let t = (e[0] * z[0] + e[1] * z[1] + e[2] * z[2]) * sz * inv;
     // Empty lanes hold NaN and flat triangles give NaN or infinity: `t` then fails both comparisons.
@@ -178,8 +178,8 @@ fn decide<W: Wide>(e: [W; 3], z: [W; 3], sz: W, tmax: W) -> Lanes<W> {
 
 /// An edge function is zero in f32: decide in f64, where the products are exact.
 #[cold]
-fn on_edges(x: &[[f32; WIDTH]; 3], y: &[[f32; WIDTH]; 3], e: &mut [[f32; WIDTH]; 3]) {
-    for l in 0..WIDTH {
+fn on_edges<const N: usize>(x: &[[f32; N]; 3], y: &[[f32; N]; 3], e: &mut [[f32; N]; 3]) {
+    for l in 0..N {
         let cross = |p: usize, q: usize| {
             (f64::from(x[p][l]) * f64::from(y[q][l]) - f64::from(y[p][l]) * f64::from(x[q][l])) as f32
         };
@@ -218,8 +218,8 @@ impl Block {
 }
 
 /// What each triangle of a block says.
-struct Lanes<W: Wide> {
-    hit: W::Mask,
+struct Lanes<W, Mask> {
+    hit: Mask,
     t: W,
     b1: W,
     b2: W,
