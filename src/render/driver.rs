@@ -144,15 +144,21 @@ fn run<I: Integrator>(
             break Stop::Error;
         }
         let begun = Instant::now();
-        if budget.interrupt.is_some() && passes > 0 {
-            before.resize(pixels.len(), [0.0; STRIDE]);
-            before.copy_from_slice(pixels.as_slice());
-        }
+        before.resize(pixels.len(), [0.0; STRIDE]);
         let (shared, pass) = integrator.begin_pass(passes);
         let camera = Instant::now();
         let stop = budget.interrupt;
-        let whole =
-            sample_all(scene, integrator, &shared, settings.seed, passes, stop, &mut pixels, &mut stats);
+        let whole = sample_all(
+            scene,
+            integrator,
+            &shared,
+            settings.seed,
+            passes,
+            stop,
+            &mut pixels,
+            &mut before,
+            &mut stats,
+        );
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
         count(&mut stats, &pass);
@@ -185,7 +191,8 @@ fn count(stats: &mut Statistics, pass: &PassStats) {
     }
 }
 
-/// One sample of every pixel; false when `stop` was set before all were made.
+/// One sample of every pixel; false when `stop` was set before all were made. What the pixels were goes
+/// into `before`.
 fn sample_all<I: Integrator>(
     scene: &Scene,
     integrator: &I,
@@ -194,6 +201,7 @@ fn sample_all<I: Integrator>(
     pass: u32,
     stop: Option<&AtomicBool>,
     pixels: &mut Pixels,
+    before: &mut [[f64; STRIDE]],
     stats: &mut Statistics,
 ) -> bool {
     let [x0, y0, width, height] = scene.film.crop.map(|v| v as usize);
@@ -203,8 +211,10 @@ fn sample_all<I: Integrator>(
     let counted: Vec<(Scratch, u64, bool)> = pixels
         .as_mut_slice()
         .par_chunks_mut(band)
+        .zip(before.par_chunks_mut(band))
         .enumerate()
-        .map(|(b, sums)| {
+        .map(|(b, (sums, before))| {
+            before.copy_from_slice(sums);
             let mut scratch = Scratch::default();
             let mut rejected = 0;
             let rows = (height - b * BLOCK).min(BLOCK);

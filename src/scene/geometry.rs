@@ -72,6 +72,33 @@ struct Packet {
     others: u32,
 }
 
+/// A triangle as shading wants it.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    corners: Corners,
+    /// Unit normal by the winding.
+    pub normal: Vec3,
+    /// Largest coordinate of a corner.
+    pub magnitude: f32,
+}
+
+impl Face {
+    #[inline(always)]
+    fn new(block: &Block, lane: usize) -> Self {
+        let [a, b, c] = [block.corner(0, lane), block.corner(1, lane), block.corner(2, lane)];
+        Self {
+            corners: [a, b, c].map(|v| v.extend(0.0).to_array()),
+            normal: (b - a).cross(c - a).normalize_or(Vec3::Z),
+            magnitude: a.abs().max(b.abs()).max(c.abs()).max_element(),
+        }
+    }
+
+    #[inline(always)]
+    pub fn corners(&self) -> [Vec3; 3] {
+        self.corners.map(|v| Vec3::from_vec4(v.into()))
+    }
+}
+
 /// Affine map in f32 with its inverse.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
@@ -123,7 +150,7 @@ pub struct Instance {
 pub struct Level {
     packets: Vec<Packet>,
     /// All triangles in the order of the packets, when there is no tree and nothing else.
-    flat: Vec<Corners>,
+    flat: Vec<Face>,
     pub primitives: usize,
     pub analytic: Vec<Analytic>,
     bvh: Bvh,
@@ -157,10 +184,7 @@ impl Level {
             (first as u32, (packets.len() - first) as u32)
         });
         let flat = if bvh.is_flat() && packets.iter().all(|p| p.others == 0) {
-            let corner = |p: &Packet, v, lane| p.triangles.corner(v, lane).extend(0.0).to_array();
-            (0..primitives.len())
-                .map(|i| std::array::from_fn(|v| corner(&packets[i / WIDTH], v, i % WIDTH)))
-                .collect()
+            (0..primitives.len()).map(|i| Face::new(&packets[i / WIDTH].triangles, i % WIDTH)).collect()
         } else {
             Vec::new()
         };
@@ -183,11 +207,16 @@ impl Level {
         self.packets[hit.packet as usize].shape[hit.lane as usize]
     }
 
-    /// Corners of the triangle that was hit.
+    /// The triangle that was hit.
     #[inline(always)]
-    pub fn corners(&self, hit: &Hit) -> [Vec3; 3] {
-        let (t, lane) = (&self.packets[hit.packet as usize].triangles, hit.lane as usize % WIDTH);
-        [t.corner(0, lane), t.corner(1, lane), t.corner(2, lane)]
+    pub fn face(&self, hit: &Hit) -> Face {
+        let (packet, lane) = (hit.packet as usize, hit.lane as usize % WIDTH);
+        // Large scenes would wait longer for a stored face than it takes to make it from what the search
+        // for the hit has just read.
+        match self.flat.get(packet * WIDTH + lane) {
+            Some(face) => *face,
+            None => Face::new(&self.packets[packet].triangles, lane),
+        }
     }
 }
 
@@ -323,11 +352,16 @@ impl Geometry {
     }
 
     #[inline(always)]
-    fn closest_flat<const N: usize, W: Wide<N>>(&self, rays: &[Ray], which: &[usize], hits: &mut [Option<Hit>]) {
+    fn closest_flat<const N: usize, W: Wide<N>>(
+        &self,
+        rays: &[Ray],
+        which: &[usize],
+        hits: &mut [Option<Hit>],
+    ) {
         for some in which.chunks(N) {
             let mut bundle = Bundle::<N, W>::new(std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]));
-            for (corners, i) in self.world.flat.iter().zip(0..) {
-                bundle.add(corners, i);
+            for (face, i) in self.world.flat.iter().zip(0..) {
+                bundle.add(&face.corners, i);
             }
             let (triangle, [t, b1, b2]) = bundle.found();
             for (l, &i) in some.iter().enumerate() {
@@ -359,8 +393,8 @@ impl Geometry {
         for some in rays.chunks(N) {
             let bundle = Bundle::<N, W>::new(std::array::from_fn(|l| &some[l.min(some.len() - 1)]));
             let mut blocked = 0;
-            for corners in &self.world.flat {
-                blocked |= bundle.blocked(corners);
+            for face in &self.world.flat {
+                blocked |= bundle.blocked(&face.corners);
             }
             for l in 0..some.len() {
                 occluded.push(blocked >> l & 1 == 1);

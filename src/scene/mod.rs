@@ -5,7 +5,7 @@ mod geometry;
 mod plan;
 
 pub use crate::settings::Settings;
-pub use geometry::{Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
+pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
 pub use plan::Plan;
 
 use crate::bsdf::{Closure, Material, Point};
@@ -133,7 +133,7 @@ impl Scene {
         {
             let index = level.shape(hit);
             let shape = &self.shapes[index as usize];
-            return triangle_surface(&level.corners(hit), shape, index, triangle as usize, hit);
+            return triangle_surface(&level.face(hit), shape, index, triangle as usize, hit);
         }
         self.other_surface(ray, hit)
     }
@@ -146,7 +146,7 @@ impl Scene {
         let shape = &self.shapes[index as usize];
         let mut s = match level.kind(hit) {
             Kind::Triangle(triangle) => {
-                triangle_surface(&level.corners(hit), shape, index, triangle as usize, hit)
+                triangle_surface(&level.face(hit), shape, index, triangle as usize, hit)
             }
             Kind::Analytic(i) => {
                 let p = match self.geometry.instances.get(hit.instance as usize) {
@@ -345,12 +345,12 @@ pub fn shadow_ray(s: &Surface, sample: &DirectSample) -> Ray {
 }
 
 #[inline(always)]
-fn triangle_surface(v: &[Vec3; 3], shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
-    let [v0, v1, v2] = *v;
+fn triangle_surface(face: &Face, shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
+    let [v0, v1, v2] = face.corners();
     let b0 = 1.0 - hit.b1 - hit.b2;
     let mix = |a: Vec3, b: Vec3, c: Vec3| a * b0 + b * hit.b1 + c * hit.b2;
     let flip = if shape.flip { -1.0 } else { 1.0 };
-    let ng = (v1 - v0).cross(v2 - v0).normalize_or(Vec3::Z) * flip;
+    let ng = face.normal * flip;
     let mut ns = ng;
     let mut uv = Vec2::new(hit.b1, hit.b2);
     if !shape.normals.is_empty() || !shape.uvs.is_empty() {
@@ -364,20 +364,19 @@ fn triangle_surface(v: &[Vec3; 3], shape: &ShapeRecord, index: u32, triangle: us
             uv = c[0] * b0 + c[1] * hit.b1 + c[2] * hit.b2;
         }
     }
-    let extent = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
     let mut s = Surface {
         p: mix(v0, v1, v2),
         ng,
         frame: Frame::from_normal(ns),
         uv,
         tangents: NO_TANGENTS,
-        lift: extent * LIFT,
+        lift: face.magnitude * LIFT,
         shape: index,
         triangle: triangle as u32,
         weights: [hit.b1, hit.b2],
     };
     if shape.oriented {
-        s.orient(ns, triangle_partials(v, shape, triangle));
+        s.orient(ns, triangle_partials(&face.corners(), shape, triangle));
     }
     s
 }
