@@ -139,11 +139,6 @@ impl Emitter {
             Self::Collimated(e) => e.power(textures),
         }
     }
-
-    /// True when no scattered ray can hit the light.
-    pub fn is_delta(&self) -> bool {
-        !matches!(self, Self::Area(_) | Self::Constant(_) | Self::Environment(_))
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Direct light at a surface point: next event estimation, and lamps met by scattered rays, weighed by
 //! the power heuristic (Veach 1997, §9.2).
 
-use crate::bsdf::{Closure, Event, Range, Transport};
+use crate::bsdf::{Closure, Range, Transport};
 use crate::emitter::DirectSample;
 use crate::math::{Rgb, Vec3};
 use crate::sampling::Sampler;
@@ -119,12 +119,6 @@ pub fn scattered_lamp(
         ray = at.leave(d);
     }
     Rgb::ZERO
-}
-
-/// Whether a sampled continuation leaves the density of the previous rough surface in force.
-#[inline]
-pub fn keeps_density(event: Event) -> bool {
-    event == Event::Null
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Path tracing with next event estimation: the unbiased oracle, in the conventions of Mitsuba's `path`.
 
-use super::direct::{keeps_density, power_heuristic, propose};
+use super::arrive::{Arrival, Sight, arrive};
+use super::direct::propose;
 use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Event, Range, Transport};
 use crate::film::Layer;
@@ -196,40 +197,20 @@ impl PathTracer<'_> {
     ) -> bool {
         let scene = self.scene;
         walk.depth += 1;
-        let visible_lamps = !self.hide_emitters || walk.seen;
-        let Some(hit) = hit else {
-            if visible_lamps {
-                let weight = if walk.pdf > 0.0 {
-                    power_heuristic(walk.pdf, scene.pdf_direct_background(ray.d))
-                } else {
-                    1.0
-                };
-                sample.out.add(walk.stage.layer(), walk.throughput * scene.background(ray.d) * weight);
+        let sight = Sight { lamps: !self.hide_emitters || walk.seen, pdf: walk.pdf, from: walk.from };
+        let s = match arrive(scene, ray, hit, sight, walk.throughput, walk.stage.layer(), &mut sample.out) {
+            Arrival::Gone => return false,
+            Arrival::Behind => {
+                walk.depth -= 1;
+                return true;
             }
-            return false;
+            Arrival::At(s) => s,
         };
-        let s = scene.surface(ray, hit);
-        let back = -ray.d;
-        if !visible_lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
-            walk.depth -= 1;
-            *ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
-            return true;
-        }
-        sample.out.alpha = 1.0;
-        let emitted = scene.emitted(&s, back);
-        if emitted.max_element() > 0.0 && visible_lamps {
-            let weight = if walk.pdf > 0.0 {
-                power_heuristic(walk.pdf, scene.pdf_direct_surface(walk.from, ray.d, &s))
-            } else {
-                1.0
-            };
-            sample.out.add(walk.stage.layer(), walk.throughput * emitted * weight);
-        }
         walk.seen = true;
         if walk.depth >= self.max_depth {
             return false;
         }
-        let wi = s.frame.to_local(back);
+        let wi = s.frame.to_local(-ray.d);
         let closure = scene.closure(&s, wi);
         self.light(i, walk, &s, &closure, wi, sample, shadows);
         self.scatter(ray, walk, &s, &closure, wi, &mut sample.sampler)
@@ -284,7 +265,8 @@ impl PathTracer<'_> {
         };
         walk.throughput *= sample.weight;
         walk.eta *= sample.eta;
-        if !keeps_density(sample.event) {
+        // Straight passages leave the density of the scattering before in force.
+        if sample.event != Event::Null {
             (walk.pdf, walk.from) = (sample.pdf, s.p);
         }
         walk.stage = walk.stage.after(sample.event);

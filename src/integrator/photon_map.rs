@@ -5,7 +5,8 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use super::direct::{next_event, power_heuristic, scattered_lamp};
+use super::arrive::{Arrival, Sight, arrive};
+use super::direct::{next_event, scattered_lamp};
 use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::film::{Layer, Radiance};
@@ -396,39 +397,22 @@ impl PhotonMapper<'_> {
         while depth < max_depth {
             depth += 1;
             scratch.rays += 1;
-            let visible_lamps = seen || !self.settings.hide_emitters;
-            let Some(hit) = scene.geometry.closest(&ray) else {
-                if visible_lamps {
-                    let weight = if pdf > 0.0 {
-                        power_heuristic(pdf, scene.pdf_direct_background(ray.d))
-                    } else {
-                        1.0
-                    };
-                    out.add(Layer::Emission, throughput * scene.background(ray.d) * weight);
+            let hit = scene.geometry.closest(&ray);
+            let sight = Sight { lamps: seen || !self.settings.hide_emitters, pdf, from };
+            let s = match arrive(scene, &mut ray, hit.as_ref(), sight, throughput, Layer::Emission, &mut out)
+            {
+                Arrival::Gone => break,
+                Arrival::Behind => {
+                    depth -= 1;
+                    continue;
                 }
-                break;
+                Arrival::At(s) => s,
             };
-            let s = scene.surface(&ray, &hit);
-            let back = -ray.d;
-            if !visible_lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
-                depth -= 1;
-                ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
-                continue;
-            }
-            out.alpha = 1.0;
-            let emitted = scene.emitted(&s, back);
-            if visible_lamps && emitted.max_element() > 0.0 {
-                let weight = if pdf > 0.0 {
-                    power_heuristic(pdf, scene.pdf_direct_surface(from, ray.d, &s))
-                } else {
-                    1.0
-                };
-                out.add(Layer::Emission, throughput * emitted * weight);
-            }
             seen = true;
             if depth >= max_depth {
                 break;
             }
+            let back = -ray.d;
             let wi = s.frame.to_local(back);
             let closure = scene.closure(&s, wi);
             if closure.has_smooth(wi, self.glossy()) {
