@@ -264,7 +264,8 @@ fn add_shape(
             } else {
                 mesh
             };
-            add_mesh(mesh, to_level, index, level, &mut record);
+            let uvs_matter = shines || record.oriented || b.varies(material);
+            add_mesh(mesh, to_level, index, uvs_matter, level, &mut record);
             if shape.emission.is_some() { Some(lamp_mesh(&level.primitives[first..], &record)) } else { None }
         }
         None => {
@@ -327,6 +328,7 @@ fn add_mesh(
     mesh: &Mesh,
     to_level: &Transform,
     index: u32,
+    uvs_matter: bool,
     level: &mut LevelBuilder,
     record: &mut ShapeRecord,
 ) {
@@ -359,10 +361,27 @@ fn add_mesh(
             })
             .collect();
     }
-    record.uvs.clone_from(&mesh.uvs);
+    if are_flat(&record.normals, &mesh.triangles, &positions) {
+        record.normals = Vec::new();
+    }
+    if uvs_matter {
+        record.uvs.clone_from(&mesh.uvs);
+    }
     if !record.normals.is_empty() || !record.uvs.is_empty() {
         record.triangles.clone_from(&mesh.triangles);
     }
+}
+
+/// Whether all normals are those of the faces they stand on, but for rounding: nobody needs them then.
+fn are_flat(normals: &[[f32; 3]], triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> bool {
+    /// No picture shows a normal that is off by so many radians.
+    const NOTHING: f32 = 1e-5;
+    let corner = |of: &[[f32; 3]], i: u32| Vec3::from(of[i as usize]);
+    !normals.is_empty()
+        && triangles.iter().all(|t| {
+            let face = triangle::cross_product(&t.map(|i| positions[i as usize])).normalize_or_zero();
+            t.iter().all(|&i| (corner(normals, i) - face).length_squared() < NOTHING * NOTHING)
+        })
 }
 
 /// The lamp's triangles with the normal of the side that shines: the side of the shading normals.
