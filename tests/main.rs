@@ -6,6 +6,7 @@
 
 mod support;
 
+mod bench;
 mod bsdf;
 mod camera;
 mod cli;

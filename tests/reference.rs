@@ -1,5 +1,5 @@
 //! Our pictures against references made by Mitsuba 3: one trial for each manifest `reference/*.toml`
-//! and integrator. `CAUSTICA_REFERENCE=long` renders 16 times as many samples under tighter limits.
+//! and integrator. `CAUSTICA_REFERENCE=long` renders 4 times as many samples under tighter limits.
 //!
 //! A trial that fails leaves picture, reference, FLIP map and the HTML page of the comparison in
 //! `target/reference-failures/NAME/`.

@@ -1,18 +1,17 @@
 //! A picture against its reference, by caustica-tools.
 
+use super::blocks::{self, Block, Truth};
 use super::manifest::{Limits, Manifest};
-use caustica_formats::image::{ExrLayer, ExrOptions, write_exr};
-use caustica_tools::compare::{CompareArgs, Status, load, run};
-use caustica_tools::pixels::Pixels;
+use caustica_tools::compare::{CompareArgs, Mask, Status, load, run};
 use serde_json::Value;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub struct Judge<'a> {
     pub manifest: &'a Manifest,
     pub limits: &'a Limits,
     pub image: &'a Path,
-    /// Folder for figures and for what is left of a masked picture.
+    /// Folder for figures.
     pub scratch: &'a Path,
 }
 
@@ -23,12 +22,12 @@ impl Judge<'_> {
         if failures.exists() {
             std::fs::remove_dir_all(failures)?;
         }
-        let image = self.masked()?;
-        let args = self.arguments(integrator, image.clone());
+        let args = self.arguments(integrator);
         let mut out = Vec::new();
         let status = run(&CompareArgs { json: Some(None), ..args.clone() }, &mut out);
         std::fs::write(self.scratch.join(format!("{}-{integrator}.json", self.manifest.name)), &out)?;
-        if status == Status::Holds {
+        let block = self.block(integrator)?;
+        if status == Status::Holds && block.share <= 1.0 {
             return Ok(());
         }
         std::fs::create_dir_all(failures)?;
@@ -39,12 +38,32 @@ impl Judge<'_> {
             ..args
         };
         run(&pages, &mut std::io::sink());
-        std::fs::copy(image, failures.join("image.exr"))?;
+        std::fs::copy(self.image, failures.join("image.exr"))?;
         std::fs::copy(&pages.reference, failures.join("reference.exr"))?;
-        Err(figures(&serde_json::from_slice(&out)?).into())
+        Err(format!("{}\n{}", figures(&serde_json::from_slice(&out)?), described(&block)).into())
     }
 
-    fn arguments(&self, integrator: &str, image: PathBuf) -> CompareArgs {
+    /// The part of the picture whose mean is furthest off.
+    fn block(&self, integrator: &str) -> Result<Block, Box<dyn Error>> {
+        let beside = |extension: &str| load(&self.manifest.file.with_extension(extension), None);
+        let (reference, variance) = (beside("exr")?.pixels, beside("var.exr")?.pixels);
+        let density = if integrator == "path" { None } else { Some(beside("density.exr")?.pixels) };
+        let mut image = load(self.image, None)?.pixels;
+        if !image.same_size(&reference) || !variance.same_size(&reference) {
+            return Err("picture, reference and variance have different sizes".into());
+        }
+        if density.as_ref().is_some_and(|d| [d.width, d.height] != [blocks::BLOCKS; 2]) {
+            return Err("the tolerance of the density has another number of blocks".into());
+        }
+        if let Some(mask) = Mask::beside(&self.manifest.file.with_extension("exr"), &reference)? {
+            mask.apply(&mut image);
+        }
+        let spp = self.manifest.reference.spp as f64;
+        let truth = Truth { reference: &reference, variance: &variance, density: density.as_ref(), spp };
+        blocks::worst(&image, &truth, self.limits).ok_or_else(|| "a picture without pixels".into())
+    }
+
+    fn arguments(&self, integrator: &str) -> CompareArgs {
         let reference = self.manifest.file.with_extension("exr");
         // Only a path tracer is free of bias, which the test presumes.
         let z_test = integrator == "path" && self.limits.z_test;
@@ -56,27 +75,24 @@ impl Judge<'_> {
             spp: Some(f64::from(self.limits.spp)),
             reference_spp: Some(self.manifest.reference.spp as f64),
             no_hdr: true,
-            ..CompareArgs::new(image, reference)
+            ..CompareArgs::new(self.image, reference)
         }
     }
+}
 
-    /// The picture itself, or a copy that is black where the reference does not count.
-    fn masked(&self) -> Result<PathBuf, Box<dyn Error>> {
-        if !self.manifest.reference.mask {
-            return Ok(self.image.to_path_buf());
-        }
-        let image = load(self.image, None)?.pixels;
-        let mask = load(&self.manifest.file.with_extension("mask.exr"), None)?.pixels;
-        if !image.same_size(&mask) {
-            return Err("the mask has another size than the picture".into());
-        }
-        let Pixels { width, height, rgb } = image;
-        let data: Vec<f32> = rgb.iter().zip(&mask.rgb).flat_map(|(p, m)| p.map(|v| v * m[0])).collect();
-        let layer = ExrLayer { name: "", channels: &["R", "G", "B"], data: &data };
-        let path = self.scratch.join(format!("{}-masked.exr", self.manifest.name));
-        write_exr(&path, width, height, &[layer], &[], ExrOptions::default())?;
-        Ok(path)
-    }
+/// Where the mean is furthest off.
+fn described(b: &Block) -> String {
+    format!(
+        "{}  block  columns {}..={}, rows {}..={}, channel {}: {:+.2} % (tolerance {:.2} %)",
+        if b.share <= 1.0 { "holds" } else { "FAILS" },
+        b.columns[0],
+        b.columns[1],
+        b.rows[0],
+        b.rows[1],
+        b.channel,
+        100.0 * b.difference,
+        100.0 * b.tolerance
+    )
 }
 
 /// The limits with what was measured, those that do not hold marked.

@@ -27,8 +27,6 @@ pub struct Reference {
     pub command: String,
     /// Samples a pixel.
     pub spp: u64,
-    /// Whether `NAME.mask.exr` says which pixels count.
-    pub mask: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -51,6 +49,8 @@ pub struct Limits {
     pub max_rmse: f64,
     pub max_flip: f64,
     pub max_bias: f64,
+    /// Variance of one sample over that of the reference's.
+    pub noise: f64,
     /// Whether the z-test of a path traced picture has to accept.
     #[serde(default)]
     pub z_test: bool,

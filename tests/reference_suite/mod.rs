@@ -1,7 +1,9 @@
 //! Manifests → trials.
 
+mod blocks;
 mod judge;
 mod manifest;
+mod own;
 
 use judge::Judge;
 use libtest_mimic::{Failed, Trial};
@@ -57,6 +59,7 @@ pub fn trials(root: &Path, profile: Profile) -> Result<Vec<Trial>, String> {
             }));
         }
     }
+    trials.extend(own::trials(root));
     Ok(trials)
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes the references of reference/ with Mitsuba 3. See README.md beside this file.
 
-    python3 tools/references/make.py [--venv DIR] [--photonmap] [NAME ...]
+    python3 tools/references/make.py [--venv DIR] [--limits] [NAME ...]
 
 Without names: every row of scenes.toml. Needs Python 3.11 with venv; installs the rest into DIR.
 """
@@ -12,7 +12,6 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import time
 import tomllib
 import xml.etree.ElementTree as ET
@@ -116,15 +115,6 @@ def render(mi, scene, integrator: dict, spp: int, seeds: range):
     return mean + shift, np.maximum(variance, 0)
 
 
-def write_exr(path: Path, image) -> None:
-    import numpy as np
-    import OpenEXR
-
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    channels = {c: np.ascontiguousarray(image[:, :, i], dtype=np.float32) for i, c in enumerate("RGB")}
-    OpenEXR.File(header, channels).write(str(path))
-
-
 def specular_mask(mi, scene, size):
     """1 where every camera ray of a pixel meets a diffuse surface or nothing first, also in the pixels
     around it; 0 elsewhere. A particle tracer connects only such surfaces with the camera."""
@@ -176,86 +166,6 @@ def bias_check(mi, row):
     }
 
 
-def caustica(*arguments) -> str:
-    """Runs our program, a built one (CAUSTICA=FILE) or through cargo; gives what it prints."""
-    program = os.environ.get("CAUSTICA")
-    command = [program] if program else ["cargo", "run", "--quiet", "--release", "--"]
-    return subprocess.run([*command, *arguments], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
-
-
-def compare(image, reference: Path) -> dict:
-    """What our judge says of a picture."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "image.exr"
-        write_exr(path, image)
-        out = caustica("compare", path, reference, "--no-hdr", "--json")
-    c = json.loads(out)["comparisons"][0]
-    return {
-        "rmse": c["rmse_all"],
-        "flip": c["flip_ldr"]["mean"],
-        "bias": max(abs(v) for v in c["bias"]["relative"]),
-    }
-
-
-def up(value: float) -> float:
-    """Two significant digits, rounded up."""
-    from math import ceil, floor, log10
-
-    unit = 10.0 ** (floor(log10(value)) - 1)
-    return float(f"{ceil(value / unit - 1e-9) * unit:.12g}")
-
-
-def path_limits(mi, scene, integrator, spp, reference: Path, mean, variance, total_spp: int, z_test: bool) -> dict:
-    """Limits of our path tracer: what Mitsuba's own pictures of the same samples score, with a margin."""
-    import numpy as np
-
-    scores = []
-    for seed in range(500, 502):
-        image, _ = render(mi, scene, integrator, spp, range(seed, seed + 1))
-        scores.append(compare(image, reference))
-    n = mean.shape[0] * mean.shape[1]
-    image_variance = variance.reshape(n, 3).sum(0) * (total_spp / spp + 1)
-    error = (np.sqrt(image_variance) / n / mean.reshape(n, 3).mean(0)).max()
-    return {
-        "spp": spp,
-        "max_rmse": up(1.25 * max(s["rmse"] for s in scores)),
-        "max_flip": up(1.25 * max(s["flip"] for s in scores)),
-        "max_bias": up(4.5 * float(error) + 0.002),
-        "z_test": z_test,
-    }
-
-
-def photonmap_limits(row: dict) -> dict:
-    """Limits of our photon mapper: what it measures now, with a margin."""
-    import numpy as np
-    import OpenEXR
-
-    read = lambda p: np.asarray(OpenEXR.File(str(p)).channels()["RGB"].pixels, dtype=np.float64)
-    reference = ROOT / "reference" / f"{row['name']}.exr"
-    size = "x".join(str(n) for n in row.get("size", [96, 96]))
-    arguments = row.get("photonmap_args", [])
-    limits = {}
-    for profile, spp in [("short", 64), ("long", 256)]:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "image.exr"
-            caustica("render", row["scene"], "--quiet", "--layers", "none", "--filter", "box", "--integrator",
-                     "photonmap", "--size", size, "--spp", str(spp), *arguments, "-o", path)
-            image = read(path)
-        if row.get("mask"):
-            image = image * read(reference.with_suffix(".mask.exr"))
-        score = compare(image, reference)
-        limits[profile] = {
-            "spp": spp,
-            "max_rmse": up(1.5 * score["rmse"]),
-            "max_flip": up(1.5 * score["flip"]),
-            "max_bias": max(up(1.5 * score["bias"]), 0.01),
-            "args": arguments,
-        }
-    reason = "A density estimate has bias, which no rule gives beforehand: 1.5 times what was measured when" \
-        " these limits were written, the bias at least 1 %."
-    return {"reason": reason, **limits}
-
-
 def toml(value) -> str:
     if isinstance(value, float):
         return f"{value:.6g}" if value else "0.0"
@@ -270,26 +180,52 @@ def table(name: str, rows: dict) -> str:
     return f"\n[{name}]\n" + "".join(f"{k} = {toml(v)}\n" for k, v in rows.items())
 
 
-PHOTONMAP = "\n[photonmap]\n"
+def limits_text(mi, scene, row: dict, integrator: dict, measured, mask) -> str:
+    """The manifest's limits; writes how far blocks of a density estimate may be off."""
+    import density
+    import limits
+    from exr import write_exr
+
+    take = lambda samples, seed: render(mi, scene, integrator, samples, range(seed, seed + 1))[0]
+    pictures = limits.pictures(take, row.get("spp_suite", 256), mask)
+    text = ""
+    if row["integrator"] == "path":
+        text += table("path", limits.path(measured, pictures, row.get("z_test", True)))
+    direct, _ = render(mi, scene, {**integrator, "type": "path", "max_depth": 2}, 1024, range(900, 904))
+    change, unknown = density.spread(mi, scene, measured.mean, direct, pictures.spp, mask)
+    write_exr(measured.file.with_suffix(".density.exr"), density.tolerance(change, unknown))
+    return text + table("photonmap", limits.photonmap(measured, pictures, change, row.get("photonmap_args", [])))
 
 
-def renew_photonmap(row: dict) -> None:
-    """Measures the limits of the photon mapper anew; the rest of the manifest stays."""
-    manifest = ROOT / "reference" / f"{row['name']}.toml"
-    text = manifest.read_text().split(PHOTONMAP)[0]
-    manifest.write_text(text + table("photonmap", photonmap_limits(row)))
+def renew_limits(mi, row: dict) -> None:
+    """Finds the limits of a reference that stands."""
+    import limits
+    from exr import read_exr
+
+    target = ROOT / "reference" / f"{row['name']}.exr"
+    manifest = target.with_suffix(".toml")
+    text = manifest.read_text()
+    spp = tomllib.loads(text)["reference"]["spp"]
+    scene, keep = load(mi, ROOT / row["scene"], row.get("size", [96, 96]))
+    mean = read_exr(target)
+    measured = limits.Measured(target, mean, read_exr(target.with_suffix(".var.exr")), spp)
+    mask = read_exr(target.with_suffix(".mask.exr")) if row.get("mask") else None
+    head = text.split("\n[path]\n")[0].split("\n[photonmap]\n")[0]
+    integrator = {"type": row["integrator"], **keep}
+    manifest.write_text(head + limits_text(mi, scene, row, integrator, measured, mask))
+    print(f"{row['name']}: limits")
 
 
 def make(mi, variant: str, row: dict) -> None:
     import drjit
+    import limits
     import numpy as np
+    from exr import write_exr
 
     scene_file = ROOT / row["scene"]
     name = row["name"]
     target = ROOT / "reference" / f"{name}.exr"
     manifest = target.with_suffix(".toml")
-    # Limits of the photon mapper outlive the reference, so that a new one does not hide a change.
-    old = manifest.read_text().split(PHOTONMAP) if manifest.exists() else []
     size, passes, spp = row.get("size", [96, 96]), row.get("passes", 64), row.get("spp", 128)
     started = time.time()
     scene, keep = load(mi, scene_file, size)
@@ -327,27 +263,7 @@ def make(mi, variant: str, row: dict) -> None:
     for file in files_of(scene_file):
         text += "\n[[files]]\n" + f"path = {toml(str(file.relative_to(ROOT)))}\n"
         text += f"sha256 = {toml(hashlib.sha256(file.read_bytes()).hexdigest())}\n"
-    if row["integrator"] == "path":
-        short, long = row.get("path_spp", 64), row.get("path_spp_long", 1024)
-        shrink = ((passes * spp / long + 1) / (passes * spp / short + 1)) ** 0.5
-        limits = path_limits(mi, scene, integrator, short, target, mean, variance, passes * spp,
-                             row.get("z_test", True))
-        text += table("path", {
-            "reason": "RMSE and FLIP: 1.25 times the worse of two pictures by Mitsuba with as many samples and"
-            " seeds of their own. Bias: 4.5 standard errors of the mean of such a picture, and 0.2 % for"
-            " single precision. z-test: that of Mitsuba's render tests, unless the light of a pixel comes from so few"
-            " paths that its variance is not known.",
-            "short": limits,
-            "long": {
-                "spp": long,
-                # Noise falls with the root of the samples, down to that of the reference.
-                "max_rmse": up((limits["max_rmse"] ** 2 * short / long + 1.25**2 * variance.mean()) ** 0.5),
-                "max_flip": limits["max_flip"],
-                "z_test": limits["z_test"],
-                "max_bias": up((limits["max_bias"] - 0.002) * shrink + 0.002),
-            },
-        })
-    text += PHOTONMAP + old[1] if len(old) == 2 else table("photonmap", photonmap_limits(row))
+    text += limits_text(mi, scene, row, integrator, limits.Measured(target, mean, variance, passes * spp), mask)
     manifest.write_text(text)
     print(f"{name}: {size[0]}x{size[1]}, {passes * spp} spp, noise {np.sqrt(variance.mean()) / mean.mean():.3%},"
           f" {time.time() - started:.0f} s")
@@ -356,8 +272,8 @@ def make(mi, variant: str, row: dict) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--venv", type=Path, default=ROOT / "target" / "mitsuba-venv", help="virtual environment")
+    parser.add_argument("--limits", action="store_true", help="keep the references, find their limits anew")
     parser.add_argument("--list", action="store_true", help="list the names and end")
-    parser.add_argument("--photonmap", action="store_true", help="only measure the photon mapper's limits anew")
     parser.add_argument("names", nargs="*", metavar="NAME")
     args = parser.parse_args()
     rows = tomllib.loads(CONFIG.read_text())["reference"]
@@ -369,16 +285,12 @@ def main() -> None:
         sys.exit(f"scenes.toml has no {', '.join(sorted(unknown))}")
     inside_venv(args.venv)
     chosen = [row for row in rows if not args.names or row["name"] in args.names]
-    if args.photonmap:
-        for row in chosen:
-            renew_photonmap(row)
-        return
     import mitsuba as mi
 
     variant = choose_variant(mi)
     (ROOT / "reference").mkdir(exist_ok=True)
     for row in chosen:
-        make(mi, variant, row)
+        renew_limits(mi, row) if args.limits else make(mi, variant, row)
 
 
 if __name__ == "__main__":

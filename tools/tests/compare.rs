@@ -153,6 +153,29 @@ fn variances_beside_references_are_used() {
 }
 
 #[test]
+fn pixels_that_a_reference_leaves_out_do_not_count() {
+    let f = Folder::new();
+    let mut data = vec![0.5; 600];
+    data[..300].fill(9.0);
+    let image = f.write("a.exr", &RGB, &data, (20, 10));
+    let reference = f.exr("r/a.ref.exr", &RGB, 0.5);
+    let args = CompareArgs { max_rmse: Some(1e-6), ..CompareArgs::new(&image, &reference) };
+    assert_eq!(text(&args).0, Status::FallsShort);
+    let mut mask = vec![1.0; 600];
+    mask[..300].fill(0.0);
+    let mask = f.write("r/a.ref.mask.exr", &RGB, &mask, (20, 10));
+    let (status, report) = json(args.clone());
+    assert_eq!(status, Status::Holds, "{report}");
+    let note = report["comparisons"][0]["notes"].to_string();
+    assert!(note.contains("100 of 200 pixels do not count"), "{note}");
+    let elsewhere = f.exr("b.exr", &RGB, 0.5);
+    let given = CompareArgs { reference: elsewhere, mask: Some(mask), ..args.clone() };
+    assert_eq!(text(&given).0, Status::Holds);
+    f.sized("r/a.ref.mask.exr", &RGB, 1.0, (10, 10));
+    assert!(error(args).contains("a.ref.mask.exr has 10x10"));
+}
+
+#[test]
 fn folders_and_error_maps() {
     let f = Folder::new();
     f.exr("images/a.exr", &RGB, 0.5);

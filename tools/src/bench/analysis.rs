@@ -46,6 +46,8 @@ pub struct SceneResult {
     pub scene: String,
     pub reference: PathBuf,
     pub size: [usize; 2],
+    /// Pixels that the reference's mask leaves out.
+    pub left_out: usize,
     /// RMSE whose time is compared.
     pub target_rmse: Option<f64>,
     pub rows: Vec<Row>,
@@ -94,7 +96,7 @@ impl SceneResult {
                 first.ratio = None;
             }
         }
-        Self { scene: scene.to_owned(), reference, size, target_rmse, rows }
+        Self { scene: scene.to_owned(), reference, size, left_out: 0, target_rmse, rows }
     }
 }
 

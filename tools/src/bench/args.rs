@@ -16,7 +16,7 @@ pub struct BenchArgs {
     #[arg(long = "reference", value_name = "REF.exr")]
     pub references: Vec<PathBuf>,
     /// Configurations: caustica[:KEY=VALUE,...], caustica:path, mitsuba:VARIANT:INTEGRATOR,
-    /// pbrt:INTEGRATOR; the first is what others are compared with [default: caustica]
+    /// pbrt:INTEGRATOR[,KEY=VALUE,...]; the first is what others are compared with [default: caustica]
     #[arg(long = "config", value_name = "NAME", num_args = 1..)]
     pub configs: Vec<String>,
     /// Seconds of rendering, each a point of the curve
@@ -40,11 +40,11 @@ pub struct BenchArgs {
     /// Threads of every render [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
-    /// Python that can import mitsuba
-    #[arg(long, value_name = "PATH", default_value = "python3")]
-    pub python: PathBuf,
-    /// Repeat a study of photon mapping's parameters: photons, neighbours, kernels, roulette, nee,
-    /// caustic-map or all
+    /// Python that can import mitsuba [default: python3, or one that gets Mitsuba installed when needed]
+    #[arg(long, value_name = "PATH")]
+    pub python: Option<PathBuf>,
+    /// Repeat a study of photon mapping's parameters: photons, neighbours, kernels, roulette, direct,
+    /// nee, caustic-map or all
     #[arg(long, value_name = "NAME", conflicts_with_all = ["scenes", "references"])]
     pub study: Option<String>,
     /// Small pictures and few of them, for studies
@@ -123,9 +123,7 @@ impl BenchArgs {
         self.target_error = self.target_error.or(file.target_error);
         self.max_depth = self.max_depth.or(file.max_depth);
         self.threads = self.threads.or(file.threads);
-        if let Some(python) = file.python.filter(|_| self.python == Path::new("python3")) {
-            self.python = python;
-        }
+        self.python = self.python.take().or(file.python);
         Ok(())
     }
 

@@ -14,6 +14,7 @@ pub enum Renderer {
     },
     Pbrt {
         integrator: String,
+        parameters: Vec<(String, String)>,
     },
 }
 
@@ -26,7 +27,7 @@ pub struct Config {
 
 impl Config {
     /// `caustica`, `caustica:path`, `caustica:KEY=VALUE,KEY=VALUE`, `mitsuba:VARIANT:INTEGRATOR`,
-    /// `pbrt:INTEGRATOR`.
+    /// `pbrt:INTEGRATOR[,KEY=VALUE...]`.
     pub fn parse(name: &str) -> Result<Self, BenchError> {
         let wrong = || BenchError::Config(name.to_owned());
         let (program, rest) = name.split_once(':').unwrap_or((name, ""));
@@ -40,11 +41,23 @@ impl Config {
                     rest.split_once(':').filter(|(v, i)| !v.is_empty() && !i.is_empty()).ok_or_else(wrong)?;
                 Renderer::Mitsuba { variant: variant.to_owned(), integrator: integrator.to_owned() }
             }
-            "pbrt" if !rest.is_empty() => Renderer::Pbrt { integrator: rest.to_owned() },
+            "pbrt" => {
+                let mut tokens = rest.split(',').map(str::trim);
+                let integrator =
+                    tokens.next().filter(|i| !i.is_empty() && !i.contains('=')).ok_or_else(wrong)?;
+                let parameters = tokens.map(parameter).collect::<Option<_>>().ok_or_else(wrong)?;
+                Renderer::Pbrt { integrator: integrator.to_owned(), parameters }
+            }
             _ => return Err(wrong()),
         };
         Ok(Self { name: name.to_owned(), renderer })
     }
+}
+
+/// `KEY=VALUE`.
+fn parameter(token: &str) -> Option<(String, String)> {
+    let (key, value) = token.split_once('=').filter(|(k, v)| !k.is_empty() && !v.is_empty())?;
+    Some((key.to_owned(), value.to_owned()))
 }
 
 /// `KEY=VALUE`, or the name of an integrator or mode.
@@ -53,10 +66,7 @@ fn setting(token: &str) -> Option<(String, String)> {
     match token {
         "path" | "photonmap" => owned("integrator", token),
         "classic" | "progressive" => owned("mode", token),
-        _ => token
-            .split_once('=')
-            .filter(|(k, v)| !k.is_empty() && !v.is_empty())
-            .and_then(|(k, v)| owned(k, v)),
+        _ => parameter(token),
     }
 }
 
@@ -76,7 +86,12 @@ mod tests {
         let mitsuba = Config::parse("mitsuba:scalar_rgb:path").unwrap().renderer;
         let expected = Renderer::Mitsuba { variant: "scalar_rgb".to_owned(), integrator: "path".to_owned() };
         assert_eq!(mitsuba, expected);
-        for wrong in ["", "mitsuba", "mitsuba:scalar_rgb", "pbrt", "blender:x", "caustica:alpha"] {
+        let pbrt = Config::parse("pbrt:sppm,radius=0.05").unwrap().renderer;
+        let parameters = vec![("radius".to_owned(), "0.05".to_owned())];
+        assert_eq!(pbrt, Renderer::Pbrt { integrator: "sppm".to_owned(), parameters });
+        for wrong in
+            ["", "mitsuba", "mitsuba:scalar_rgb", "pbrt", "pbrt:sppm,x", "blender:x", "caustica:alpha"]
+        {
             assert!(Config::parse(wrong).is_err(), "{wrong}");
         }
     }

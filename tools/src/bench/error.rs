@@ -16,7 +16,8 @@ pub enum BenchError {
     #[error("`{command}` failed: {message}")]
     Render { command: String, message: String },
     #[error(
-        "`{0}` is no configuration: expected caustica[:KEY=VALUE,...], mitsuba:VARIANT:INTEGRATOR or pbrt:INTEGRATOR"
+        "`{0}` is no configuration: expected caustica[:KEY=VALUE,...], mitsuba:VARIANT:INTEGRATOR or \
+         pbrt:INTEGRATOR[,KEY=VALUE...]"
     )]
     Config(String),
     #[error("{0}")]

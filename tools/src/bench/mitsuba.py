@@ -2,7 +2,9 @@
 
 The file is read as it stands but for its integrator, its film's size and its reconstruction filter.
 A budget in seconds is turned into samples a pixel by timing a few samples first; they are not counted.
+With "check" in the job nothing is rendered: it only says whether the variant can be used.
 """
+import glob
 import json
 import os
 import resource
@@ -12,9 +14,18 @@ import xml.etree.ElementTree as ET
 
 job = json.loads(sys.argv[1])
 
+if job["variant"].startswith("llvm") and "DRJIT_LIBLLVM_PATH" not in os.environ:
+    # Debian's package has no link without a version, which is what drjit looks for.
+    found = glob.glob("/usr/lib/*/libLLVM*.so*") + glob.glob("/usr/lib/llvm-*/lib/libLLVM*.so*")
+    if found:
+        os.environ["DRJIT_LIBLLVM_PATH"] = sorted(found)[-1]
+
 import mitsuba as mi
 
 mi.set_variant(job["variant"])
+if job.get("check"):
+    mi.Float(1.0) + mi.Float(2.0)
+    sys.exit()
 folder = os.path.dirname(os.path.abspath(job["scene"]))
 try:
     mi.file_resolver().append(folder)
@@ -22,13 +33,16 @@ except AttributeError:
     mi.Thread.thread().file_resolver().append(folder)
 
 root = ET.parse(job["scene"]).getroot()
-depth = -1
+depth, hide = -1, "false"
 defaults = {d.get("name"): d.get("value") for d in root.findall("default")}
 for node in root.findall("integrator"):
     for value in node.iter("integer"):
         if value.get("name") in ("max_depth", "maxDepth"):
             text = value.get("value")
             depth = int(defaults.get(text[1:], "-1") if text.startswith("$") else text)
+    for value in node.iter("boolean"):
+        if value.get("name") in ("hide_emitters", "hideEmitters"):
+            hide = value.get("value")
     root.remove(node)
 depth = job["max_depth"] if job["max_depth"] is not None else depth
 for film in root.iter("film"):
@@ -38,8 +52,9 @@ for film in root.iter("film"):
     for name, value in zip(("width", "height"), job["size"]):
         ET.SubElement(film, "integer", name=name, value=str(value))
     ET.SubElement(film, "rfilter", type="box")
-ET.SubElement(root, "integrator", type=job["integrator"]).append(
-    ET.Element("integer", name="max_depth", value=str(depth)))
+integrator = ET.SubElement(root, "integrator", type=job["integrator"])
+ET.SubElement(integrator, "integer", name="max_depth", value=str(depth))
+ET.SubElement(integrator, "boolean", name="hide_emitters", value=hide)
 
 scene = mi.load_string(ET.tostring(root, encoding="unicode"))
 

@@ -32,6 +32,12 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
             scene.size[1],
             escape(&scene.reference.display().to_string())
         );
+        if scene.left_out > 0 {
+            html += &format!(
+                "<p>{} pixels do not count: the reference's mask leaves them out.</p>\n",
+                scene.left_out
+            );
+        }
         for (title, f) in METRICS {
             html += &plot(scene, title, f, WALL).svg();
         }

@@ -10,6 +10,8 @@ pub struct Cost {
     pub seconds: f64,
     /// User and system time of all its threads; none where the system does not tell.
     pub cpu_seconds: Option<f64>,
+    /// Most that was resident, as far as it was seen while the process ran.
+    pub peak_memory_bytes: Option<u64>,
 }
 
 /// Time between looks at the process; also the error of `Cost::seconds`, which callers replace by what the
@@ -35,13 +37,16 @@ pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
         .spawn()
         .map_err(|source| BenchError::Start { program, source })?;
     let stat = format!("/proc/{}/stat", child.id());
-    let mut cpu_seconds = None;
+    let memory = format!("/proc/{}/status", child.id());
+    let (mut cpu_seconds, mut peak_memory_bytes) = (None, None);
     // A process that has ended keeps its times until it is waited for.
     while let Some((ended, cpu)) = std::fs::read_to_string(&stat).ok().as_deref().and_then(parse_stat) {
         cpu_seconds = Some(cpu);
         if ended {
             break;
         }
+        let status = std::fs::read_to_string(&memory).ok();
+        peak_memory_bytes = status.as_deref().and_then(parse_peak).or(peak_memory_bytes);
         std::thread::sleep(LOOK);
     }
     let seconds = started.elapsed().as_secs_f64();
@@ -49,7 +54,7 @@ pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
     if !status.success() {
         return Err(BenchError::Render { command: shown, message: tail(errors, &status.to_string()) });
     }
-    Ok(Cost { seconds, cpu_seconds })
+    Ok(Cost { seconds, cpu_seconds, peak_memory_bytes })
 }
 
 /// Whether the process has ended, and its CPU seconds, from /proc/PID/stat.
@@ -60,6 +65,12 @@ fn parse_stat(text: &str) -> Option<(bool, f64)> {
     let user: f64 = fields.nth(10)?.parse().ok()?;
     let system: f64 = fields.next()?.parse().ok()?;
     Some((matches!(state, "Z" | "X"), (user + system) / TICKS))
+}
+
+/// Peak of the resident memory in bytes, from /proc/PID/status.
+fn parse_peak(text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
 /// Last lines of what the process said.
@@ -84,6 +95,7 @@ mod tests {
         let line = "12 (a) b (c)) Z 1 2 3 4 5 6 7 8 9 10 150 50 0 0 20 0 1 0 5 6";
         assert_eq!(parse_stat(line), Some((true, 2.0)));
         assert_eq!(parse_stat("12 (x) R 1"), None);
+        assert_eq!(parse_peak("Name:\tx\nVmHWM:\t    2048 kB\n"), Some(2048 * 1024));
     }
 
     #[test]

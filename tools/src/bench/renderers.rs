@@ -1,10 +1,12 @@
-//! Starting the renderers: ours as a process of its own, Mitsuba through Python.
+//! Starting the renderers: ours as a process of its own, Mitsuba through Python, pbrt by its name.
 
 use super::config::{Config, Renderer};
 use super::process::{self, Cost};
+use super::python::{self, Python};
 use super::record::Budget;
-use super::{BenchArgs, BenchError};
+use super::{BenchArgs, BenchError, pbrt};
 use serde_json::Value;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -31,7 +33,7 @@ pub struct Made {
 #[derive(Clone, Debug)]
 pub struct Programs {
     pub caustica: PathBuf,
-    pub python: PathBuf,
+    python: Python,
     pub threads: Option<usize>,
     pub max_depth: Option<i64>,
 }
@@ -40,47 +42,35 @@ impl Programs {
     pub fn new(args: &BenchArgs, caustica: &Path) -> Self {
         Self {
             caustica: caustica.to_path_buf(),
-            python: args.python.clone(),
+            python: Python::new(args.python.as_deref()),
             threads: args.threads,
             max_depth: args.max_depth,
         }
     }
 
     /// Why a configuration cannot be measured here, if it cannot.
-    pub fn missing(&self, config: &Config) -> Option<String> {
+    pub fn missing(&mut self, config: &Config, out: &mut dyn Write) -> Result<Option<String>, BenchError> {
         match &config.renderer {
-            Renderer::Ours { .. } => None,
-            Renderer::Mitsuba { variant, .. } => {
-                let script = format!("import mitsuba; mitsuba.set_variant({variant:?})");
-                let found = Command::new(&self.python).args(["-c", &script]).output();
-                let python = self.python.display();
-                match found {
-                    Ok(out) if out.status.success() => None,
-                    Ok(out) => {
-                        let said = String::from_utf8_lossy(&out.stderr);
-                        let why = said.lines().last().unwrap_or("no message").to_owned();
-                        Some(format!(
-                            "`{python}` cannot use Mitsuba's {variant} ({why}); install it with `{python} -m pip \
-                             install mitsuba`, and for llvm variants `apt-get install libllvm19`"
-                        ))
-                    }
-                    Err(e) => {
-                        Some(format!("cannot start `{python}` ({e}); give a Python with --python PATH"))
-                    }
-                }
-            }
+            Renderer::Ours { .. } => Ok(None),
+            Renderer::Mitsuba { variant, .. } => self.python.missing(variant, out),
             Renderer::Pbrt { .. } => {
                 let path = std::env::var_os("PATH").unwrap_or_default();
                 let found = std::env::split_paths(&path).any(|p| p.join("pbrt").is_file());
-                Some(if found {
-                    "scenes cannot be converted to pbrt's format yet".to_owned()
-                } else {
-                    "there is no `pbrt` on PATH (build https://github.com/mmp/pbrt-v4), and scenes cannot be \
-                     converted to its format yet"
-                        .to_owned()
-                })
+                let how = "there is no `pbrt` on PATH: build https://github.com/mmp/pbrt-v4 and add its folder to PATH";
+                Ok((!found).then(|| how.to_owned()))
             }
         }
+    }
+
+    /// The job's scene in the language of a renderer (`xml`, `pbrt`), converted by our program unless it is.
+    pub fn converted(&self, job: &Job<'_>, extension: &str) -> Result<PathBuf, BenchError> {
+        let stem = job.scene.file_stem().unwrap_or(job.scene.as_os_str());
+        let folder = job.image.with_file_name("converted").join(stem);
+        let io = |source| BenchError::Io { path: folder.clone(), source };
+        std::fs::create_dir_all(&folder).map_err(io)?;
+        let path = folder.join(stem).with_extension(extension);
+        process::run(Command::new(&self.caustica).arg("convert").arg("--force").arg(job.scene).arg(&path))?;
+        Ok(path)
     }
 
     /// Renders, to `job.image`.
@@ -88,7 +78,7 @@ impl Programs {
         match &config.renderer {
             Renderer::Ours { settings } => self.ours(settings, job),
             Renderer::Mitsuba { variant, integrator } => self.mitsuba(variant, integrator, job),
-            Renderer::Pbrt { .. } => Err(BenchError::Usage(format!("`{}` cannot be run", config.name))),
+            Renderer::Pbrt { integrator, parameters } => pbrt::render(self, integrator, parameters, job),
         }
     }
 
@@ -130,12 +120,14 @@ impl Programs {
             Budget::Seconds(s) => [Value::from(s), Value::Null],
             Budget::Passes(n) => [Value::Null, Value::from(n)],
         };
+        let is_xml = job.scene.extension().is_some_and(|e| e.eq_ignore_ascii_case("xml"));
+        let scene = if is_xml { job.scene.to_path_buf() } else { self.converted(job, "xml")? };
         let order = serde_json::json!({
-            "scene": job.scene, "variant": variant, "integrator": integrator, "size": job.size, "seed": job.seed,
+            "scene": scene, "variant": variant, "integrator": integrator, "size": job.size, "seed": job.seed,
             "seconds": seconds, "spp": spp, "max_depth": self.max_depth, "image": job.image, "stats": stats,
         });
-        let mut command = Command::new(&self.python);
-        command.arg("-c").arg(include_str!("mitsuba.py")).arg(order.to_string());
+        let mut command = Command::new(&self.python.program);
+        command.arg("-c").arg(python::SCRIPT).arg(order.to_string());
         if let Some(n) = self.threads {
             command.env("MI_DEFAULT_THREADS", n.to_string());
         }

@@ -6,7 +6,7 @@ use super::machine::Machine;
 use super::record::{self, Budget, Record};
 use super::renderers::{Job, Made, Programs};
 use super::{BenchArgs, BenchError, page, table};
-use crate::compare::{CompareError, CompareOptions, compare, load};
+use crate::compare::{CompareError, CompareOptions, Mask, compare, load};
 use crate::pixels::Pixels;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -59,13 +59,13 @@ pub fn make_folder(path: &Path) -> Result<(), BenchError> {
 /// The whole of `caustica bench SCENE...`; `args` are resolved.
 pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(), BenchError> {
     let machine = Machine::here(args.threads);
-    let programs = Programs::new(args, caustica);
+    let mut programs = Programs::new(args, caustica);
     make_folder(&args.output.join("images"))?;
     let mut configs = Vec::new();
     let mut skipped = Vec::new();
     for name in &args.configs {
         let config = Config::parse(name)?;
-        match programs.missing(&config) {
+        match programs.missing(&config, out)? {
             None => configs.push(config),
             Some(reason) => {
                 writeln!(out, "skipped {name}: {reason}")?;
@@ -77,21 +77,21 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
     let mut all = Vec::new();
     let mut pages = Vec::new();
     for (scene, reference) in args.scenes.iter().zip(&args.references) {
-        let truth = load(reference, None)?.pixels;
-        let run = SceneRun { args, programs: &programs, scene, reference, truth: &truth };
+        let mut truth = load(reference, None)?.pixels;
+        let mask = Mask::beside(reference, &truth)?;
+        if let Some(mask) = &mask {
+            mask.apply(&mut truth);
+        }
+        let run =
+            SceneRun { args, programs: &programs, scene, reference, truth: &truth, mask: mask.as_ref() };
         let records = run.measure(&configs, &mut analysis.skipped, out)?;
         let name = run.name();
         let (size, budgets) = ([truth.width, truth.height], args.points());
         let names = &args.configs;
-        analysis.scenes.push(SceneResult::new(
-            &name,
-            reference.clone(),
-            size,
-            names,
-            &budgets,
-            &records,
-            args.target_error,
-        ));
+        let result =
+            SceneResult::new(&name, reference.clone(), size, names, &budgets, &records, args.target_error);
+        let left_out = mask.as_ref().map_or(0, Mask::left_out);
+        analysis.scenes.push(SceneResult { left_out, ..result });
         all.extend(records);
         pages.push(truth);
     }
@@ -112,6 +112,8 @@ struct SceneRun<'a> {
     scene: &'a Path,
     reference: &'a Path,
     truth: &'a Pixels,
+    /// Which pixels count.
+    mask: Option<&'a Mask>,
 }
 
 impl SceneRun<'_> {
@@ -124,7 +126,7 @@ impl SceneRun<'_> {
         let read =
             |p: &Path| std::fs::read(p).map_err(|source| BenchError::Io { path: p.to_path_buf(), source });
         let (scene, reference) = (read(self.scene)?, read(self.reference)?);
-        let rest = format!("{:?} {:?}", self.args.max_depth, self.args.threads);
+        let rest = format!("{:?} {:?} {:?}", self.args.max_depth, self.args.threads, self.mask);
         Ok(record::fingerprint([scene.as_slice(), &reference, rest.as_bytes()]))
     }
 
@@ -197,8 +199,11 @@ impl SceneRun<'_> {
         let path = self.args.output.join(&image);
         let job = Job { scene: self.scene, size, budget, seed, image: &path };
         let Made { seconds, cpu_seconds, peak_memory_bytes, passes } = self.programs.render(config, &job)?;
-        let Judged { rmse, relmse, bias, flip } =
-            judge(&load_sized(&path, self.reference, size)?, self.truth);
+        let mut pixels = load_sized(&path, self.reference, size)?;
+        if let Some(mask) = self.mask {
+            mask.apply(&mut pixels);
+        }
+        let Judged { rmse, relmse, bias, flip } = judge(&pixels, self.truth);
         Ok(Record {
             scene: self.name(),
             config: config.name.clone(),

@@ -19,6 +19,9 @@ pub struct CompareArgs {
     /// Layer of the reference, where it differs
     #[arg(long, value_name = "NAME")]
     pub reference_layer: Option<String>,
+    /// Which pixels count: those above one half [default: `X.mask.exr` beside reference `X.exr`]
+    #[arg(long, value_name = "FILE")]
+    pub mask: Option<PathBuf>,
     /// Variance image for the z-test [default: `X.var.exr` or `X_var.exr` beside reference `X.exr`]
     #[arg(long, value_name = "FILE")]
     pub variance: Option<PathBuf>,
@@ -101,6 +104,7 @@ impl CompareArgs {
             reference: reference.into(),
             layer: None,
             reference_layer: None,
+            mask: None,
             variance: None,
             variance_of: None,
             spp: None,

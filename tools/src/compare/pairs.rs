@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 /// Extensions of images that are looked for in folders.
 const EXTENSIONS: [&str; 9] = ["exr", "pfm", "hdr", "png", "jpg", "jpeg", "tga", "bmp", "rgbe"];
 
+/// Ends of the names of images that say something about a reference.
+const COMPANIONS: [&str; 4] = [".var", "_var", ".mask", ".density"];
+
 /// An image and its reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
@@ -28,7 +31,7 @@ pub struct Pairs {
 }
 
 /// Images below two folders belong together when their paths agree up to extension and a mark of
-/// references (`.ref`, `_ref`, `_ref_rgb`). Variance images are no partners.
+/// references (`.ref`, `_ref`, `_ref_rgb`). Variances and masks are no partners.
 pub fn in_folders(images: &Path, references: &Path) -> Result<Pairs, CompareError> {
     let mut found = list(images)?;
     let mut pairs = Pairs::default();
@@ -72,7 +75,7 @@ fn extension(path: &Path) -> Option<String> {
 fn partner_name(path: &Path) -> Option<String> {
     EXTENSIONS.contains(&extension(path)?.as_str()).then_some(())?;
     let stem = path.with_extension("").to_string_lossy().replace('\\', "/");
-    if stem.ends_with(".var") || stem.ends_with("_var") {
+    if COMPANIONS.iter().any(|c| stem.ends_with(c)) {
         return None;
     }
     let mark = [".ref", "_ref_rgb", "_ref"].into_iter().find_map(|m| stem.strip_suffix(m));
@@ -111,9 +114,14 @@ mod tests {
         for p in ["i/a.exr", "i/a.png", "i/sub/b.exr", "i/c.exr", "i/notes.txt"] {
             touch(p);
         }
-        for p in
-            ["r/a.ref.exr", "r/a.ref.var.exr", "r/sub/b_ref_rgb.exr", "r/sub/b_ref_rgb_var.exr", "r/d.exr"]
-        {
+        for p in [
+            "r/a.ref.exr",
+            "r/a.ref.var.exr",
+            "r/a.ref.mask.exr",
+            "r/sub/b_ref_rgb.exr",
+            "r/sub/b_ref_rgb_var.exr",
+            "r/d.exr",
+        ] {
             touch(p);
         }
         let (i, r) = (root.path().join("i"), root.path().join("r"));

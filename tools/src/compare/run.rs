@@ -2,7 +2,7 @@
 
 use super::pairs::{self, Pair};
 use super::{
-    CompareArgs, CompareError, Compared, Comparison, compare, errormap, load, write_rows, write_table,
+    CompareArgs, CompareError, Compared, Comparison, Mask, compare, errormap, load, write_rows, write_table,
 };
 use crate::metrics::{Variance, VarianceKind};
 use crate::pixels::Pixels;
@@ -132,8 +132,8 @@ fn compare_pair(
     pair: &Pair,
     page: Option<&mut Page>,
 ) -> Result<Comparison, CompareError> {
-    let image = load(&pair.image, args.layer.as_deref())?;
-    let reference = load(&pair.reference, args.reference_layer.as_deref().or(args.layer.as_deref()))?;
+    let mut image = load(&pair.image, args.layer.as_deref())?;
+    let mut reference = load(&pair.reference, args.reference_layer.as_deref().or(args.layer.as_deref()))?;
     same_size(&image.pixels, &pair.image, &reference.pixels, &pair.reference)?;
     let mut options = args.options();
     let mut notes = Vec::new();
@@ -142,6 +142,18 @@ fn compare_pair(
         notes.push("both pictures hold display values: no HDR-FLIP".into());
     } else if image.display != reference.display {
         notes.push("one picture holds radiance, the other decoded display values in 0..1".into());
+    }
+    let mask = match &args.mask {
+        Some(path) => Some(Mask::read(path, &pair.reference, &reference.pixels)?),
+        None => Mask::beside(&pair.reference, &reference.pixels)?,
+    };
+    if let Some(mask) = mask {
+        mask.apply(&mut image.pixels);
+        mask.apply(&mut reference.pixels);
+        let (left_out, all) = (mask.left_out(), image.pixels.rgb.len());
+        notes.push(format!(
+            "{left_out} of {all} pixels do not count: the mask makes them black in both pictures"
+        ));
     }
     let variance = load_variance(args, pair, &image.pixels, &mut notes)?;
     let variance = variance.as_ref().map(|(pixels, kind)| Variance { pixels, kind: *kind });

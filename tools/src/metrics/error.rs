@@ -58,7 +58,8 @@ pub fn errors(image: &Pixels, reference: &Pixels, peak: f64) -> Errors {
 }
 
 fn trimmed_relmse(image: &Pixels, reference: &Pixels) -> f64 {
-    let values: Vec<f32> = image
+    // Double precision: the square of a single one may be beyond it.
+    let mut values: Vec<f64> = image
         .rgb
         .par_iter()
         .zip(&reference.rgb)
@@ -68,7 +69,7 @@ fn trimmed_relmse(image: &Pixels, reference: &Pixels) -> f64 {
                 let (x, r) = (f64::from(x[c]), f64::from(r[c]));
                 v += (x - r) * (x - r) / (r * r + RELMSE_EPSILON);
             }
-            (v / 3.0) as f32
+            v / 3.0
         })
         .collect();
     let dropped = (values.len() as f64 * TRIM) as usize;
@@ -76,18 +77,9 @@ fn trimmed_relmse(image: &Pixels, reference: &Pixels) -> f64 {
     if kept == 0 {
         return 0.0;
     }
-    let mut sorted = values.clone();
-    let (_, &mut limit, _) = sorted.select_nth_unstable_by(kept - 1, f32::total_cmp);
-    // Values equal to the limit may be on either side of the cut; only their number matters.
-    let partial: Vec<(f64, usize)> = values
-        .par_chunks(super::CHUNK)
-        .map(|chunk| {
-            let below = chunk.iter().filter(|v| **v < limit);
-            below.fold((0.0, 0), |(s, n), v| (s + f64::from(*v), n + 1))
-        })
-        .collect();
-    let (total, below) = partial.iter().fold((0.0, 0), |(s, n), p| (s + p.0, n + p.1));
-    (total + (kept - below) as f64 * f64::from(limit)) / kept as f64
+    values.select_nth_unstable_by(kept - 1, f64::total_cmp);
+    let partial: Vec<f64> = values[..kept].par_chunks(super::CHUNK).map(|chunk| chunk.iter().sum()).collect();
+    partial.iter().sum::<f64>() / kept as f64
 }
 
 #[cfg(test)]
@@ -118,6 +110,8 @@ mod tests {
         let e = errors(&i, &r, 1.0);
         assert!(e.relmse > 1e8);
         assert!((e.relmse_trimmed - 0.01 / 1.01).abs() < 1e-7, "{}", e.relmse_trimmed);
+        i.rgb.fill([1e38; 3]);
+        assert!(errors(&i, &r, 1.0).relmse_trimmed > 9e75, "its square is beyond single precision");
     }
 
     #[test]

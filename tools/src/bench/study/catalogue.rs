@@ -24,11 +24,13 @@ pub struct Study {
     pub scene: &'static str,
     pub x: &'static str,
     pub log_x: bool,
+    /// Settings of the truth besides those of all studies.
+    pub truth: &'static str,
     pub variants: Vec<Variant>,
 }
 
 /// Names in the order of the page.
-pub const NAMES: [&str; 6] = ["photons", "neighbours", "kernels", "roulette", "nee", "caustic-map"];
+pub const NAMES: [&str; 7] = ["photons", "neighbours", "kernels", "roulette", "direct", "nee", "caustic-map"];
 
 /// Size of a study: how much is rendered.
 #[derive(Clone, Copy, Debug)]
@@ -83,6 +85,7 @@ pub fn study(name: &str, p: Profile) -> Option<Study> {
         "neighbours" => Some(neighbours(p)),
         "kernels" => Some(kernels(p)),
         "roulette" => Some(roulette(p)),
+        "direct" => Some(direct(p)),
         "nee" => Some(nee(p)),
         "caustic-map" => Some(caustic_map(p)),
         _ => None,
@@ -114,6 +117,7 @@ fn photons(p: Profile) -> Study {
         scene: OWNER,
         x: "light paths",
         log_x: true,
+        truth: "",
         variants: variants.collect(),
     }
 }
@@ -133,6 +137,7 @@ fn neighbours(p: Profile) -> Study {
         scene: OWNER,
         x: "neighbours k",
         log_x: true,
+        truth: "",
         variants: [5, 10, 20, 50, 100, 200, 500].map(of).to_vec(),
     }
 }
@@ -174,6 +179,7 @@ fn kernels(p: Profile) -> Study {
         scene: DIFFUSE,
         x: "radius",
         log_x: true,
+        truth: "",
         variants: variants.collect(),
     }
 }
@@ -197,7 +203,34 @@ fn roulette(p: Profile) -> Study {
         scene: OWNER,
         x: "rays a pixel",
         log_x: true,
+        truth: "",
         variants: variants.collect(),
+    }
+}
+
+/// Direct light alone.
+const DIRECT: &str = "max_depth=2";
+
+fn direct(p: Profile) -> Study {
+    let first = [10u64, 1].map(|part| {
+        let n = p.photons / part;
+        let change = format!("photons={n} caustic_photons={n} {DIRECT}");
+        variant(&format!("first photons, {n}"), n as f64, "first photons", &change, 16, p.seeds)
+    });
+    let sampled = variant("NEE", p.photons as f64, "NEE", &format!("nee=true {DIRECT}"), 16, p.seeds);
+    Study {
+        name: "direct",
+        title: "Direct light alone: next event estimation against first photons",
+        observation: "NEE takes much less time and converges better: sharp corners and shadows, even colours; its picture is \
+                      somewhat darker (section 3, figures 3.1 to 3.3).",
+        setup: "Light of at most one bounce, in the pictures and in the truth; k = 100 nearest within 0.05, 16 rays a pixel. NEE \
+                follows no light path."
+            .to_owned(),
+        scene: OWNER,
+        x: "light paths",
+        log_x: true,
+        truth: DIRECT,
+        variants: first.into_iter().chain([sampled]).collect(),
     }
 }
 
@@ -211,13 +244,13 @@ fn nee(p: Profile) -> Study {
     });
     Study {
         name: "nee",
-        title: "Direct light: next event estimation against first photons",
-        observation: "NEE takes much less time and converges better: sharp corners and shadows, even colours; its picture is \
-                      somewhat darker (section 3).",
+        title: "All light: next event estimation against first photons",
+        observation: "The same of pictures of all light, where photons bring what has bounced (section 3).",
         setup: "k = 100 nearest within 0.05, 16 rays a pixel, two numbers of light paths.".to_owned(),
         scene: OWNER,
         x: "light paths",
         log_x: true,
+        truth: "",
         variants: variants.collect(),
     }
 }
@@ -249,6 +282,7 @@ fn caustic_map(p: Profile) -> Study {
         scene: OWNER,
         x: "caustic radius",
         log_x: true,
+        truth: "",
         variants: vec![
             variant("global map alone", 0.05, "global map alone", &alone, 16, p.seeds),
             with("caustic r = 0.05", 0.05, own, "caustic_radius=0.05"),

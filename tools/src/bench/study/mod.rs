@@ -39,7 +39,8 @@ pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -
     let mut made = Vec::new();
     for study in names.iter().filter_map(|n| catalogue::study(n, profile)) {
         let scene = reference::scene(study.scene, &work)?;
-        let Reference { pixels: truth, noise } = Reference::new(&programs, &scene, &work, profile)?;
+        let Reference { pixels: truth, noise } =
+            Reference::new(&programs, &scene, &work, profile, study.truth)?;
         let bench = Bench { programs: &programs, scene: &scene, reference: &truth, work: &work };
         let mut rows = Vec::new();
         for variant in &study.variants {
@@ -65,6 +66,7 @@ pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -
         checks: &checks,
         command: format!("caustica bench --study {name}{quick} -o {}", args.output.display()),
         seconds: started.elapsed().as_secs_f64(),
+        cpu_seconds: made.iter().flat_map(|m| &m.rows).map(|r| r.cpu_seconds * r.seeds as f64).sum(),
     };
     page::write(&made, &common, &args.output)?;
     writeln!(out, "machine: {}\nwrote {}", machine.line(), args.output.join("README.md").display())?;

@@ -31,6 +31,8 @@ pub struct Common<'a> {
     pub checks: &'a [Check],
     pub command: String,
     pub seconds: f64,
+    /// Of all renders of the tables, whenever they were made.
+    pub cpu_seconds: f64,
 }
 
 /// A part of a measurement's error.
@@ -43,13 +45,14 @@ const SIDE: usize = 160;
 pub fn write(made: &[Made], common: &Common<'_>, folder: &Path) -> Result<(), BenchError> {
     let p = common.profile;
     let mut text = format!(
-        "# Studies of photon mapping's parameters\n\nWritten by `{}`, which renders everything again ({:.0} minutes here, without \
-         what an interrupted run had left). Pictures are {side} × {side} pixels.\n\nMachine: {}\n\n**Truth.** Each scene's reference is \
+        "# Studies of photon mapping's parameters\n\nWritten by `{}`, which renders everything again, but what an interrupted run has left \
+         (this run took {:.0} minutes; the renders of the tables took {:.0} minutes of one processor). Pictures are {side} × {side} pixels.\n\nMachine: {}\n\n**Truth.** Each scene's reference is \
          {} passes of progressive photon mapping with direct light sampled, in two halves whose difference tells its noise. The room \
          of the document has a point lamp, whose caustics no path tracer can find; so the renderer is checked against its path tracer \
          in the same room under an area lamp:\n\n",
         common.command,
         (common.seconds / 60.0).ceil(),
+        (common.cpu_seconds / 60.0).ceil(),
         common.machine.line(),
         p.reference_passes,
         side = p.side

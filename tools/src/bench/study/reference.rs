@@ -64,9 +64,16 @@ fn picture(
 }
 
 impl Reference {
-    /// Rendered, or read from `work`.
-    pub fn new(programs: &Programs, scene: &Path, work: &Path, p: Profile) -> Result<Self, BenchError> {
-        let half = |seed| picture(programs, scene, work, PROGRESSIVE, p.reference_passes / 2, seed, p.side);
+    /// Rendered, or read from `work`; `more` are settings besides those of all truths.
+    pub fn new(
+        programs: &Programs,
+        scene: &Path,
+        work: &Path,
+        p: Profile,
+        more: &str,
+    ) -> Result<Self, BenchError> {
+        let values = [PROGRESSIVE, more].join(" ");
+        let half = |seed| picture(programs, scene, work, values.trim(), p.reference_passes / 2, seed, p.side);
         let (a, b) = (half(9001)?, half(9002)?);
         let rgb =
             a.rgb.iter().zip(&b.rgb).map(|(a, b)| std::array::from_fn(|c| (a[c] + b[c]) / 2.0)).collect();
@@ -88,7 +95,7 @@ pub struct Check {
 /// Compares on `name`, with as many path samples as the profile's reference has passes.
 pub fn check(name: &'static str, programs: &Programs, work: &Path, p: Profile) -> Result<Check, BenchError> {
     let file = scene(name, work)?;
-    let ours = Reference::new(programs, &file, work, p)?;
+    let ours = Reference::new(programs, &file, work, p, "")?;
     let path = picture(
         programs,
         &file,

@@ -1,0 +1,170 @@
+//! `caustica bench` as a program: other renderers, bench files, going on, masks.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use caustica_formats::image::{ExrLayer, ExrOptions, write_exr};
+use serde_json::Value;
+
+const SIDE: usize = 24;
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn caustica(&self, arguments: &[&str], path: &str) -> (i32, String) {
+        let output = Command::new(env!("CARGO_BIN_EXE_caustica"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .env("PATH", path)
+            .env("CAUSTICA", env!("CARGO_BIN_EXE_caustica"))
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        (output.status.code().unwrap_or(-1), text + &String::from_utf8_lossy(&output.stderr))
+    }
+
+    /// A picture of the scene to be held against, by our path tracer.
+    fn reference(&self, name: &str) {
+        let (scene, size) = (scene(), format!("{SIDE}x{SIDE}"));
+        let arguments =
+            ["--integrator", "path", "--layers", "none", "--filter", "box", "--seed", "77", "--quiet"];
+        let all = [&["render", &scene, "--size", &size, "--spp", "256", "-o", name], &arguments[..]].concat();
+        let (status, said) = self.caustica(&all, "");
+        assert_eq!(status, 0, "{said}");
+    }
+
+    fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&std::fs::read(self.path(name)).unwrap()).unwrap()
+    }
+}
+
+fn scene() -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-diffuse.xml").display().to_string()
+}
+
+fn median(row: &Value, point: usize, what: &str) -> f64 {
+    row["points"][point][what]["median"].as_f64().unwrap()
+}
+
+/// Takes what pbrt takes and renders it with our path tracer: so the picture shows what pbrt was given.
+#[cfg(unix)]
+const PBRT: &str = r#"#!/bin/sh
+while [ $# -gt 1 ]; do
+    case $1 in
+        --spp) spp=$2; shift 2 ;;
+        --outfile) out=$2; shift 2 ;;
+        --seed) seed=$2; shift 2 ;;
+        --quiet) shift ;;
+        *) echo "unknown option $1" >&2; exit 9 ;;
+    esac
+done
+grep -q '^Integrator "path"' "$1" || { echo "another integrator" >&2; exit 8; }
+exec "$CAUSTICA" render "$1" --integrator path --spp "$spp" --seed "$seed" --layers none --quiet -o "$out"
+"#;
+
+#[cfg(unix)]
+#[test]
+fn pbrt_is_given_the_scene_in_its_language() {
+    use std::os::unix::fs::PermissionsExt;
+    let f = Folder::new();
+    f.reference("truth.exr");
+    std::fs::create_dir(f.path("bin")).unwrap();
+    let stub = f.path("bin/pbrt");
+    std::fs::write(&stub, PBRT).unwrap();
+    std::fs::set_permissions(&stub, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let scene = scene();
+    let configs = ["--config", "caustica:path", "pbrt:path", "--passes", "4,16", "--seeds", "1"];
+    let arguments = [&["bench", &scene, "--reference", "truth.exr", "-o", "out"], &configs[..]].concat();
+
+    let (status, said) = f.caustica(&arguments, "/usr/bin:/bin");
+    assert_eq!(status, 0, "{said}");
+    assert!(said.contains("skipped pbrt:path: there is no `pbrt` on PATH: build "), "{said}");
+    let rows = &f.json("out/bench.json")["scenes"][0]["rows"];
+    assert_eq!(rows.as_array().unwrap().len(), 1);
+
+    let path = format!("{}:/usr/bin:/bin", f.path("bin").display());
+    let (status, said) = f.caustica(&arguments, &path);
+    assert_eq!(status, 0, "{said}");
+    let rows = &f.json("out/bench.json")["scenes"][0]["rows"];
+    let (ours, theirs) = (&rows[0], &rows[1]);
+    assert_eq!(theirs["config"], "pbrt:path", "{said}");
+    assert_eq!(median(theirs, 1, "passes"), 16.0);
+    // The same light by the same sampler: the errors differ by the luck of the seeds alone, for which
+    // 1728 values leave a few per cent.
+    let ratio = median(theirs, 1, "rmse") / median(ours, 1, "rmse");
+    assert!((0.75..1.33).contains(&ratio), "{ratio}");
+    assert!(median(theirs, 1, "bias").abs() < 0.03);
+}
+
+#[test]
+fn a_bench_file_goes_on_where_it_was_interrupted() {
+    let f = Folder::new();
+    f.reference("truth.exr");
+    let file = format!(
+        r#"{{"scenes": [{:?}], "references": ["truth.exr"], "configs": ["caustica:path"], "passes": [1, 2],
+            "seeds": 2, "output": "out"}}"#,
+        scene()
+    );
+    std::fs::write(f.path("bench.json"), file).unwrap();
+    let (status, said) = f.caustica(&["bench", "bench.json"], "");
+    assert_eq!(status, 0, "{said}");
+    let log = f.path("out/points.jsonl");
+    let whole = std::fs::read_to_string(&log).unwrap();
+    let lines: Vec<&str> = whole.lines().collect();
+    assert_eq!(lines.len(), 4);
+    let csv = std::fs::read_to_string(f.path("out/bench.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 5, "{csv}");
+
+    // Killed while it wrote its third line.
+    let cut = format!("{}\n{}\n{}", lines[0], lines[1], &lines[2][..lines[2].len() / 2]);
+    std::fs::write(&log, &cut).unwrap();
+    let (status, said) = f.caustica(&["bench", "bench.json"], "");
+    assert_eq!(status, 0, "{said}");
+    assert_eq!(said.matches("seed 1: ").count(), 2, "{said}");
+    assert!(!said.contains("seed 0: "), "{said}");
+    let gone_on = std::fs::read_to_string(&log).unwrap();
+    assert!(gone_on.starts_with(&cut) && gone_on.lines().count() == 5);
+    let points = f.json("out/bench.json")["scenes"][0]["rows"][0]["points"].clone();
+    assert!(points.as_array().unwrap().iter().all(|p| p["seeds"] == 2), "{points}");
+    let (_, said) = f.caustica(&["bench", "bench.json"], "");
+    assert!(!said.contains(" seed "), "everything was known: {said}");
+    let page = std::fs::read_to_string(f.path("out/bench.html")).unwrap();
+    assert!(page.contains("Machine: ") && page.contains("<svg"), "times stand beside their machine");
+}
+
+#[test]
+fn pixels_outside_the_mask_do_not_count() {
+    let f = Folder::new();
+    f.reference("whole.exr");
+    let truth = caustica_tools::compare::load(&f.path("whole.exr"), None).unwrap().pixels;
+    let left = |i: usize| i % SIDE < SIDE / 2;
+    let write = |name: &str, value: &dyn Fn(usize) -> [f32; 3]| {
+        let data: Vec<f32> = (0..SIDE * SIDE).flat_map(value).collect();
+        let layer = ExrLayer { name: "", channels: &["R", "G", "B"], data: &data };
+        write_exr(&f.path(name), SIDE, SIDE, &[layer], &[], ExrOptions::default()).unwrap();
+    };
+    // The reference knows nothing of its left half.
+    write("half.exr", &|i| if left(i) { [0.0; 3] } else { truth.rgb[i] });
+    let scene = scene();
+    let bias = |output: &str| {
+        let configs = ["--config", "caustica:path", "--passes", "64", "--seeds", "1", "-o", output];
+        let arguments = [&["bench", &scene, "--reference", "half.exr"], &configs[..]].concat();
+        let (status, said) = f.caustica(&arguments, "");
+        assert_eq!(status, 0, "{said}");
+        let result = f.json(&format!("{output}/bench.json"))["scenes"][0].clone();
+        (median(&result["rows"][0], 0, "bias"), result["left_out"].as_u64().unwrap())
+    };
+    let (without, none) = bias("without");
+    assert!(without > 0.5 && none == 0, "{without}");
+    write("half.mask.exr", &|i| if left(i) { [0.0; 3] } else { [1.0; 3] });
+    let (with, left_out) = bias("with");
+    assert!(with.abs() < 0.02 && left_out == (SIDE * SIDE / 2) as u64, "{with}");
+}

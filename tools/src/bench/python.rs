@@ -1,0 +1,96 @@
+//! A Python that has Mitsuba: the one given, or one of our own that is made when it is first needed.
+
+use super::BenchError;
+use super::process;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Version that is installed.
+const MITSUBA: &str = "3.9.1";
+
+#[derive(Clone, Debug)]
+pub struct Python {
+    pub program: PathBuf,
+    /// Where a virtual environment may be made; none if the program was given.
+    venv: Option<PathBuf>,
+}
+
+impl Python {
+    /// The given program, or `python3` until [`Self::missing`] finds that it lacks Mitsuba.
+    pub fn new(given: Option<&Path>) -> Self {
+        match given {
+            Some(program) => Self { program: program.to_path_buf(), venv: None },
+            None => Self { program: PathBuf::from("python3"), venv: cache().map(|c| c.join("mitsuba")) },
+        }
+    }
+
+    /// Why a variant of Mitsuba cannot be used, if it cannot. Installs Mitsuba where that is allowed.
+    pub fn missing(&mut self, variant: &str, out: &mut dyn Write) -> Result<Option<String>, BenchError> {
+        let first = match self.try_variant(variant) {
+            Ok(()) => return Ok(None),
+            Err(why) => why,
+        };
+        let Some(venv) = self.venv.take() else { return Ok(Some(first)) };
+        let ours = Self { program: venv.join("bin/python"), venv: None };
+        if !ours.program.is_file() || !ours.imports() {
+            writeln!(out, "installing mitsuba {MITSUBA} into {} (once)", venv.display())?;
+            out.flush()?;
+            if let Err(e) = install(&self.program, &venv) {
+                return Ok(Some(format!(
+                    "{first}, and it could not be installed ({e}); give a Python that has it with --python PATH"
+                )));
+            }
+        }
+        *self = ours;
+        Ok(self.try_variant(variant).err())
+    }
+
+    fn imports(&self) -> bool {
+        Command::new(&self.program).args(["-c", "import mitsuba"]).output().is_ok_and(|o| o.status.success())
+    }
+
+    fn try_variant(&self, variant: &str) -> Result<(), String> {
+        let job = serde_json::json!({ "variant": variant, "check": true }).to_string();
+        let python = self.program.display();
+        match Command::new(&self.program).arg("-c").arg(SCRIPT).arg(job).output() {
+            Ok(out) if out.status.success() => Ok(()),
+            Ok(out) => {
+                let said = String::from_utf8_lossy(&out.stderr);
+                let why = said.lines().rfind(|l| !l.trim().is_empty()).unwrap_or("no message");
+                let llvm = if variant.starts_with("llvm") {
+                    ", and LLVM with `apt-get install libllvm19`"
+                } else {
+                    ""
+                };
+                Err(format!(
+                    "`{python}` cannot use Mitsuba's {variant} ({}); install it with `{python} -m pip install \
+                     mitsuba=={MITSUBA}`{llvm}",
+                    why.trim()
+                ))
+            }
+            Err(e) => {
+                Err(format!("cannot start `{python}` ({e}); install python3, or give one with --python PATH"))
+            }
+        }
+    }
+}
+
+/// Renders, or with `check` in its job says whether it could.
+pub const SCRIPT: &str = include_str!("mitsuba.py");
+
+fn install(python: &Path, venv: &Path) -> Result<(), BenchError> {
+    process::run(Command::new(python).args(["-m", "venv", "--clear"]).arg(venv))?;
+    let packages = [format!("mitsuba=={MITSUBA}"), "numpy".to_owned()];
+    process::run(
+        Command::new(venv.join("bin/python")).args(["-m", "pip", "install", "--quiet"]).args(packages),
+    )?;
+    Ok(())
+}
+
+/// Folder of this program's files that can be made again.
+fn cache() -> Option<PathBuf> {
+    let set = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let base = set("XDG_CACHE_HOME").or_else(|| set("HOME").map(|home| home.join(".cache")))?;
+    Some(base.join("caustica"))
+}
