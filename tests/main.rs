@@ -27,4 +27,5 @@ mod readme;
 mod roulette;
 mod tidy;
 mod transmission;
+mod twins;
 mod watertight;
