@@ -25,7 +25,8 @@ fn every_diagnostic() {
     });
 }
 
-/// All problems, or all warnings where the scene can be read.
+/// All problems, or all warnings where the scene can be read; then what is left of them when all is
+/// allowed that can be.
 fn said_of(name: &Path, text: Vec<u8>) -> String {
     let beside = [
         ("mesh.obj", ""),
@@ -38,10 +39,16 @@ fn said_of(name: &Path, text: Vec<u8>) -> String {
     ];
     let beside = beside.map(|(name, text)| (PathBuf::from(name), text.as_bytes().to_vec()));
     let files = Memory(beside.into_iter().chain([(name.to_path_buf(), text)]).collect());
-    let said = match read_scene(&files, name, &ReadOptions::default()) {
+    let said = |options: &ReadOptions| match read_scene(&files, name, options) {
         Ok(read) => read.sources.render(&read.warnings),
         Err(failure) => failure.to_string(),
     };
-    assert!(!said.is_empty(), "nothing is said of {}", name.display());
-    said
+    let strict = said(&ReadOptions::default());
+    assert!(!strict.is_empty(), "nothing is said of {}", name.display());
+    let lenient = said(&ReadOptions { allow_unsupported: true, upgrade_v3: true, ..ReadOptions::default() });
+    if lenient == strict {
+        strict
+    } else {
+        format!("{}\n\n--- with all allowed ---\n\n{}", strict.trim_end(), lenient.trim_end())
+    }
 }
