@@ -4,6 +4,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::photon::kernel::KernelKind;
@@ -64,7 +65,8 @@ choice! {
 }
 
 /// A count of light paths, or of photons to store; `auto` follows the film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Count {
     Auto,
     /// Light paths started per pass.

@@ -28,4 +28,5 @@ mod readme;
 mod roulette;
 mod tidy;
 mod transmission;
+mod twins;
 mod watertight;

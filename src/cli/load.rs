@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use caustica_formats::confined::Confined;
-use caustica_formats::diagnostic::Diagnostic;
+use caustica_formats::diagnostic::{Diagnostic, SourceMap};
 use caustica_formats::ir;
 use caustica_formats::{Read, ReadOptions, read_scene};
 use clap::{Args, ValueEnum};
@@ -16,7 +16,7 @@ use crate::scene::{Plan, Scene, Settings};
 /// Arguments that decide what scene is rendered, and how.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// Mitsuba scene (.xml, versions 0.4 to 3.x)
+    /// Mitsuba scene (.xml, versions 0.4 to 3.x) or pbrt scene (.pbrt, version 4)
     pub scene: Option<PathBuf>,
     /// Value of a scene parameter `$NAME`
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
@@ -142,6 +142,15 @@ pub struct Loaded {
     pub choices: Vec<(String, String)>,
 }
 
+/// A scene with what it was made from.
+pub struct Inspected {
+    pub loaded: Loaded,
+    pub ir: ir::Scene,
+    /// Of the reader and of the compiler.
+    pub warnings: Vec<Diagnostic>,
+    pub sources: SourceMap,
+}
+
 impl SceneArgs {
     /// The scene at `path` with nothing overridden.
     pub fn plain(
@@ -182,16 +191,26 @@ impl SceneArgs {
 
     /// Reads, compiles and plans. Warnings are printed unless `quiet`.
     pub fn load(&self, quiet: bool) -> Result<Loaded, String> {
-        let path = self.scene.clone().ok_or("no scene was given: name a Mitsuba .xml file")?;
+        Ok(self.load_and_keep(quiet, self.allow_unsupported)?.loaded)
+    }
+
+    /// As [`Self::load`], with what was read, and without printing. What is not supported is listed.
+    pub fn inspect(&self) -> Result<Inspected, String> {
+        self.load_and_keep(true, true)
+    }
+
+    fn load_and_keep(&self, quiet: bool, allow_unsupported: bool) -> Result<Inspected, String> {
+        let path =
+            self.scene.clone().ok_or("no scene was given: name a Mitsuba .xml or a pbrt-v4 .pbrt file")?;
         let disk = Confined::new(&path, &self.allow_path);
         let files = Hashing::new(&disk);
         let options = ReadOptions {
             defines: self.define.clone(),
-            allow_unsupported: self.allow_unsupported,
+            allow_unsupported,
             search: self.allow_path.clone(),
             upgrade_v3: self.upgrade_v3,
         };
-        let Read { mut scene, warnings, sources } =
+        let Read { mut scene, mut warnings, sources } =
             read_scene(&files, &path, &options).map_err(|failure| failure.to_string())?;
         let print = |diagnostics: &[Diagnostic]| {
             if !quiet && !diagnostics.is_empty() {
@@ -202,17 +221,18 @@ impl SceneArgs {
         self.override_film(&mut scene);
         let build_options = BuildOptions {
             sensor: self.sensor,
-            allow_unsupported: self.allow_unsupported,
+            allow_unsupported,
             spectrum_rule: self.spectral_to_rgb.rule(),
         };
         let built = build(&scene, &files, build_options)
             .map_err(|diagnostics| sources.render(&diagnostics).trim_end().to_owned())?;
         print(&built.warnings);
+        warnings.extend(built.warnings);
         let mut settings = built.scene.settings.clone();
         self.override_settings(&mut settings)?;
         let plan = Plan::new(&built.scene, &settings);
         let film = scene.sensors[self.sensor.unwrap_or(scene.default_sensor)].film.clone();
-        Ok(Loaded {
+        let loaded = Loaded {
             path,
             film,
             scene: built.scene,
@@ -220,7 +240,8 @@ impl SceneArgs {
             plan,
             hash: files.hash(),
             choices: self.choices(),
-        })
+        };
+        Ok(Inspected { loaded, ir: scene, warnings, sources })
     }
 
     fn choices(&self) -> Vec<(String, String)> {

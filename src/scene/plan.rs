@@ -2,12 +2,14 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use super::Scene;
 use crate::emitter::Emitter;
 use crate::settings::{Count, IntegratorKind, Settings};
 
 /// The parts of the renderer that this scene and these settings use; nothing else is paid for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// Photons from rough surfaces (or straight from lamps, without next event estimation).
     pub global_map: bool,

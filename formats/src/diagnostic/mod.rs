@@ -34,11 +34,20 @@ pub struct Diagnostic {
     pub labels: Vec<(Span, String)>,
     /// What to do about it ("did you mean `radius`?").
     pub help: Vec<String>,
+    /// Names something that is known and not rendered.
+    pub unsupported: bool,
 }
 
 impl Diagnostic {
     pub fn new(severity: Severity, message: impl Into<String>, span: Option<Span>) -> Self {
-        Self { severity, message: message.into(), span, labels: Vec::new(), help: Vec::new() }
+        Self {
+            severity,
+            message: message.into(),
+            span,
+            labels: Vec::new(),
+            help: Vec::new(),
+            unsupported: false,
+        }
     }
 
     pub fn error(message: impl Into<String>, span: Option<Span>) -> Self {
@@ -47,6 +56,13 @@ impl Diagnostic {
 
     pub fn warning(message: impl Into<String>, span: Option<Span>) -> Self {
         Self::new(Severity::Warning, message, span)
+    }
+
+    /// Marks it as one about something that is not rendered.
+    #[must_use]
+    pub fn unsupported(mut self) -> Self {
+        self.unsupported = true;
+        self
     }
 
     #[must_use]

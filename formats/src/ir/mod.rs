@@ -25,7 +25,7 @@ pub use bsdf::{
 pub use color::{Color, ColorInput, ColorSlot, FloatInput, SpectrumRule};
 pub use emitter::{Emitter, EmitterKind, EnvironmentMapping, LightImage, SpotFalloff};
 pub use integrator::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
-pub use references::{References, Uses, canonical};
+pub use references::{References, Uses, canonical, uses_textures};
 pub use sensor::{
     ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Projection, Sampler, Sensor,
     Tonemap,

@@ -291,6 +291,31 @@ impl References for Moves<'_> {
     }
 }
 
+/// Whether anything of the shape, its material or its light follows a texture.
+pub fn uses_textures(scene: &Scene, shape: &Shape) -> bool {
+    let mut finds = FindsTextures { scene, found: false };
+    shape.clone().references(&mut finds);
+    finds.found
+}
+
+struct FindsTextures<'a> {
+    scene: &'a Scene,
+    found: bool,
+}
+
+impl References for FindsTextures<'_> {
+    fn bsdf(&mut self, id: &mut Id<Bsdf>) {
+        // A material referred to by many is looked through many times; nests are shallow.
+        if !self.found {
+            self.scene.bsdfs[*id].kind.clone().references(self);
+        }
+    }
+    fn texture(&mut self, _: &mut Id<Texture>) {
+        self.found = true;
+    }
+    fn group(&mut self, _: &mut Id<ShapeGroup>) {}
+}
+
 /// How often each object of the arenas is referred to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Uses {

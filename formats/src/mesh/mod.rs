@@ -9,6 +9,7 @@ mod creases;
 mod normals;
 mod obj;
 mod ply;
+mod ply_write;
 mod serialized;
 
 use thiserror::Error;
@@ -18,7 +19,8 @@ use crate::ir::MeshFormat;
 
 pub use attributes::Attribute;
 pub use obj::read_obj;
-pub use ply::{read_ply, write_ply};
+pub use ply::read_ply;
+pub use ply_write::write_ply;
 pub use serialized::{read_serialized, serialized_count};
 
 /// Indexed triangles in object space.

@@ -31,39 +31,6 @@ pub fn read_ply(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> 
     Ok(finish(mesh, options))
 }
 
-/// A binary little-endian PLY file with everything `mesh` has.
-pub fn write_ply(mesh: &Mesh) -> Vec<u8> {
-    let mut header =
-        format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.positions.len());
-    let mut properties = vec!["x", "y", "z"];
-    if !mesh.normals.is_empty() {
-        properties.extend(["nx", "ny", "nz"]);
-    }
-    if !mesh.uvs.is_empty() {
-        properties.extend(["u", "v"]);
-    }
-    for name in properties {
-        header.push_str(&format!("property float {name}\n"));
-    }
-    header.push_str(&format!(
-        "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        mesh.triangles.len()
-    ));
-    let mut bytes = header.into_bytes();
-    for (vertex, position) in mesh.positions.iter().enumerate() {
-        let normal = mesh.normals.get(vertex).into_iter().flatten();
-        let uv = mesh.uvs.get(vertex).into_iter().flatten();
-        for value in position.iter().chain(normal).chain(uv) {
-            bytes.extend(value.to_le_bytes());
-        }
-    }
-    for triangle in &mesh.triangles {
-        bytes.push(3);
-        bytes.extend(triangle.iter().flat_map(|index| index.to_le_bytes()));
-    }
-    bytes
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Encoding {
     Ascii,

@@ -165,6 +165,14 @@ fn sample() -> Mesh {
 fn ply_round_trip() {
     let mesh = sample();
     assert_eq!(read_ply(&write_ply(&mesh), &PLAIN).expect("own output"), mesh);
+    let vertices = mesh.positions.iter().map(|p| p.map(|x| x + 0.25)).collect();
+    let faces = (0..mesh.triangles.len()).map(|i| [i as f32; 3]).collect();
+    let attributes = vec![
+        Attribute { name: "vertex_color".to_owned(), values: vertices },
+        Attribute { name: "face_heat".to_owned(), values: faces },
+    ];
+    let full = Mesh { attributes, ..mesh.clone() };
+    assert_eq!(read_ply(&write_ply(&full), &PLAIN).expect("own output"), full);
     let bare = Mesh { normals: Vec::new(), uvs: Vec::new(), ..mesh };
     assert_eq!(read_ply(&write_ply(&bare), &FLAT).expect("own output"), bare);
 }

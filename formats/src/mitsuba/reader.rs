@@ -146,7 +146,7 @@ impl<'a> Reader<'a> {
             let help = if advice.is_empty() { ours } else { format!("{advice}; {ours}") };
             Diagnostic::error(what, Some(object.span)).help(help)
         };
-        self.problems.push(problem);
+        self.problems.push(problem.unsupported());
     }
 
     /// [`Self::unsupported`] for classes without a table.

@@ -28,6 +28,7 @@ pub(super) struct Named<T> {
 /// What stands before WorldBegin and is read there, when all of it is known.
 #[derive(Debug, Default)]
 pub(super) struct Head {
+    /// With its place in the world.
     pub camera: Option<(Params, Transform)>,
     pub film: Option<Params>,
     pub filter: Option<Params>,
@@ -138,7 +139,7 @@ impl<'a> Reader<'a> {
         }
         let params = std::mem::take(&mut d.params);
         match d.name.as_str() {
-            "Identity" => self.state.set(&Transform::IDENTITY),
+            "Identity" => self.state.set(&[Transform::IDENTITY; 2]),
             "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform" => {
                 self.transform(&d)
             }
@@ -174,14 +175,15 @@ impl<'a> Reader<'a> {
             "ReverseOrientation" => self.state.reverse = !self.state.reverse,
             "Option" => self.option(&d),
             "Camera" => {
-                let to_camera = self.state.ctm;
                 self.report_moving("the camera", d.span);
-                if let (Some(start), Some(end)) = (to_camera[0].inverse(), to_camera[1].inverse()) {
+                let [start, end] = self.state.inverse;
+                if let (Some(start), Some(end)) = (start, end) {
                     self.systems.insert("camera".to_owned(), [start, end]);
                 } else {
                     self.error("the transform before Camera flattens space: it has no inverse", d.span);
                 }
-                self.head.camera = Some((self.entity("camera", &d, params, None), to_camera[0]));
+                let to_world = start.unwrap_or(Transform::IDENTITY);
+                self.head.camera = Some((self.entity("camera", &d, params, None), to_world));
             }
             "Film" => self.head.film = Some(self.entity("film", &d, params, None)),
             "PixelFilter" => self.head.filter = Some(self.entity("filter", &d, params, None)),
@@ -320,12 +322,13 @@ impl<'a> Reader<'a> {
     /// Reports something that pbrt has and we do not.
     pub fn unsupported(&mut self, what: &str, instead: &str, span: Span) {
         let text = format!("{what} is not supported yet");
-        self.problems.push(if self.options.allow_unsupported {
+        let problem = if self.options.allow_unsupported {
             Diagnostic::warning(format!("{text}: {instead}"), Some(span))
         } else {
             let help = format!("--allow-unsupported renders without it: {instead}");
             Diagnostic::error(text, Some(span)).help(help)
-        });
+        };
+        self.problems.push(problem.unsupported());
     }
 
     /// The file a parameter names; `None` after reporting that it is missing.
@@ -349,38 +352,42 @@ impl<'a> Reader<'a> {
         }
         // Files list matrices by columns.
         let matrix = || Transform(std::array::from_fn(|row| std::array::from_fn(|c| v[c * 4 + row])));
-        let m = match d.name.as_str() {
-            "Translate" => Transform::translate([v[0], v[1], v[2]]),
-            "Scale" => Transform::scale([v[0], v[1], v[2]]),
+        let (m, inverse) = match d.name.as_str() {
+            "Translate" => {
+                let by = [v[0], v[1], v[2]];
+                (Transform::translate(by), Some(Transform::translate(by.map(|x| -x))))
+            }
+            "Scale" => {
+                let by = [v[0], v[1], v[2]];
+                let back = by.iter().all(|x| *x != 0.0).then(|| Transform::scale(by.map(|x| 1.0 / x)));
+                (Transform::scale(by), back)
+            }
             "Rotate" => match Transform::rotate([v[1], v[2], v[3]], v[0]) {
-                Some(m) => m,
+                Some(m) => (m, Transform::rotate([v[1], v[2], v[3]], -v[0])),
                 None => return self.error("the axis of Rotate is zero", d.span),
             },
             "LookAt" => match look_at(v) {
-                Some(m) => m,
+                Some((to_camera, to_world)) => (to_camera, Some(to_world)),
                 None => {
                     let text =
                         "LookAt has no direction: eye and target are the same, or `up` is parallel to it";
                     return self.error(text, d.span);
                 }
             },
-            "Transform" => return self.state.set(&matrix()),
-            _ => matrix(),
+            "Transform" => return self.state.set(&[matrix(); 2]),
+            _ => {
+                let m = matrix();
+                (m, m.inverse())
+            }
         };
-        self.state.concat(&m);
+        self.state.concat(&m, inverse);
     }
 
     fn restore_system(&mut self, d: &Directive) {
         let name = text(d, 0);
         match self.systems.get(name) {
             // Only the active transforms, as every other transform directive.
-            Some(ctm) => {
-                for ((now, stored), active) in self.state.ctm.iter_mut().zip(ctm).zip(self.state.active) {
-                    if active {
-                        *now = *stored;
-                    }
-                }
-            }
+            Some(ctm) => self.state.set(ctm),
             None => {
                 let text = format!("no coordinate system is called `{name}`; the transform stays as it is");
                 let mut problem = Diagnostic::warning(text, Some(d.arguments[0].span));
@@ -421,8 +428,8 @@ impl<'a> Reader<'a> {
             return;
         }
         self.world = Some(span);
-        self.state.ctm = [Transform::IDENTITY; 2];
         self.state.active = [true; 2];
+        self.state.set(&[Transform::IDENTITY; 2]);
         self.systems.insert("world".to_owned(), self.state.ctm);
         self.sensor(span);
         self.integrator();
@@ -499,7 +506,8 @@ pub(super) fn text(d: &Directive, index: usize) -> &str {
     }
 }
 
-/// World → camera. The same columns as Mitsuba's, but +X is on the right of the picture.
-fn look_at(v: &[f64]) -> Option<Transform> {
-    Transform::look_at([v[0], v[1], v[2]], [v[3], v[4], v[5]], [v[6], v[7], v[8]])?.inverse()
+/// World → camera, and back. The same columns as Mitsuba's, but +X is on the right of the picture.
+fn look_at(v: &[f64]) -> Option<(Transform, Transform)> {
+    let to_world = Transform::look_at([v[0], v[1], v[2]], [v[3], v[4], v[5]], [v[6], v[7], v[8]])?;
+    Some((to_world.inverse()?, to_world))
 }

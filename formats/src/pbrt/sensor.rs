@@ -34,7 +34,7 @@ const FAR: f64 = 1e12;
 impl Reader<'_> {
     /// Reads what stood before WorldBegin.
     pub fn sensor(&mut self, world: Span) {
-        let (camera, to_camera) = self.head.camera.take().unwrap_or_else(|| {
+        let (camera, place) = self.head.camera.take().unwrap_or_else(|| {
             let p = Params::new("camera", "perspective", world, Vec::new(), self.state.space);
             (p, Transform::IDENTITY)
         });
@@ -54,8 +54,7 @@ impl Reader<'_> {
         if lens_radius < 0.0 {
             p.complain("lensradius", format!("`lensradius` must not be negative, but is {lens_radius}"));
         }
-        let mut to_world =
-            to_camera.inverse().unwrap_or(Transform::IDENTITY).after(&Transform::scale([-1.0, 1.0, 1.0]));
+        let mut to_world = place.after(&Transform::scale([-1.0, 1.0, 1.0]));
         // pbrt's shorter side shows ±1, ours the width.
         if projection == Projection::Orthographic && screen_window.is_none() && aspect > 1.0 {
             to_world = to_world.after(&Transform::scale([aspect, aspect, 1.0]));

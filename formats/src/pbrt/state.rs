@@ -16,6 +16,9 @@ pub(super) type Ctm = [Transform; 2];
 #[derive(Clone, Debug)]
 pub(super) struct Graphics {
     pub ctm: Ctm,
+    /// Their inverses, made of the inverses of the directives: a camera stands exactly where LookAt says.
+    /// `None`: one of them flattens space.
+    pub inverse: [Option<Transform>; 2],
     /// Which of the two transforms change.
     pub active: [bool; 2],
     pub reverse: bool,
@@ -31,6 +34,7 @@ impl Default for Graphics {
     fn default() -> Self {
         Self {
             ctm: [Transform::IDENTITY; 2],
+            inverse: [Some(Transform::IDENTITY); 2],
             active: [true; 2],
             reverse: false,
             material: None,
@@ -43,20 +47,23 @@ impl Default for Graphics {
 
 impl Graphics {
     /// CTM = CTM · M for the active transforms.
-    pub fn concat(&mut self, m: &Transform) {
-        for (ctm, active) in self.ctm.iter_mut().zip(self.active) {
-            if active {
-                *ctm = ctm.after(m);
-            }
+    pub fn concat(&mut self, m: &Transform, inverse: Option<Transform>) {
+        for i in self.active_indices() {
+            self.ctm[i] = self.ctm[i].after(m);
+            self.inverse[i] = inverse.zip(self.inverse[i]).map(|(new, old)| new.after(&old));
         }
     }
 
-    pub fn set(&mut self, m: &Transform) {
-        for (ctm, active) in self.ctm.iter_mut().zip(self.active) {
-            if active {
-                *ctm = *m;
-            }
+    pub fn set(&mut self, ctm: &Ctm) {
+        for i in self.active_indices() {
+            self.ctm[i] = ctm[i];
+            self.inverse[i] = ctm[i].inverse();
         }
+    }
+
+    fn active_indices(&self) -> impl Iterator<Item = usize> + use<> {
+        let active = self.active;
+        (0..2).filter(move |i| active[*i])
     }
 
     pub fn moves(&self) -> bool {

@@ -65,14 +65,13 @@ impl Builder<'_> {
 
     /// An error, or with `--allow-unsupported` a warning that names the substitute.
     fn unsupported(&mut self, what: &str, substitute: &str, origin: ir::Origin) {
-        if self.options.allow_unsupported {
-            self.warn(format!("{what} is not rendered yet; {substitute} instead"), origin);
+        let problem = if self.options.allow_unsupported {
+            Diagnostic::warning(format!("{what} is not rendered yet; {substitute} instead"), origin.0)
         } else {
-            self.diagnostics.push(
-                Diagnostic::error(format!("{what} is not rendered yet"), origin.0)
-                    .help(format!("--allow-unsupported renders {substitute} instead")),
-            );
-        }
+            Diagnostic::error(format!("{what} is not rendered yet"), origin.0)
+                .help(format!("--allow-unsupported renders {substitute} instead"))
+        };
+        self.diagnostics.push(problem.unsupported());
     }
 
     fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Rgb {

@@ -5,7 +5,7 @@ use super::element::Element;
 use super::substitute;
 use crate::ir::{
     AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup,
-    ShapeKind,
+    ShapeKind, Transform, uses_textures,
 };
 use crate::write::WriteError;
 
@@ -70,9 +70,17 @@ impl Writer<'_, '_> {
             ShapeKind::Inline(_) => true,
             _ => false,
         };
-        let flip = shape.flip_normals != (by_object && shape.to_world.determinant3() < 0.0);
+        let mut flip = shape.flip_normals ^ (by_object && shape.to_world.determinant3() < 0.0);
+        let mut to_world = shape.to_world;
+        if matches!(&shape.kind, ShapeKind::Partial(quadric) if whole_sphere(quadric).is_some())
+            && uses_textures(self.scene, shape)
+        {
+            // pbrt's v runs from −Z upwards, Mitsuba's from +Z downwards; mirroring turns the normals.
+            to_world = to_world.after(&Transform::scale([1.0, 1.0, -1.0]));
+            flip = !flip;
+        }
         let mut element =
-            element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
+            element.transform("to_world", &to_world).boolean_unless("flip_normals", flip, false);
         element = element.children(self.material(shape)?);
         if let Some(emission) = &shape.emission {
             element = element.child(self.emission(emission)?);
@@ -140,12 +148,10 @@ impl Writer<'_, '_> {
         quadric: &PartialQuadric,
         plugin: &dyn Fn(&str) -> Element,
     ) -> Result<Element, WriteError> {
+        if let Some(radius) = whole_sphere(quadric) {
+            return Ok(plugin("sphere").float_unless("radius", radius, 1.0));
+        }
         match *quadric {
-            PartialQuadric::Sphere { radius, z_min, z_max, phi_max }
-                if phi_max >= 360.0 && z_min <= -radius && z_max >= radius =>
-            {
-                Ok(plugin("sphere").float_unless("radius", radius, 1.0))
-            }
             PartialQuadric::Cylinder { radius, z_min, z_max, phi_max } if phi_max >= 360.0 => {
                 Ok(plugin("cylinder")
                     .triple("point", "p0", [0.0, 0.0, z_min])
@@ -173,5 +179,15 @@ impl Writer<'_, '_> {
             ColorInput::Texture(id) => self.scaled_texture("radiance", *id, e.scale * self.light)?,
         };
         Ok(Element::plugin("emitter", plugin).child(radiance))
+    }
+}
+
+/// The radius of a sphere that is not cut.
+fn whole_sphere(quadric: &PartialQuadric) -> Option<f64> {
+    match *quadric {
+        PartialQuadric::Sphere { radius, z_min, z_max, phi_max } => {
+            (phi_max >= 360.0 && z_min <= -radius && z_max >= radius).then_some(radius)
+        }
+        _ => None,
     }
 }

@@ -3,7 +3,8 @@
 use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
-    FloatInput, Id, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind, Transform,
+    BsdfKind, FloatInput, Id, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind,
+    Transform, uses_textures,
 };
 use crate::mesh::{Mesh, builtin};
 use crate::write::WriteError;
@@ -50,6 +51,11 @@ impl Writer<'_, '_> {
             self.body.push_str(&text);
             return Ok(());
         }
+        let through = |id| matches!(self.scene.bsdfs[id].kind, BsdfKind::Null);
+        if shape.emission.is_some() && shape.bsdf.is_some_and(through) {
+            self.out.lose(shape.origin, "a lamp that light passes through", "a lamp with a black surface");
+            return self.shape(&Shape { bsdf: None, ..shape.clone() });
+        }
         let (material, mask) = self.shape_material(shape)?;
         Params::default().write(&mut text, "\t", "NamedMaterial", &[&material]);
         if let Some(emission) = &shape.emission {
@@ -60,10 +66,12 @@ impl Writer<'_, '_> {
             ShapeKind::Mesh(file) => !file.authored_normals,
             _ => false,
         };
-        if shape.flip_normals != (by_world && shape.to_world.determinant3() < 0.0) {
+        let (name, mut p, inner) = self.geometry(shape)?;
+        let mirrored = by_world && shape.to_world.determinant3() < 0.0;
+        let turned = inner.is_some_and(|inner| inner.determinant3() < 0.0);
+        if shape.flip_normals ^ mirrored ^ turned {
             text.push_str("\tReverseOrientation\n");
         }
-        let (name, mut p, inner) = self.geometry(&shape.kind, shape.name.as_deref())?;
         self.to_world(&mut text, &inner.map_or(shape.to_world, |inner| shape.to_world.after(&inner)));
         if let Some(alpha) = shape.alpha.clone().or(mask) {
             p = self.float_input(p, "alpha", &alpha)?;
@@ -81,13 +89,10 @@ impl Writer<'_, '_> {
     }
 
     /// Plugin, parameters, and a transform that comes before the shape's own.
-    fn geometry(
-        &mut self,
-        kind: &ShapeKind,
-        label: Option<&str>,
-    ) -> Result<(&'static str, Params, Option<Transform>), WriteError> {
+    fn geometry(&mut self, shape: &Shape) -> Result<(&'static str, Params, Option<Transform>), WriteError> {
         let none = Params::default();
-        Ok(match kind {
+        let label = shape.name.as_deref();
+        Ok(match &shape.kind {
             ShapeKind::Mesh(file) => ("plymesh", none.string("filename", &self.mesh(file)?), None),
             ShapeKind::Inline(mesh) if mesh.triangles.len() > INLINE => {
                 let name = self.out.make_inline_ply(mesh, label.unwrap_or("mesh"))?;
@@ -96,9 +101,10 @@ impl Writer<'_, '_> {
             ShapeKind::Inline(mesh) => ("trianglemesh", triangles(mesh), None),
             ShapeKind::Sphere { center, radius } => {
                 // Mitsuba's v runs from +Z downwards, pbrt's upwards.
-                let turned = Transform::translate(*center).after(&Transform::scale([1.0, 1.0, -1.0]));
-                let plain = Transform::translate(*center);
-                let inner = if self.scene.textures.is_empty() { plain } else { turned };
+                let mut inner = Transform::translate(*center);
+                if uses_textures(self.scene, shape) {
+                    inner = inner.after(&Transform::scale([1.0, 1.0, -1.0]));
+                }
                 ("sphere", none.float("radius", *radius), Some(inner))
             }
             ShapeKind::Partial(PartialQuadric::Sphere { radius, z_min, z_max, phi_max }) => {
@@ -118,6 +124,10 @@ impl Writer<'_, '_> {
             ShapeKind::Rectangle => ("trianglemesh", triangles(&inline(builtin::rectangle(false))), None),
             ShapeKind::Cube => ("trianglemesh", triangles(&inline(builtin::cube())), None),
             ShapeKind::Disk => ("disk", none.float("radius", 1.0), None),
+            ShapeKind::Cylinder { p0: [0.0, 0.0, bottom], p1: [0.0, 0.0, top], radius } if bottom < top => {
+                let p = none.float("radius", *radius).float("zmin", *bottom).float("zmax", *top);
+                ("cylinder", p, None)
+            }
             ShapeKind::Cylinder { p0, p1, radius } => {
                 let axis: [f64; 3] = std::array::from_fn(|i| p1[i] - p0[i]);
                 let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();

@@ -1,0 +1,6 @@
+//! What is read of scenes, what is said of bad ones, and what survives being written.
+#![allow(clippy::unwrap_used)]
+
+mod random;
+mod round_trip;
+mod snapshots;
