@@ -149,7 +149,7 @@ fn pixels_outside_the_mask_do_not_count() {
     let write = |name: &str, value: &dyn Fn(usize) -> [f32; 3]| {
         let data: Vec<f32> = (0..SIDE * SIDE).flat_map(value).collect();
         let layer = ExrLayer { name: "", channels: &["R", "G", "B"], data: &data };
-        write_exr(&f.path(name), SIDE, SIDE, &[layer], &[], ExrOptions::default()).unwrap();
+        write_exr(f.path(name), SIDE, SIDE, &[layer], &[], ExrOptions::default()).unwrap();
     };
     // The reference knows nothing of its left half.
     write("half.exr", &|i| if left(i) { [0.0; 3] } else { truth.rgb[i] });

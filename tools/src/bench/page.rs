@@ -13,7 +13,7 @@ const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1150px;margin:2em 
 table{border-collapse:collapse;margin:1em 0}th,td{padding:3px 10px;text-align:right;border-bottom:1px solid #ddd}\
 th:first-child,td:first-child{text-align:left}svg{display:block;margin:1em 0;max-width:100%;height:auto}\
 .pictures{display:flex;flex-wrap:wrap;gap:14px}figure{margin:0;max-width:260px}figcaption{font-size:13px;\
-overflow-wrap:anywhere}img{image-rendering:pixelated;max-width:256px}.machine{background:#f3f3f3;padding:.5em .8em}\
+overflow-wrap:anywhere}img{image-rendering:pixelated;width:256px}.machine{background:#f3f3f3;padding:.5em .8em}\
 code{background:#f3f3f3;padding:0 3px}";
 
 /// The page; `truths` are the references in the order of the scenes, `folder` holds the pictures.
@@ -26,7 +26,8 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
     for (scene, truth) in analysis.scenes.iter().zip(truths) {
         html += &format!(
             "<h2>{}</h2>\n{machine}<p>{} × {} pixels, box filter; reference <code>{}</code>. Times are of the \
-             render without loading. Values are medians over seeds, ± half the distance of the quartiles.</p>\n",
+             render without loading. Values are medians over seeds, ± half the distance of the quartiles. \
+             Small dots are single renders.</p>\n",
             escape(&scene.scene),
             scene.size[0],
             scene.size[1],

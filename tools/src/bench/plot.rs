@@ -53,8 +53,10 @@ impl Plot {
         self.frame(&axes, &mut out);
         for (i, series) in self.series.iter().enumerate() {
             let colour = COLOURS[i % COLOURS.len()];
-            // The second round of colours is dashed.
-            let dash = if i < COLOURS.len() { "" } else { " stroke-dasharray=\"6 3\"" };
+            // The second round of colours is dashed, its points are hollow.
+            let again = i >= COLOURS.len();
+            let dash = if again { " stroke-dasharray=\"6 3\"" } else { "" };
+            let fill = if again { "#fff" } else { colour };
             for (x, y) in series.dots.iter().filter_map(place) {
                 push(
                     &mut out,
@@ -76,7 +78,10 @@ impl Plot {
                 for (x, y) in points {
                     push(
                         &mut out,
-                        format_args!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"{colour}\"/>"),
+                        format_args!(
+                            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"{fill}\" stroke=\"{colour}\" \
+                             stroke-width=\"1.5\"/>"
+                        ),
                     );
                 }
             }
@@ -84,7 +89,9 @@ impl Plot {
             push(
                 &mut out,
                 format_args!(
-                    "<path d=\"M{x} {y}h20\" stroke=\"{colour}\" stroke-width=\"2.5\"{dash}/><text x=\"{}\" y=\"{}\">{}</text>",
+                    "<path d=\"M{x} {y}h20\" stroke=\"{colour}\" stroke-width=\"2.5\"{dash}/><circle \
+                     cx=\"{}\" cy=\"{y}\" r=\"3.5\" fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"1.5\"/><text x=\"{}\" y=\"{}\">{}</text>",
+                    x + 10.0,
                     x + 26.0,
                     y + 4.0,
                     escape(&series.name)

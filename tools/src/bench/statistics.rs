@@ -172,13 +172,16 @@ impl Random {
 }
 
 /// An error that lies inside every curve, where there is one: halfway (in logarithms) between the best
-/// that all reach and the worst that all start from. Without one, the best that all reach.
+/// that all reach and the worst that all start from. Without one, the best that all reach. Curves that never
+/// reach what the first begins with (of a renderer that does not see all light) have no say.
 pub fn common_error(curves: &[Vec<(f64, f64)>]) -> Option<f64> {
     let ends = |c: &Vec<(f64, f64)>| {
         let best = c.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
         c.first().map(|first| (first.1, best))
     };
-    let ends: Vec<(f64, f64)> = curves.iter().filter_map(ends).collect();
+    let mut ends: Vec<(f64, f64)> = curves.iter().filter_map(ends).collect();
+    let begins = ends.first()?.0;
+    ends.retain(|e| e.1 <= begins);
     let reached = ends.iter().map(|e| e.1).reduce(f64::max)?;
     let start = ends.iter().map(|e| e.0).reduce(f64::min)?;
     Some(if start > reached && reached > 0.0 { (start * reached).sqrt() } else { reached })
@@ -254,7 +257,9 @@ mod tests {
         let b = vec![(1.0, 0.9), (4.0, 0.2)];
         let e = common_error(&[a.clone(), b]).unwrap();
         assert!((e - (0.4f64 * 0.2).sqrt()).abs() < 1e-12);
-        assert_eq!(common_error(&[a, vec![(1.0, 0.9), (4.0, 0.6)]]), Some(0.6));
+        let never = vec![(1.0, 0.9), (4.0, 0.6)];
+        assert_eq!(common_error(&[a.clone(), never.clone()]), Some(0.2), "as of the first alone");
+        assert_eq!(common_error(&[a, vec![(1.0, 0.35), (4.0, 0.3)], never]), Some((0.35f64 * 0.3).sqrt()));
         assert_eq!(common_error(&[]), None);
     }
 }

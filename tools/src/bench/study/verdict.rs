@@ -42,7 +42,8 @@ fn photons(rows: &[Measured]) -> Option<String> {
     let exponent = (last.cpu_seconds / first.cpu_seconds).ln() / (last.x / first.x).ln();
     Some(format!(
         "{}: from {} to {} light paths bias falls from {:.4} to {:.4} and noise from {:.4} to {:.4}, because the 100 nearest \
-         photons come from a smaller disc; a floor stays, since noise of 100 photons does not shrink with their number. Time \
+         photons come from a smaller disc. Every estimate still counts 100 photons; noise falls because the smaller discs of a pixel's 16 \
+         rays overlap less. Time \
          grows as the power {exponent:.2} of their number, so \"polynomial\" is too gloomy: {}.",
         holds(last.rmse < first.rmse && last.bias_rms < first.bias_rms),
         first.label,
