@@ -1,5 +1,7 @@
 //! How much light a rough dielectric surface lets through, tabulated.
 
+use rayon::prelude::*;
+
 use super::fresnel;
 use super::microfacet::{Kind, Microfacet, Shadowing, reflect, refract};
 use super::special::gauss_legendre;
@@ -67,34 +69,44 @@ fn row(kind: Kind, alpha: f32, eta: f32, inner_nodes: usize) -> Row {
     let cos = |i: usize| (i as f32 / (ENTRIES - 1) as f32).max(1e-6);
     let outer = gauss_legendre(32);
     let inner = gauss_legendre(inner_nodes);
-    let external = std::array::from_fn(|i| scattered(&microfacet, cos(i), eta, &outer)[1] as f32);
-    let sum: f64 =
-        (0..ENTRIES).map(|i| f64::from(cos(i)) * scattered(&microfacet, cos(i), 1.0 / eta, &inner)[0]).sum();
+    let external = std::array::from_fn(|i| scattered(&microfacet, cos(i), eta, &outer, Side::Through) as f32);
+    let back = |i: usize| f64::from(cos(i)) * scattered(&microfacet, cos(i), 1.0 / eta, &inner, Side::Back);
+    // Added in order, so that the sum does not depend on the threads.
+    let shares: Vec<f64> = (0..ENTRIES).into_par_iter().map(back).collect();
+    let sum: f64 = shares.iter().sum();
     Row { alpha, external, internal: (2.0 * sum / ENTRIES as f64) as f32 }
 }
 
-/// Reflected and transmitted share: ∫ F·G1(wo) and ∫ (1 − F)·G1(wo) over visible normals.
-fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, nodes: &[(f64, f64)]) -> [f64; 2] {
+/// Which of the two shares.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Back,
+    Through,
+}
+
+/// Reflected or transmitted share: ∫ F·G1(wo) or ∫ (1 − F)·G1(wo) over visible normals.
+fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, nodes: &[(f64, f64)], side: Side) -> f64 {
     let wi = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-    let mut sums = [0.0; 2];
+    let mut sum = 0.0;
     for &(x, wx) in nodes {
         for &(y, wy) in nodes {
             let m = microfacet.sample(wi, Vec2::new(x as f32, y as f32));
             let f = fresnel::dielectric(wi.dot(m), eta);
-            let (up, down) = (reflect(wi, m), refract(wi, m, f.cos_t, f.eta));
-            let passes = |wo: Vec3| match microfacet.kind {
+            let (share, wo) = match side {
+                Side::Back => (f.reflectance, reflect(wi, m)),
+                Side::Through => (1.0 - f.reflectance, refract(wi, m, f.cos_t, f.eta)),
+            };
+            if share <= 0.0 || (wo.z > 0.0) != (side == Side::Back) || wo.z == 0.0 {
+                continue;
+            }
+            let passes = match microfacet.kind {
                 Kind::Phong => {
                     microfacet.g(wi, wo, m) * wi.dot(m).abs() / (wi.z * m.z).max(f32::MIN_POSITIVE)
                 }
                 Kind::Beckmann | Kind::Ggx => microfacet.g1(wo, m),
             };
-            if up.z > 0.0 && f.reflectance > 0.0 {
-                sums[0] += f64::from(f.reflectance * passes(up)) * wx * wy;
-            }
-            if down.z < 0.0 && f.reflectance < 1.0 {
-                sums[1] += f64::from((1.0 - f.reflectance) * passes(down)) * wx * wy;
-            }
+            sum += f64::from(share * passes) * wx * wy;
         }
     }
-    sums.map(|s| s.min(1.0))
+    sum.min(1.0)
 }

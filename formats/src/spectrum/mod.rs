@@ -15,4 +15,4 @@ pub use ior::{ior, ior_names};
 pub use library::{LibrarySpectrum, library_names, library_spectrum};
 pub use metals::{Metal, conductor, conductor_names};
 pub use spd::{SpdError, parse_spd};
-pub use srgb::{linear_to_srgb, linear_to_srgb_f32, srgb_to_linear, srgb_to_linear_f32};
+pub use srgb::{SrgbTable, linear_to_srgb, linear_to_srgb_f32, srgb_to_linear, srgb_to_linear_f32};

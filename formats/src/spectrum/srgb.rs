@@ -16,6 +16,30 @@ pub fn srgb_to_linear_f32(encoded: f32) -> f32 {
     srgb_to_linear(f64::from(encoded)) as f32
 }
 
+/// [`srgb_to_linear_f32`] for whole pictures: what an 8-bit image holds is looked up, to the same bits.
+#[derive(Clone, Debug)]
+pub struct SrgbTable([f32; 256]);
+
+impl SrgbTable {
+    pub fn new() -> Self {
+        Self(std::array::from_fn(|i| srgb_to_linear_f32(i as f32 / 255.0)))
+    }
+
+    pub fn decode(&self, encoded: f32) -> f32 {
+        let step = (encoded * 255.0).round();
+        match self.0.get(step as usize) {
+            Some(linear) if step / 255.0 == encoded => *linear,
+            _ => srgb_to_linear_f32(encoded),
+        }
+    }
+}
+
+impl Default for SrgbTable {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// [`linear_to_srgb`] in single precision.
 pub fn linear_to_srgb_f32(linear: f32) -> f32 {
     linear_to_srgb(f64::from(linear)) as f32
@@ -24,6 +48,15 @@ pub fn linear_to_srgb_f32(linear: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_table_changes_no_bit() {
+        let table = SrgbTable::new();
+        let values = (0..=255).map(|i| i as f32 / 255.0);
+        for x in values.chain([-1.0, 0.1234, 0.999, 1.5, 3e38, f32::NAN, f32::INFINITY]) {
+            assert_eq!(table.decode(x).to_bits(), srgb_to_linear_f32(x).to_bits(), "{x}");
+        }
+    }
 
     #[test]
     fn bytes_decode_as_measured_in_mitsuba() {

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 use caustica_formats::image::{self, Encoding};
 use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
+use caustica_formats::spectrum::SrgbTable;
 
 use super::Builder;
 use crate::math::{Rgb, Vec3};
@@ -221,9 +222,9 @@ pub(super) fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]
 }
 
 pub(super) fn decoder(wanted: ir::TextureEncoding, stored: Encoding) -> impl Fn(f32) -> f32 {
-    let srgb = |x: f32| caustica_formats::spectrum::srgb_to_linear(f64::from(x)) as f32;
+    let srgb = SrgbTable::new();
     move |x| match (wanted, stored) {
-        (ir::TextureEncoding::Auto, Encoding::Srgb) | (ir::TextureEncoding::Srgb, _) => srgb(x),
+        (ir::TextureEncoding::Auto, Encoding::Srgb) | (ir::TextureEncoding::Srgb, _) => srgb.decode(x),
         (ir::TextureEncoding::Auto, Encoding::Linear) | (ir::TextureEncoding::Linear, _) => x,
         (ir::TextureEncoding::Gamma(g), _) => x.max(0.0).powf(g as f32),
     }
