@@ -20,6 +20,7 @@ mod flux;
 mod furnace;
 mod hard;
 mod hostile;
+mod laws;
 mod layers;
 mod lights;
 mod map;

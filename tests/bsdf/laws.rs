@@ -46,7 +46,8 @@ fn samples_follow_the_density() {
                 counts[cell] += 1;
             }
             let mut expected = vec![0.0f64; 2 * CELLS];
-            let fine = 16;
+            // Wide refraction from a grazing direction ends inside cells, where the midpoint rule is coarse.
+            let fine = if name.starts_with("pbrt dielectric") { 64 } else { 16 };
             let ranges = [Range::rough(GLOSSY), Range::glossy(GLOSSY)];
             for (at, e) in expected.iter_mut().enumerate() {
                 let (range, cell) = (ranges[at / CELLS], at % CELLS);

@@ -10,7 +10,7 @@ use caustica::bsdf::{Closure, Point};
 use caustica::math::{Vec2, Vec3};
 use caustica::scene::Scene;
 
-use crate::support::{camera, scene};
+use crate::support::{camera, pbrt_scene, scene};
 
 const RHO: &str = "<rgb name='reflectance' value='0.2,0.5,0.8'/>";
 
@@ -209,6 +209,42 @@ fn examples() -> Vec<(&'static str, Scene)> {
         ),
     ]
     .map(|(name, bsdf)| (name, material(&bsdf)))
+    .into_iter()
+    .chain(of_pbrt())
+    .collect()
+}
+
+/// pbrt's own models: another masking, roughness by its square root, coats.
+fn of_pbrt() -> Vec<(&'static str, Scene)> {
+    let colour = "\"rgb reflectance\" [0.2 0.5 0.8]";
+    let mix = format!(
+        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" {colour}\n\
+         MakeNamedMaterial \"b\" \"string type\" \"conductor\" \"float roughness\" 0.2\n\
+         Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.3"
+    );
+    let of = |kind: &str, rest: &str| format!("Material \"{kind}\" {rest}");
+    let shape = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \
+                 \"point3 P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0] \"point2 uv\" [0 0 1 0 1 1 0 1]";
+    [
+        ("pbrt diffuse", of("diffuse", colour)),
+        ("pbrt conductor", of("conductor", "\"float uroughness\" 0.1 \"float vroughness\" 0.3")),
+        ("pbrt dielectric, transparent", of("dielectric", "\"float roughness\" 0.2")),
+        ("pbrt thindielectric", of("thindielectric", "")),
+        (
+            "pbrt diffusetransmission, transparent",
+            of(
+                "diffusetransmission",
+                "\"rgb reflectance\" [0.2 0.5 0.1] \"rgb transmittance\" [0.3 0.4 0.5]",
+            ),
+        ),
+        ("pbrt coateddiffuse", of("coateddiffuse", &format!("{colour} \"float roughness\" 0.2"))),
+        (
+            "pbrt coatedconductor",
+            of("coatedconductor", "\"float interface.roughness\" 0.1 \"float conductor.roughness\" 0.2"),
+        ),
+        ("pbrt mix", mix),
+    ]
+    .map(|(name, material)| (name, pbrt_scene(&format!("{material}\n{shape}"), Vec::new())))
     .into()
 }
 

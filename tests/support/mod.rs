@@ -25,10 +25,20 @@ pub fn scene_with(body: &str, files: &[(&str, &str)]) -> Scene {
 
 /// The same with files that are no text.
 pub fn scene_with_bytes(body: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
-    let text = format!("<scene version='3.0.0'>{body}</scene>");
-    let all = files.into_iter().chain([("scene.xml", text.into_bytes())]);
+    scene_of("scene.xml", &format!("<scene version='3.0.0'>{body}</scene>"), files)
+}
+
+/// A pbrt scene of what follows `WorldBegin`.
+pub fn pbrt_scene(world: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
+    let text = format!("LookAt 0 0 9 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n{world}\n");
+    scene_of("scene.pbrt", &text, files)
+}
+
+/// Compiles a file in the language of its name.
+fn scene_of(file: &str, text: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
+    let all = files.into_iter().chain([(file, text.as_bytes().to_vec())]);
     let memory = Memory(all.map(|(path, bytes)| (PathBuf::from(path), bytes)).collect());
-    let read = read_scene(&memory, Path::new("scene.xml"), &ReadOptions::default())
+    let read = read_scene(&memory, Path::new(file), &ReadOptions::default())
         .unwrap_or_else(|failure| panic!("{failure}"));
     match build(&read.scene, &memory, BuildOptions::default()) {
         Ok(built) => built.scene,
