@@ -20,6 +20,7 @@ mod flux;
 mod furnace;
 mod hard;
 mod hostile;
+mod inspect;
 mod laws;
 mod layers;
 mod lights;

@@ -98,7 +98,8 @@ impl<'a> Reader<'a> {
         }
         let shines = self.objects.iter().any(|o| o.class == Class::Emitter);
         if self.dialect == Dialect::Old && !shines && !self.scene.shapes.is_empty() {
-            let problem = Diagnostic::warning("the scene has no emitter and will be black", None);
+            let problem =
+                Diagnostic::warning("the scene has no emitter and will be black", self.scene.origin.0);
             self.problems.push(problem.help("Mitsuba 0.6 would add a `sunsky`"));
         }
     }

@@ -22,7 +22,7 @@ impl Reader<'_> {
         }
         let shines = self.scene.shapes.iter().any(|shape| shape.emission.is_some());
         if !shines && self.scene.emitters.is_empty() && self.world.is_some() {
-            self.problems.push(Diagnostic::warning("the scene has no light and will be black", None));
+            self.problems.push(Diagnostic::warning("the scene has no light and will be black", self.world));
         }
     }
 

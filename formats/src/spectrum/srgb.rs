@@ -26,9 +26,9 @@ impl SrgbTable {
     }
 
     pub fn decode(&self, encoded: f32) -> f32 {
-        let step = (encoded * 255.0).round();
-        match self.0.get(step as usize) {
-            Some(linear) if step / 255.0 == encoded => *linear,
+        let step = (encoded * 255.0 + 0.5) as usize;
+        match self.0.get(step) {
+            Some(linear) if step as f32 / 255.0 == encoded => *linear,
             _ => srgb_to_linear_f32(encoded),
         }
     }

@@ -134,10 +134,11 @@ impl Writer<'_, '_> {
     fn integrator(&mut self, text: &mut String, i: &Integrator) {
         let photons = matches!(i.plugin.as_str(), "sppm" | "ppm" | "photonmapper");
         let plugin = if photons { "sppm" } else { "volpath" };
-        if !photons && !matches!(i.plugin.as_str(), "path" | "volpath" | "volpathmis") {
+        if !photons && !matches!(i.plugin.as_str(), "path" | "volpath" | "volpathmis" | "direct") {
             self.out.lose(i.origin, format!("the integrator `{}`", i.plugin), "`volpath`");
         }
-        let mut depth = -1;
+        // Lamp, surface, camera.
+        let mut depth = if i.plugin == "direct" { 2 } else { -1 };
         let mut p = Params::default();
         for (name, setting) in &i.settings {
             match (name.as_str(), &setting.value) {

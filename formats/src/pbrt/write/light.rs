@@ -5,7 +5,7 @@ use super::film::smaller_fov;
 use super::text::{Params, transform};
 use crate::ir::{
     AreaEmission, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, LightImage, Mapping,
-    Origin, SpotFalloff, TextureEncoding, TextureKind, Transform,
+    Origin, SpotFalloff, TextureEncoding, TextureFilter, TextureKind, Transform,
 };
 use crate::spectrum::luminance;
 use crate::write::WriteError;
@@ -78,6 +78,13 @@ impl Writer<'_, '_> {
                                 origin,
                                 "the `to_uv` of a projector's picture",
                                 "the whole picture",
+                            );
+                        }
+                        if bitmap.filter == TextureFilter::Bilinear {
+                            self.out.lose(
+                                origin,
+                                "a projected picture that is smooth between its pixels",
+                                "one whose pixels show",
                             );
                         }
                         let fov = smaller_fov(*fov, *fov_axis, self.out.aspect(&bitmap.path)?);
