@@ -2,6 +2,7 @@
 //! widened to eight boxes a node, which one instruction tests together. Primitive tests are the
 //! caller's (obvhs's own lose rays aimed at shared edges).
 
+use std::collections::{HashMap, HashSet};
 use std::mem::MaybeUninit;
 use std::ops::Range;
 
@@ -77,10 +78,41 @@ struct Entry {
 /// Entries kept without the heap.
 const STACK: usize = 192;
 
+/// Boxes of which so many are looked at for equal ones.
+const LOOKED_AT: usize = 1024;
+
+/// All boxes in groups of equal ones, when many are equal. No tree can part those, and the builder, which
+/// pairs neighbours that prefer each other, would pair them two at a time: a chain as deep as they are many.
+fn equal(boxes: &[Bounds]) -> Option<Vec<Vec<u32>>> {
+    let key = |b: &Bounds| [b.min, b.max].map(|v| v.to_array().map(f32::to_bits));
+    let mut seen = HashSet::new();
+    if boxes.iter().step_by((boxes.len() / LOOKED_AT).max(1)).all(|b| seen.insert(key(b))) {
+        return None;
+    }
+    let mut known = HashMap::new();
+    let mut groups: Vec<Vec<u32>> = Vec::new();
+    for (i, b) in (0_u32..).zip(boxes) {
+        let group = *known.entry(key(b)).or_insert(groups.len());
+        if group == groups.len() {
+            groups.push(Vec::new());
+        }
+        groups[group].push(i);
+    }
+    Some(groups)
+}
+
 impl Bvh {
     /// Builds over finite boxes. `pack(items)` is called for every leaf with the indices of its boxes;
     /// what it returns, a first element and a count in the caller's arrays, is what the leaf names.
     pub fn build(boxes: &[Bounds], mut pack: impl FnMut(&[u32]) -> (u32, u32)) -> Self {
+        let Some(groups) = equal(boxes) else { return Self::build_over(boxes, pack) };
+        let different: Vec<Bounds> = groups.iter().map(|g| boxes[g[0] as usize]).collect();
+        Self::build_over(&different, |items| {
+            pack(&items.iter().flat_map(|&i| groups[i as usize].iter().copied()).collect::<Vec<u32>>())
+        })
+    }
+
+    fn build_over(boxes: &[Bounds], mut pack: impl FnMut(&[u32]) -> (u32, u32)) -> Self {
         let mut bvh = Self { nodes: Vec::new(), flat: None, stack: 0 };
         if boxes.len() <= FLAT {
             let items: Vec<u32> = (0..boxes.len() as u32).collect();

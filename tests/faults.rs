@@ -224,3 +224,18 @@ fn scenes_read_below_their_folder_only() {
         assert_eq!(status, Some(0), "{text}");
     }
 }
+
+/// Files may not grow beyond a few kilobytes (`ulimit -f`), as on a full disk: no half picture, an error.
+#[test]
+fn a_place_too_small_for_the_picture_is_an_error() {
+    let (folder, output) = place();
+    let render = render(&output, &["--passes", "2"]);
+    let quoted = |s: &std::ffi::OsStr| format!("'{}'", s.to_string_lossy());
+    let line: Vec<String> = [render.get_program()].into_iter().chain(render.get_args()).map(quoted).collect();
+    let mut shell = Command::new("sh");
+    shell.current_dir(env!("CARGO_MANIFEST_DIR")).env("TMPDIR", folder.path());
+    let (status, text) = done(shell.arg("-c").arg(format!("ulimit -f 8; exec {}", line.join(" "))));
+    assert_eq!(status, Some(1), "{text}");
+    assert!(text.contains("cannot write") && text.contains("File too large"), "{text}");
+    assert!(!output.exists());
+}

@@ -1,5 +1,12 @@
 //! Scenes that ask for infinities get finite pictures, in finite time.
 
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use caustica::scene::build::{BuildOptions, build};
+use caustica_formats::files::Memory;
+use caustica_formats::{ReadOptions, read_scene};
+
 use crate::support::{Picture, area, box_camera, camera, diffuse, lamp, render, scene, sphere, walls};
 
 const BOTH: [&[(&str, &str)]; 3] = [&[("integrator", "path")], &[], &[("nee", "false")]];
@@ -75,5 +82,60 @@ fn degenerate_scenes_give_finite_pictures() {
         for settings in BOTH {
             assert_finite(&render(&scene, settings, 2));
         }
+    }
+}
+
+fn problems(name: &str, text: &str) -> String {
+    let files = Memory([(name.into(), text.as_bytes().to_vec())].into());
+    let read = read_scene(&files, Path::new(name), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    match build(&read.scene, &files, BuildOptions::default()) {
+        Ok(_) => String::new(),
+        Err(diagnostics) => read.sources.render(&diagnostics),
+    }
+}
+
+/// Forty blends, and forty mixed textures, each of which holds the one before twice.
+#[test]
+fn what_doubles_itself_is_refused() {
+    let blend = |i: u32| {
+        let below = i - 1;
+        format!(
+            "<bsdf type='blendbsdf' id='{i}'><float name='weight' value='0.5'/><ref id='{below}'/><ref id='{below}'/></bsdf>"
+        )
+    };
+    let blends: String = (1..40).map(blend).collect();
+    let view = camera("0,0,3", "0,0,0", 40.0, 4);
+    let text = format!(
+        "<scene version='3.0.0'>{view}<bsdf type='diffuse' id='0'/>{blends}<shape type='sphere'><ref id='39'/></shape></scene>"
+    );
+    assert!(problems("scene.xml", &text).contains("the material consists of more than 1024 BSDFs"));
+
+    let mix = |i: u32| {
+        let below = i - 1;
+        format!(
+            "Texture \"{i}\" \"spectrum\" \"mix\" \"texture tex1\" \"{below}\" \"texture tex2\" \"{below}\"\n"
+        )
+    };
+    let mixes: String = (1..40).map(mix).collect();
+    let text = format!(
+        "Camera \"perspective\" WorldBegin Texture \"0\" \"spectrum\" \"dots\"\n{mixes}Material \"diffuse\" \"texture reflectance\" \"39\" Shape \"sphere\"\n"
+    );
+    assert!(problems("scene.pbrt", &text).contains("takes more than 4096 lookups"));
+}
+
+/// A hundred thousand equal triangles: the tree is built in no more than the time of as many others.
+#[test]
+fn equal_triangles_do_not_stop_the_builder() {
+    let face = "f 1 2 3\n".repeat(100_000);
+    for vertices in ["v 0 0 0\nv 1 0 0\nv 0 1 0\n", "v 0 0 0\nv 0 0 0\nv 0 0 0\n"] {
+        let mesh = format!("{vertices}{face}");
+        let body = format!(
+            "{}<shape type='obj'><string name='filename' value='m.obj'/></shape>",
+            camera("0,0,3", "0,0,0", 40.0, 4)
+        );
+        let begun = Instant::now();
+        crate::support::scene_with(&body, &[("m.obj", &mesh)]);
+        // A tenth of a second on an idle machine; pairing two at a time takes minutes.
+        assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
     }
 }

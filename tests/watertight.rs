@@ -10,7 +10,7 @@ use caustica::scene::Scene;
 use crate::support::{camera, scene, scene_with};
 
 /// Unit icosphere after `levels` subdivisions.
-fn icosphere(levels: u32) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
+pub fn icosphere(levels: u32) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     let g = (1.0 + 5f64.sqrt()) / 2.0;
     let unit = |v: [f64; 3]| {
         let l = v.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -58,7 +58,7 @@ fn icosphere(levels: u32) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     (points, faces)
 }
 
-fn obj(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
+pub fn obj(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
     let mut text = String::new();
     points
         .iter()
@@ -83,26 +83,26 @@ fn mesh_scene(text: &str) -> Scene {
 }
 
 /// The author's point in the coordinates of the compiled scene.
-fn ours(scene: &Scene, p: [f32; 3]) -> Vec3 {
+pub fn ours(scene: &Scene, p: [f32; 3]) -> Vec3 {
     Vec3::from(std::array::from_fn(|i| (f64::from(p[i]) - scene.origin[i]) as f32))
 }
 
-struct Floats(CounterRng);
+pub struct Floats(CounterRng);
 
 impl Floats {
-    fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
         Self(CounterRng::new(seed, 0))
     }
 
-    fn next(&mut self) -> f32 {
+    pub fn next(&mut self) -> f32 {
         self.0.next_f32() * 2.0 - 1.0
     }
 
-    fn vector(&mut self) -> Vec3 {
+    pub fn vector(&mut self) -> Vec3 {
         Vec3::new(self.next(), self.next(), self.next())
     }
 
-    fn below(&mut self, n: usize) -> usize {
+    pub fn below(&mut self, n: usize) -> usize {
         (self.0.next_u64() % n as u64) as usize
     }
 }

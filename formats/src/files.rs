@@ -1,6 +1,6 @@
 //! How readers reach files: a folder on disk, or memory for tests and fuzzing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -32,7 +32,12 @@ pub struct Disk;
 
 impl Files for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let length = std::fs::metadata(path)?.len();
+        let about = std::fs::metadata(path)?;
+        // A device or a pipe may never end.
+        if !about.is_file() {
+            return Err(io::Error::other("it is no ordinary file"));
+        }
+        let length = about.len();
         if length > MAX_FILE_BYTES {
             return Err(io::Error::other(format!("{length} bytes is over the limit of {MAX_FILE_BYTES}")));
         }
@@ -92,6 +97,30 @@ pub fn other_case(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<
         }
         files.is_file(&found).then_some(found)
     })
+}
+
+/// What the files of a scene read more than once may add up to, in bytes: includes that multiply each
+/// other would fill the memory out of a few kilobytes.
+const MAX_REPEATED: u64 = 64 << 20;
+
+/// Keeps count of the files a scene includes.
+#[derive(Debug, Default)]
+pub(crate) struct Included {
+    seen: BTreeSet<PathBuf>,
+    repeated: u64,
+}
+
+impl Included {
+    /// Counts one more inclusion of a file of so many bytes.
+    pub fn count(&mut self, path: &Path, bytes: usize) -> Result<(), String> {
+        if !self.seen.insert(path.to_path_buf()) {
+            self.repeated += bytes as u64;
+        }
+        if self.repeated > MAX_REPEATED {
+            return Err(format!("files included again and again add up to more than {MAX_REPEATED} bytes"));
+        }
+        Ok(())
+    }
 }
 
 /// A compressed file may grow this much; more is no scene but a bomb. Plain text reaches 1:50.

@@ -20,6 +20,10 @@ impl Interrupt {
         for signal in [SIGINT, SIGTERM] {
             watched.register(signal).map_err(|e| format!("cannot watch for signal {signal}: {e}"))?;
         }
+        // A file that grows beyond `ulimit -f` would end the program; caught, it is an error of writing.
+        #[cfg(unix)]
+        flag::register(signal_hook::consts::SIGXFSZ, Arc::default())
+            .map_err(|e| format!("cannot watch the size of files: {e}"))?;
         Ok(watched)
     }
 

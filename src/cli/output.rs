@@ -102,7 +102,7 @@ impl Output {
                 extras.push((
                     "variance",
                     &["Y"],
-                    (0..n).map(|i| pixels.variance(i, passes) as f32).collect(),
+                    (0..n).map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect(),
                 ));
             } else {
                 extras.push(("samples", &["Y"], vec![passes as f32; n]));

@@ -28,7 +28,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE", num_args = 0..=1)]
     png: Option<Option<PathBuf>>,
     /// Stops of exposure for the PNG
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
     exposure: f64,
     /// Store 16-bit floats
     #[arg(long)]
@@ -37,14 +37,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "LIST", default_value = "emission,direct,caustic,indirect")]
     layers: String,
     /// End after this many seconds of rendering
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     time: Option<Duration>,
     /// End when the standard error of the picture relative to its mean is this small
-    #[arg(long, value_name = "E")]
+    #[arg(long, value_name = "E", value_parser = error, allow_negative_numbers = true)]
     target_error: Option<f64>,
     /// Threads [default: all cores]
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS), allow_negative_numbers = true)]
+    threads: Option<u32>,
     /// Save the state of the render here after every pass
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
@@ -65,6 +65,20 @@ pub struct RenderArgs {
     verbose: bool,
 }
 
+/// More would only wait for each other, and every one takes memory before the first ray.
+const MAX_THREADS: i64 = 1024;
+
+fn stops(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|e: &f64| e.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
+}
+
+fn error(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|e: &f64| *e > 0.0 && e.is_finite())
+        .ok_or_else(|| "expected a positive number, such as 0.01".to_owned())
+}
+
 fn seconds(text: &str) -> Result<Duration, String> {
     text.parse()
         .ok()
@@ -78,10 +92,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
         return help_settings();
     }
     if let Some(n) = args.threads {
-        if n == 0 {
-            return Err("--threads wants a number from 1".to_owned());
-        }
-        rayon::ThreadPoolBuilder::new().num_threads(n).build_global().map_err(|e| e.to_string())?;
+        rayon::ThreadPoolBuilder::new().num_threads(n as usize).build_global().map_err(|e| e.to_string())?;
     }
     let started = Instant::now();
     let loaded = args.scene.load(args.quiet)?;
@@ -225,11 +236,8 @@ impl RenderArgs {
             caustica_formats::image::atomic_write(path, text.as_bytes())
                 .map_err(|e| format!("cannot write `{}`: {e}", path.display()))?;
         }
-        if s.rejected_samples + s.rejected_photons > 0 {
-            report::line(&format!(
-                "warning: {} samples and {} photons were not finite and were left out",
-                s.rejected_samples, s.rejected_photons
-            ));
+        for (cause, n) in s.rejected.causes().into_iter().filter(|(_, n)| *n > 0) {
+            report::line(&format!("warning: left out {n} {cause}"));
         }
         if !self.quiet {
             report::line(&self.table(outcome, load_seconds));

@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use super::table::Table;
-use super::{DirectSample, Emission, Picture, equal_area};
+use super::{DirectSample, Emission, Picture, equal_area, just_before};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 
 /// A point light whose intensity is scaled by the nearest pixel of an equal-area picture around it.
@@ -36,7 +36,7 @@ impl Goniometric {
         let value = self.intensity * (self.picture.texel(x, y).x / d2);
         (d2 > 0.0 && value.max_element() > 0.0).then_some(DirectSample {
             dir,
-            target: Some(self.position),
+            target: Some(just_before(self.position, d)),
             value,
             pdf: 0.0,
         })

@@ -44,6 +44,12 @@ pub struct DirectSample {
     pub pdf: f32,
 }
 
+/// Where a shadow ray towards a lamp without size ends, seen from the far end of `d`: a surface that the
+/// lamp lies in would hide it, or not, by rounding.
+fn just_before(lamp: Vec3, d: Vec3) -> Vec3 {
+    lamp - d * 1e-5
+}
+
 /// The start of a light path.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission {

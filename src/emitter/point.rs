@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use super::{DirectSample, Emission};
+use super::{DirectSample, Emission, just_before};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::sampling::warp;
 
@@ -17,7 +17,7 @@ impl Point {
         let d2 = d.length_squared();
         (d2 > 0.0).then(|| DirectSample {
             dir: d / d2.sqrt(),
-            target: Some(self.position),
+            target: Some(just_before(self.position, d)),
             value: self.intensity / d2,
             pdf: 0.0,
         })

@@ -1,6 +1,6 @@
 use super::frustum::Frustum;
 use super::table::Table;
-use super::{DirectSample, Emission, Picture};
+use super::{DirectSample, Emission, Picture, just_before};
 use crate::math::{Rgb, Vec2, Vec3, luminance};
 
 /// pbrt's projection light: a point light whose intensity is that of the picture's nearest pixel.
@@ -43,7 +43,7 @@ impl Projection {
         let beam = self.frustum.toward(p)?;
         let [x, y] = self.picture.at(beam.uv.x, beam.uv.y);
         let value = self.picture.texel(x, y) / beam.d2;
-        let target = Some(self.frustum.position);
+        let target = Some(just_before(self.frustum.position, beam.dir * beam.d2.sqrt()));
         (value.max_element() > 0.0).then_some(DirectSample { dir: beam.dir, target, value, pdf: 0.0 })
     }
 

@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use super::frustum::Frustum;
-use super::{DirectSample, Emission};
+use super::{DirectSample, Emission, just_before};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::{Param, Site, Textures};
 
@@ -18,7 +18,7 @@ impl Projector {
         // Intensity π·T/cos³: on the plane at depth z it gives π·T/z².
         let value =
             textures.eval(self.irradiance, &Site::flat(beam.uv)) * (PI / (beam.cos.powi(3) * beam.d2));
-        let target = Some(self.frustum.position);
+        let target = Some(just_before(self.frustum.position, beam.dir * beam.d2.sqrt()));
         (value.max_element() > 0.0).then_some(DirectSample { dir: beam.dir, target, value, pdf: 0.0 })
     }
 

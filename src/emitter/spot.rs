@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use super::{DirectSample, Emission};
+use super::{DirectSample, Emission, just_before};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::{Param, Site, Textures};
@@ -58,7 +58,7 @@ impl Spot {
         let value = self.toward(textures, self.frame.to_local(-dir)) / d2;
         (d2 > 0.0 && value.max_element() > 0.0).then_some(DirectSample {
             dir,
-            target: Some(self.position),
+            target: Some(just_before(self.position, d)),
             value,
             pdf: 0.0,
         })

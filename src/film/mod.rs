@@ -2,9 +2,11 @@
 
 pub mod filter;
 mod pixels;
+mod rejected;
 
 pub use filter::Filter;
 pub use pixels::{LAYERS, Layer, Pixels, Radiance, STRIDE, accumulate};
+pub use rejected::{Rejected, RejectedLayer};
 
 /// Size of the picture and the part of it that is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

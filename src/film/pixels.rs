@@ -1,3 +1,4 @@
+use super::Rejected;
 use crate::math::{Rgb, luminance};
 
 /// The parts a picture is made of; they sum to the beauty.
@@ -127,20 +128,33 @@ impl Pixels {
     }
 }
 
-/// Adds one sample to a pixel's sums; false (and nothing added) when it is not finite.
+/// Adds one sample to a pixel's sums, or counts it in `rejected` and adds nothing when it is not finite.
 #[inline]
-pub fn accumulate(sums: &mut [f64; STRIDE], sample: &Radiance, weight: f32) -> bool {
-    let total = sample.sum();
+pub fn accumulate(sums: &mut [f64; STRIDE], sample: &Radiance, weight: f32, rejected: &mut Rejected) {
+    let layers = sample.layers.map(|layer| layer * weight);
+    let total: Rgb = layers.iter().copied().sum();
     if !total.is_finite() {
-        return false;
+        return reject(&layers, rejected);
     }
-    for (l, layer) in sample.layers.iter().enumerate() {
-        sums[3 * l] += f64::from(layer.x * weight);
-        sums[3 * l + 1] += f64::from(layer.y * weight);
-        sums[3 * l + 2] += f64::from(layer.z * weight);
+    for (l, layer) in layers.iter().enumerate() {
+        sums[3 * l] += f64::from(layer.x);
+        sums[3 * l + 1] += f64::from(layer.y);
+        sums[3 * l + 2] += f64::from(layer.z);
     }
     sums[ALPHA] += f64::from(sample.alpha * weight);
-    let y = f64::from(luminance(total) * weight);
+    let y = f64::from(luminance(total));
     sums[SQUARE] += y * y;
-    true
+}
+
+#[cold]
+fn reject(layers: &[Rgb; LAYERS.len()], rejected: &mut Rejected) {
+    let layer = |bad: &dyn Fn(&Rgb) -> bool| LAYERS.iter().find(|(l, _)| bad(&layers[*l as usize]));
+    if let Some((l, _)) = layer(&|l| l.is_nan()) {
+        rejected.sample(*l, true);
+    } else {
+        // Finite layers may still have a sum beyond f32: the largest counts.
+        let largest = layers.iter().map(|l| l.max_element()).fold(0.0, f32::max);
+        let found = layer(&|l| !l.is_finite()).or_else(|| layer(&|l| l.max_element() == largest));
+        rejected.sample(found.map_or(Layer::Emission, |(l, _)| *l), false);
+    }
 }

@@ -12,7 +12,7 @@ mod photon_map;
 pub use path::PathTracer;
 pub use photon_map::PhotonMapper;
 
-use crate::film::Radiance;
+use crate::film::{Radiance, Rejected};
 use crate::math::Ray;
 use crate::photon::Gather;
 use crate::sampling::Sampler;
@@ -32,7 +32,7 @@ pub struct PassStats {
     pub photons: u64,
     pub photon_rays: u64,
     pub map_bytes: u64,
-    pub rejected_photons: u64,
+    pub rejected: Rejected,
     /// Seconds of tracing photons and of building maps.
     pub trace_seconds: f64,
     pub build_seconds: f64,

@@ -209,13 +209,13 @@ impl<'a> PhotonMapper<'a> {
     fn radius(&self, which: Which, pass: u32) -> f32 {
         let first = f64::from(self.radii[which as usize]);
         if self.settings.mode == Mode::Classic {
-            return first as f32;
+            return (first as f32).max(radius::LEAST);
         }
         let alpha = match which {
             Which::Global => self.settings.alpha,
             Which::Caustic => self.settings.caustic_alpha,
         };
-        (first * radius::shrinkage(pass, f64::from(alpha)).sqrt()) as f32
+        ((first * radius::shrinkage(pass, f64::from(alpha)).sqrt()) as f32).max(radius::LEAST)
     }
 
     fn build(&self, which: Which, pass: u32, stats: &mut PassStats) -> Option<(PhotonMap, Estimator)> {
@@ -245,7 +245,7 @@ impl<'a> PhotonMapper<'a> {
         stats.light_paths += paths;
         stats.photons += map.len() as u64;
         stats.photon_rays += traced.rays;
-        stats.rejected_photons += traced.rejected;
+        stats.rejected.add(&traced.rejected);
         stats.map_bytes += map.bytes() as u64;
         match which {
             Which::Global => stats.radius = radius,

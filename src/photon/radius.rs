@@ -23,6 +23,9 @@ pub const PLACES: usize = 1024;
 /// Largest first radius, in pixels: a wider blur hides what is seen, whatever the density.
 const MOST_PIXELS: f32 = 16.0;
 
+/// No radius falls below this: a smaller square, or its inverse, leaves the range of f32.
+pub const LEAST: f32 = 1e-18;
+
 /// Radius within which a `share` of the places find [`TARGET`] photons or more; no larger than a tenth of
 /// the scene. `scene_radius` is that of the bounding sphere.
 pub fn measured(photons: &[Photon], places: &[Place], share: f32, scene_radius: f32) -> f32 {
@@ -42,7 +45,7 @@ pub fn measured(photons: &[Photon], places: &[Place], share: f32, scene_radius: 
             if found.len() < TARGET { most } else { found.iter().map(|f| f.0).fold(0.0, f32::max).sqrt() }
         })
         .collect();
-    quantile(&mut distances, share).unwrap_or(most).clamp(f32::MIN_POSITIVE, most)
+    quantile(&mut distances, share).unwrap_or(most).clamp(LEAST.min(most), most)
 }
 
 /// Size of a pixel at the middle one of the places the camera gathers at; 0 when it gathers nowhere.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::{LightPath, Owner, Photon};
 use crate::bsdf::{Event, Range, Transport};
+use crate::film::Rejected;
 use crate::math::Rgb;
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Scene, Surface};
@@ -33,7 +34,7 @@ pub struct Traced {
     pub photons: Vec<Photon>,
     pub rays: u64,
     /// Photons that were not finite, and were dropped.
-    pub rejected: u64,
+    pub rejected: Rejected,
 }
 
 /// Paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
@@ -66,7 +67,7 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, stop: Option<&AtomicBool>) -> 
     for c in chunks {
         all.photons.extend(c.photons);
         all.rays += c.rays;
-        all.rejected += c.rejected;
+        all.rejected.add(&c.rejected);
     }
     all
 }
@@ -166,8 +167,12 @@ fn store(
     }
     // Density is counted per geometric area, but irradiance is wanted on the shading plane.
     let flux = flux * (wi_ns / wi_ng).min(MAX_CORRECTION);
-    if !flux.is_finite() || !s.p.is_finite() {
-        out.rejected += 1;
+    if !s.p.is_finite() {
+        out.rejected.photon_place += 1;
+        return;
+    }
+    if !flux.is_finite() {
+        out.rejected.photon_flux += 1;
         return;
     }
     let n = scene.photon_side(s, wi).n;

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::film::{Pixels, Radiance, STRIDE, accumulate};
+use crate::film::{Pixels, Radiance, Rejected, STRIDE, accumulate};
 use crate::integrator::{CameraSample, Integrator, PassStats, PathTracer, PhotonMapper, Scratch};
 use crate::math::Vec2;
 use crate::sampling::{Sampler, mix};
@@ -66,8 +66,7 @@ pub struct Statistics {
     pub first_caustic_radius: f32,
     pub last_caustic_radius: f32,
     /// Samples and photons that were NaN or infinite, and were left out.
-    pub rejected_samples: u64,
-    pub rejected_photons: u64,
+    pub rejected: Rejected,
 }
 
 /// A finished render.
@@ -184,7 +183,7 @@ fn count(stats: &mut Statistics, pass: &PassStats) {
     stats.light_paths += pass.light_paths;
     stats.photons_stored += pass.photons;
     stats.rays += pass.photon_rays;
-    stats.rejected_photons += pass.rejected_photons;
+    stats.rejected.add(&pass.rejected);
     stats.map_bytes = stats.map_bytes.max(pass.map_bytes);
     if pass.radius > 0.0 || pass.caustic_radius > 0.0 {
         (stats.last_radius, stats.last_caustic_radius) = (pass.radius, pass.caustic_radius);
@@ -208,7 +207,7 @@ fn sample_all<I: Integrator>(
     let inverse = Vec2::new(1.0 / scene.film.width as f32, 1.0 / scene.film.height as f32);
     let band = width * BLOCK;
     let has_aperture = scene.sensor.has_aperture();
-    let counted: Vec<(Scratch, u64, bool)> = pixels
+    let counted: Vec<(Scratch, Rejected, bool)> = pixels
         .as_mut_slice()
         .par_chunks_mut(band)
         .zip(before.par_chunks_mut(band))
@@ -216,7 +215,7 @@ fn sample_all<I: Integrator>(
         .map(|(b, (sums, before))| {
             before.copy_from_slice(sums);
             let mut scratch = Scratch::default();
-            let mut rejected = 0;
+            let mut rejected = Rejected::default();
             let rows = (height - b * BLOCK).min(BLOCK);
             let mut samples = Vec::with_capacity(BLOCK * BLOCK);
             let mut places = Vec::with_capacity(BLOCK * BLOCK);
@@ -244,9 +243,7 @@ fn sample_all<I: Integrator>(
                 integrator.sample(shared, &mut samples, &mut scratch);
                 for (sample, &(at, weight)) in samples.iter_mut().zip(&places) {
                     sample.out.scale(scene.sensor.imaging_ratio);
-                    if !accumulate(&mut sums[at], &sample.out, weight) {
-                        rejected += 1;
-                    }
+                    accumulate(&mut sums[at], &sample.out, weight, &mut rejected);
                 }
             }
             (scratch, rejected, true)
@@ -258,7 +255,7 @@ fn sample_all<I: Integrator>(
         stats.rays += scratch.rays;
         stats.lookups += scratch.gather.lookups;
         stats.photons_gathered += scratch.gather.photons;
-        stats.rejected_samples += rejected;
+        stats.rejected.add(&rejected);
     }
     whole
 }

@@ -68,7 +68,7 @@ pub enum Texture {
 
 impl Texture {
     /// What it is made of.
-    fn inputs(&self) -> Vec<Param> {
+    pub fn inputs(&self) -> Vec<Param> {
         match self {
             Self::Bitmap(_) | Self::Bilerp(_) | Self::Noise(_) | Self::MeshAttribute(_) => Vec::new(),
             Self::Scaled(p, _) => vec![*p],

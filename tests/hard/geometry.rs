@@ -170,6 +170,10 @@ fn balls_of_1e_minus_5_and_1e5_meet() {
     let settings = [("nee", "true"), ("photons", "8000")];
     let maps = render(&hard_scene("two-sizes", &[("size", "24")]), &settings, 32);
     super::sound("balls of 1e-5 and 1e5, photon map", &maps);
+    // Of the light from the sky, one photon in 1e20 would land where the camera looks: what the map should
+    // add is missing, as documented. Light that comes straight from the sky is all there.
+    let direct = |p: &crate::support::Picture| p.estimate(&[caustica::film::Layer::Direct], 1);
+    agree("balls of 1e-5 and 1e5, direct light, photon map", "as path", direct(&maps), direct(&path), 0.02);
 }
 
 #[test]
@@ -185,5 +189,34 @@ fn glass_that_overlaps_touches_and_shares_walls_is_invisible_in_a_furnace() {
             Estimate::exact(2.0),
             0.01,
         );
+    }
+}
+
+/// Blocks of glass 1e-4 above the floor, and in a corner: what crosses the gap must find the wall.
+#[test]
+fn glass_that_nearly_touches_the_walls_is_invisible_in_a_furnace() {
+    let glass =
+        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+    let block = |place: &str| {
+        format!(
+            "<shape type='cube'><transform name='to_world'><scale value='0.25'/><translate {place}/></transform>{glass}</shape>"
+        )
+    };
+    let body = [
+        camera("0,0.6,0.9", "0,-1,-0.3", 60.0, 20),
+        format!(
+            "<shape type='cube'><boolean name='flip_normals' value='true'/>{}{}</shape>",
+            diffuse("0.5"),
+            area("1")
+        ),
+        block("y='-0.7499'"),
+        block("x='-0.7499' y='-0.7499' z='-0.7499'"),
+    ];
+    let scene = scene(&body.concat());
+    for (name, settings) in METHODS {
+        let passes = if name == PATH.0 { 512 } else { 48 };
+        let picture = render(&scene, settings, passes);
+        let case = format!("glass 1e-4 above the floor and in a corner, {name}");
+        agree(&case, "1/(1 − ρ)", picture.beauty(1), Estimate::exact(2.0), 0.01);
     }
 }

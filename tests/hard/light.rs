@@ -142,17 +142,17 @@ fn no_lamp_no_light() {
     }
 }
 
-/// A lamp that only lights what faces away from the floor's camera leaves it to one bounce: both find it.
+/// A lamp that lights the ceiling only, seen from below: the floor has its light by one bounce or more.
 #[test]
 fn lamps_behind_a_gap_agree() {
     let body = [
-        floor_view(),
-        rectangle(0.4, &format!("{UP}<translate y='0.5'/>"), &area("5")),
+        camera("0,0.45,0", "0,0,0", 80.0, 16),
+        rectangle(1.0, FLOOR, &diffuse("0.5")),
+        rectangle(0.2, &format!("{UP}<translate y='0.5'/>"), &area("5")),
         rectangle(1.0, &format!("{DOWN}<translate y='1.5'/>"), &diffuse("0.8")),
     ]
     .concat();
-    let body = body.replacen("origin='0,3,0'", "origin='0,1.4,0'", 1);
-    let path = render(&scene(&body), PATH.1, 256);
+    let path = render(&scene(&body), PATH.1, 2048);
     let maps = render(&scene(&body), &[("photons", "16000")], 256);
     agree(
         "light by one bounce only, photon map against path",
@@ -161,4 +161,25 @@ fn lamps_behind_a_gap_agree() {
         path.beauty(1),
         0.02,
     );
+}
+
+/// A point lamp in the plane of the floor lights the walls as one 1e-4 above it, which lights the floor
+/// around it as well: that light is left out by a black floor.
+#[test]
+fn a_lamp_in_the_floor_lights_the_walls() {
+    let with = |y: &str| {
+        let shapes = walls("0.7");
+        let (floor, rest) = shapes.split_once("</shape>").expect("the floor comes first");
+        let lamp = format!(
+            "<emitter type='point'><point name='position' value='0,{y},0'/><rgb name='intensity' value='3'/></emitter>"
+        );
+        scene(&[&box_camera(24), &floor.replace("0.7", "0"), "</shape>", rest, &lamp].concat())
+    };
+    for (name, settings) in METHODS {
+        let inside = render(&with("-1"), settings, 128);
+        let above = render(&with("-0.9999"), settings, 128);
+        // The height of 1e-4 changes angles by as much; the walls' light by less than 1e-3.
+        let case = format!("point lamp in the floor, {name}");
+        agree(&case, "as 1e-4 above it", inside.beauty(1), above.beauty(1), 0.01);
+    }
 }

@@ -124,9 +124,35 @@ fn what_is_not_finite_is_counted_and_kept_from_the_film() {
     for (name, settings) in super::METHODS {
         let outcome = run(&scene(&body), settings, 4);
         let finite = (0..64).all(|i| outcome.pixels.beauty(i, 4).iter().all(|v| v.is_finite()));
-        let rejected = outcome.statistics.rejected_samples;
-        let measured = format!("{rejected} samples counted, film finite: {finite}");
-        record(&format!("light beyond f32, {name}"), "counted, film finite", &measured, "—");
-        assert!(finite && rejected > 0, "{name}: {measured}");
+        let rejected = outcome.statistics.rejected;
+        let causes: Vec<String> = rejected
+            .causes()
+            .iter()
+            .filter(|(_, n)| *n > 0)
+            .map(|(cause, n)| format!("{n} {cause}"))
+            .collect();
+        let measured = format!("{}; film finite: {finite}", causes.join(", "));
+        record(&format!("light beyond f32, {name}"), "counted by cause, film finite", &measured, "—");
+        // All of it is light that comes straight from the lamp.
+        assert!(finite && rejected.direct.infinite > 0, "{name}: {measured}");
+        assert_eq!(rejected.total(), rejected.direct.infinite, "{name}: {measured}");
+    }
+}
+
+/// A first radius whose square f32 cannot hold, shrunk ten thousand times: it stays above its floor, and
+/// what no disc can find is missing light, never a NaN.
+#[test]
+fn radii_stay_above_their_floor() {
+    let lamp = "<emitter type='directional'><vector name='direction' value='0,-1,0'/>
+        <rgb name='irradiance' value='1'/></emitter>";
+    let body =
+        [camera("0,3,0", "0,0,0", 30.0, 2), rectangle(1.0, UP, &diffuse("0.5")), lamp.to_owned()].concat();
+    let changes = [("photons", "16"), ("nee", "false"), ("radius", "1e-30")];
+    for lookup in ["radius", "nearest"] {
+        let outcome = run(&scene(&body), &[&changes[..], &[("lookup", lookup)]].concat(), 10_000);
+        let s = &outcome.statistics;
+        let measured = format!("{:e}, {} rejected", s.last_radius, s.rejected.total());
+        record(&format!("radius of 1e-30 after 10 000 passes, {lookup}"), "above 1e-18", &measured, "—");
+        assert!(s.last_radius >= 1e-18 && s.rejected.total() == 0, "{measured}");
     }
 }

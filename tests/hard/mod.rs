@@ -1,9 +1,12 @@
 //! Hard cases: every one has an expectation that is exact or derived, and is rendered by the path
 //! tracer and by photon mapping. What was measured is written to `target/hard-cases.md`.
 
+mod density;
 mod geometry;
+mod leaks;
 mod light;
 mod maps;
+mod numbers;
 mod optics;
 mod place;
 

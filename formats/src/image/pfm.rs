@@ -12,10 +12,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
         Some("Pf") => 1,
         _ => return Err(invalid("the file does not start with PF or Pf")),
     };
-    let mut number = || words.next().and_then(|word| word.parse::<usize>().ok());
+    let mut number = || words.next().and_then(|word| word.parse::<u32>().ok());
     let (Some(width), Some(height)) = (number(), number()) else {
-        return Err(invalid("width and height must be positive integers"));
+        return Err(invalid("width and height must be positive integers below 2³²"));
     };
+    let (width, height) = (width as usize, height as usize);
     let scale = words.next().and_then(|word| word.parse::<f32>().ok());
     let Some(scale) = scale.filter(|scale| scale.is_finite() && *scale != 0.0) else {
         return Err(invalid("the scale must be a finite number other than zero"));

@@ -8,6 +8,9 @@ use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFo
 use super::{Encoding, Image, ImageError, MAX_PIXELS, atomic_write, check_data, check_size, guarded};
 
 pub(super) fn read(bytes: &[u8], format: ImageFormat) -> Result<Image, ImageError> {
+    if format == ImageFormat::Png && !has_whole_palette(bytes) {
+        return Err(ImageError::Invalid("PNG: the palette is cut off within a colour".into()));
+    }
     guarded(|| {
         let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
         let mut limits = image::Limits::default();
@@ -26,6 +29,22 @@ pub(super) fn read(bytes: &[u8], format: ImageFormat) -> Result<Image, ImageErro
         check_size(size, raw_bytes, bytes.len(), ratio)?;
         DynamicImage::from_decoder(decoder).map_err(decode_error).and_then(convert)
     })
+}
+
+/// Whether the palette consists of colours of three bytes, which the decoder takes for granted.
+fn has_whole_palette(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(8..).unwrap_or(&[]);
+    while let Some((head, body)) = rest.split_first_chunk::<8>() {
+        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        match &head[4..] {
+            b"PLTE" if !length.is_multiple_of(3) => return false,
+            b"IDAT" => break,
+            _ => {}
+        }
+        // After the data of a chunk comes its checksum.
+        rest = length.checked_add(4).and_then(|skip| body.get(skip..)).unwrap_or(&[]);
+    }
+    true
 }
 
 /// Whether `bytes` start like a TGA file, which has no magic number.

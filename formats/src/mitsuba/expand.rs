@@ -8,7 +8,7 @@ use super::tree::{Element, MAX_DEPTH};
 use super::version::Version;
 use super::xml;
 use crate::diagnostic::{Diagnostic, SourceMap, Span, nearest};
-use crate::files::{Files, other_case, resolve};
+use crate::files::{Files, Included, other_case, resolve};
 use crate::read::ReadOptions;
 
 const MAX_INCLUDE_DEPTH: usize = 32;
@@ -42,6 +42,7 @@ pub(super) struct Expander<'a> {
     /// Depth of the root element of each file of `stack`.
     root_depths: Vec<usize>,
     included: usize,
+    repeats: Included,
 }
 
 impl<'a> Expander<'a> {
@@ -65,6 +66,7 @@ impl<'a> Expander<'a> {
             later_includes: Vec::new(),
             root_depths: Vec::new(),
             included: 0,
+            repeats: Included::default(),
         }
     }
 
@@ -88,7 +90,11 @@ impl<'a> Expander<'a> {
     }
 
     fn file(&mut self, path: &Path, from: Option<Span>, depth: usize) -> Option<Element> {
-        let text = match self.text(path) {
+        let text = self.text(path).and_then(|text| {
+            self.repeats.count(path, text.len())?;
+            Ok(text)
+        });
+        let text = match text {
             Ok(text) => text,
             Err(reason) => {
                 self.problems.push(Diagnostic::error(format!("{}: {reason}", path.display()), from));

@@ -5,6 +5,8 @@ use crate::diagnostic::{Diagnostic, Span, nearest};
 /// A substituted value may not grow beyond this: `<default>`s that double each other would fill
 /// the memory.
 const MAX_VALUE_BYTES: usize = 16 << 20;
+/// And all of a scene together not beyond this.
+const MAX_BYTES: usize = 64 << 20;
 
 #[derive(Clone, Debug)]
 struct Parameter {
@@ -19,6 +21,8 @@ struct Parameter {
 pub(super) struct Parameters {
     /// Longest name first, so that `$width` is not `$w` followed by `idth`.
     items: Vec<Parameter>,
+    /// Bytes of all values that were put together.
+    bytes: usize,
 }
 
 impl Parameters {
@@ -83,13 +87,14 @@ impl Parameters {
                 problems.push(self.undefined(rest, span));
                 return Err(());
             }
-            if out.len() > MAX_VALUE_BYTES {
+            if out.len() > MAX_VALUE_BYTES || self.bytes + out.len() > MAX_BYTES {
                 problems
                     .push(Diagnostic::error("the value becomes too long by `$` substitution", Some(span)));
                 return Err(());
             }
         }
         out.push_str(rest);
+        self.bytes += out.len();
         Ok(Some(out))
     }
 

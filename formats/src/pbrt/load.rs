@@ -6,7 +6,7 @@ use super::directive::{Directive, Value};
 use super::parse::parse;
 use super::upgrade::Old;
 use crate::diagnostic::{Diagnostic, SourceMap, Span};
-use crate::files::{Files, is_gzip, other_case, resolve, unpack};
+use crate::files::{Files, Included, is_gzip, other_case, resolve, unpack};
 
 /// Files may include each other so deep.
 const MAX_DEPTH: usize = 64;
@@ -24,6 +24,7 @@ pub(super) struct Loader<'a> {
     pub old: &'a mut Old,
     count: usize,
     bytes: u64,
+    repeats: Included,
     open: Vec<PathBuf>,
 }
 
@@ -35,7 +36,17 @@ impl<'a> Loader<'a> {
         problems: &'a mut Vec<Diagnostic>,
         old: &'a mut Old,
     ) -> Self {
-        Self { files, folders, sources, problems, old, count: 0, bytes: 0, open: Vec::new() }
+        Self {
+            files,
+            folders,
+            sources,
+            problems,
+            old,
+            count: 0,
+            bytes: 0,
+            repeats: Included::default(),
+            open: Vec::new(),
+        }
     }
 
     /// Appends the directives of the file at `path` and of all it includes; `from` includes it.
@@ -64,6 +75,9 @@ impl<'a> Loader<'a> {
         self.bytes += text.len() as u64;
         if self.bytes > MAX_TEXT {
             return self.error("the scene's files are over 4 GiB in all", from);
+        }
+        if let Err(e) = self.repeats.count(path, text.len()) {
+            return self.error(e, from);
         }
         let file = self.sources.add(path.to_path_buf(), String::new());
         let directives = parse(&text, file, self.old, self.problems);

@@ -57,6 +57,8 @@ pub(super) struct Reader<'a> {
     pub groups: HashMap<String, Named<ShapeGroup>>,
     /// The object being defined; its shapes go there.
     pub open_group: Option<Id<ShapeGroup>>,
+    /// Triangles of all subdivided meshes.
+    pub subdivided: u64,
     warned_moving: bool,
     warned_scopes: bool,
     last: Span,
@@ -95,6 +97,7 @@ impl<'a> Reader<'a> {
             media: HashMap::new(),
             groups: HashMap::new(),
             open_group: None,
+            subdivided: 0,
             warned_moving: false,
             warned_scopes: false,
             last: start,

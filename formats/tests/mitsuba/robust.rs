@@ -94,3 +94,24 @@ fn definitions_that_double_are_refused() {
     let text = format!("<scene version='3.0.0'><default name='a00' value='xxxxxxxx'/>{doubles}</scene>");
     assert!(headlines(&text).contains(&"the value becomes too long by `$` substitution".to_owned()));
 }
+
+/// A value that doubles twenty times, used over and over; and a file of a megabyte, likewise.
+#[test]
+fn what_multiplies_is_refused() {
+    let mut text = "<scene version='3.0.0'><default name='a' value='0123456789abcdef'/>".to_owned();
+    let mut name = 'a';
+    for next in 'b'..='s' {
+        text.push_str(&format!("<default name='{next}' value='${name}${name}'/>"));
+        name = next;
+    }
+    text.push_str(&format!("<bsdf type='diffuse' id='${name}'/>").repeat(1000));
+    assert_eq!(headlines(&(text + "</scene>"))[0], "the value becomes too long by `$` substitution");
+
+    let part = format!("<scene version='3.0.0'>{}</scene>", "<bsdf type='diffuse'/>".repeat(50_000));
+    let scene = format!("<scene version='3.0.0'>{}</scene>", "<include filename='part.xml'/>".repeat(1000));
+    let memory =
+        Memory([("scene.xml".into(), scene.into_bytes()), ("part.xml".into(), part.into_bytes())].into());
+    let failure = read_scene(&memory, Path::new("scene.xml"), &ReadOptions::default()).unwrap_err();
+    let first = &failure.diagnostics[0].message;
+    assert!(first.contains("files included again and again add up to more than"), "{first}");
+}

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use caustica_formats::files::Memory;
-use caustica_formats::{ReadOptions, read_scene};
+use caustica_formats::{ReadOptions, diagnostic, read_scene};
 
 use crate::{files, gzip, problems};
 
@@ -97,4 +97,20 @@ fn includes_that_multiply_are_refused() {
     let failure = read_scene(&Memory(map), Path::new("scene.pbrt"), &ReadOptions::default()).unwrap_err();
     let told = failure.diagnostics.iter().any(|d| d.message.contains("files include each other, or"));
     assert!(told, "{:?}", failure.diagnostics.first());
+}
+
+/// A file of a megabyte, included over and over; and a mesh that would be subdivided to twenty million triangles.
+#[test]
+fn what_multiplies_is_refused() {
+    let mut map = files("").0;
+    map.insert("scene.pbrt".into(), "Include \"part.pbrt\"\n".repeat(1000).into_bytes());
+    map.insert("part.pbrt".into(), "Translate 0 0 0\n".repeat(64_000).into_bytes());
+    let failure = read_scene(&Memory(map), Path::new("scene.pbrt"), &ReadOptions::default()).unwrap_err();
+    let told =
+        |d: &diagnostic::Diagnostic| d.message.contains("files included again and again add up to more than");
+    assert!(failure.diagnostics.iter().any(told), "{:?}", failure.diagnostics.first());
+
+    let shape = "Shape \"loopsubdiv\" \"integer levels\" 8 \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]";
+    let told = problems(&format!("WorldBegin {shape} \"integer indices\" [{}]", "0 1 2 ".repeat(300)));
+    assert!(told.iter().any(|p| p.contains("8 levels of subdivision make too many triangles")), "{told:?}");
 }

@@ -21,12 +21,17 @@ use crate::texture::Param;
 /// α below which pbrt-v4 drops the microfacets.
 const PBRT_SMOOTH: f32 = 1e-3;
 
+/// Blends that double each other thirty times would fill the memory.
+const MAX_PARTS: u32 = 1024;
+
 #[derive(Default)]
 pub struct MaterialTable {
     materials: Vec<Material>,
     known: HashMap<usize, u32>,
     default: Option<u32>,
     black: Option<u32>,
+    /// BSDFs of the material that is being built.
+    parts: u32,
     /// By distribution, bits of α (none: any α) and of the relative index.
     transmittances: HashMap<(Kind, Option<u32>, u32), Arc<Transmittance>>,
 }
@@ -71,7 +76,12 @@ impl Builder<'_> {
         if let Some(index) = self.materials.known.get(&id.index()) {
             return *index;
         }
+        self.materials.parts = 0;
         let node = self.node(id);
+        if self.materials.parts > MAX_PARTS {
+            let origin = self.ir.bsdfs[id].origin;
+            self.error(format!("the material consists of more than {MAX_PARTS} BSDFs"), origin);
+        }
         if node.tilts_twice() {
             let origin = self.ir.bsdfs[id].origin;
             self.error("a bump or normal map inside another one cannot be rendered", origin);
@@ -94,6 +104,10 @@ impl Builder<'_> {
     pub(super) fn node(&mut self, id: ir::Id<ir::Bsdf>) -> Node {
         let bsdf = &self.ir.bsdfs[id];
         let origin = bsdf.origin;
+        self.materials.parts += 1;
+        if self.materials.parts > MAX_PARTS {
+            return diffuse(Param::Constant(DEFAULT_REFLECTANCE));
+        }
         match &bsdf.kind {
             BsdfKind::Diffuse { reflectance } => {
                 diffuse(self.param(reflectance, ColorSlot::Reflectance, origin))

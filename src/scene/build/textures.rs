@@ -20,7 +20,12 @@ use mappings::{noise, uv_transform};
 pub struct TextureTable {
     textures: Textures,
     known: HashMap<(usize, bool), Param>,
+    /// Per texture, how many are looked up for one value of it.
+    lookups: Vec<u32>,
 }
+
+/// Textures that double each other thirty times would never come to an end.
+const MAX_LOOKUPS: u32 = 4096;
 
 impl TextureTable {
     pub fn finish(self) -> Textures {
@@ -36,7 +41,16 @@ impl TextureTable {
         self.textures.0.get_mut(index as usize)
     }
 
+    fn lookups(&self, param: Param) -> u32 {
+        match param {
+            Param::Constant(_) => 0,
+            Param::Texture(i) => self.lookups.get(i as usize).copied().unwrap_or(0),
+        }
+    }
+
     fn push(&mut self, texture: Texture) -> Param {
+        let below = texture.inputs().into_iter().map(|input| self.lookups(input));
+        self.lookups.push(below.fold(1, u32::saturating_add));
         self.textures.0.push(texture);
         Param::Texture(self.textures.0.len() as u32 - 1)
     }
@@ -161,6 +175,12 @@ impl Builder<'_> {
                 let (name, scale, by_shape) = (name.clone(), *scale as f32, Vec::new());
                 self.textures.push(Texture::MeshAttribute(MeshAttribute { name, scale, by_shape }))
             }
+        };
+        let param = if self.textures.lookups(param) > MAX_LOOKUPS {
+            self.error(format!("one value of this texture takes more than {MAX_LOOKUPS} lookups"), origin);
+            Param::gray(0.5)
+        } else {
+            param
         };
         self.textures.known.insert(key, param);
         param

@@ -24,7 +24,7 @@ pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
     read("trianglemesh", |_, p| mesh::triangles(p).map(inline)),
     read("plymesh", ply),
     read("bilinearmesh", |r, p| bilinear_mesh(r, p).map(inline)),
-    read("loopsubdiv", |_, p| subdivided(p).map(inline)),
+    read("loopsubdiv", |r, p| subdivided(r, p).map(inline)),
     read("sphere", |_, p| sphere(p)),
     read("disk", |_, p| disk(p)),
     read("cylinder", |_, p| cylinder(p)),
@@ -39,8 +39,8 @@ pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
 
 /// Subdivided so often, one triangle becomes 4^8.
 const MAX_LEVELS: u32 = 8;
-/// And a mesh may not become larger than this.
-const MAX_TRIANGLES: u64 = 1 << 26;
+/// And all subdivided meshes of a scene together not larger than this: some 5 GB while they are made.
+const MAX_TRIANGLES: u64 = 1 << 24;
 
 fn inline(mesh: InlineMesh) -> ShapeKind {
     ShapeKind::Inline(Arc::new(mesh))
@@ -181,17 +181,18 @@ fn bilinear_mesh(r: &mut Reader<'_>, p: &mut Params) -> Option<InlineMesh> {
     Some(bilinear::tessellate(&cage))
 }
 
-fn subdivided(p: &mut Params) -> Option<InlineMesh> {
+fn subdivided(r: &mut Reader<'_>, p: &mut Params) -> Option<InlineMesh> {
     let levels = p.count("levels", 3, 0);
     p.ignore(&["scheme"]);
     let indices = mesh::required_indices(p)?;
     let positions = mesh::positions(p)?;
     let triangles = mesh::checked(p, &indices, positions.len(), 3)?.as_chunks::<3>().0.to_vec();
-    let most = (triangles.len() as u64) << (2 * u64::from(levels.min(16)));
-    if levels > MAX_LEVELS || most > MAX_TRIANGLES {
+    let made = (triangles.len() as u64) << (2 * u64::from(levels.min(16)));
+    if levels > MAX_LEVELS || r.subdivided + made > MAX_TRIANGLES {
         p.complain("levels", format!("{levels} levels of subdivision make too many triangles"));
         return None;
     }
+    r.subdivided += made;
     match subdivision::subdivide(positions, triangles, levels) {
         Ok(mesh) => Some(mesh),
         Err(text) => {

@@ -1,0 +1,148 @@
+//! What is fuzzed: every reader through its public entry point, with files in memory, and scenes from
+//! text to picture.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use caustica::film::Pixels;
+use caustica::render::Budget;
+use caustica::scene::Plan;
+use caustica::scene::build::{BuildOptions, build};
+use caustica_formats::files::Memory;
+use caustica_formats::mesh::{self, MeshOptions};
+use caustica_formats::{ReadOptions, image, ir, read_scene};
+
+use super::memory::most_held;
+
+/// A row: name of the target and of its folder in the corpus, and what it does with the bytes.
+#[derive(Debug)]
+pub struct Target {
+    pub name: &'static str,
+    /// Bytes that may be held at once for each byte of input, beyond [`FIXED`].
+    growth: usize,
+    run: fn(&[u8]),
+}
+
+/// Tables, buffers of decoders, stacks: what the smallest input may cost.
+const FIXED: usize = 64 << 20;
+
+/// Growth: what the compression of the format reaches at most, times the bytes held for one unpacked.
+pub const TARGETS: &[Target] = &[
+    // A character is a node of the tree or a value at best; scenes hold names, origins, defaults.
+    Target { name: "mitsuba", growth: 4096, run: |data| scene("scene.xml", data) },
+    Target { name: "pbrt", growth: 4096, run: |data| scene("scene.pbrt", data) },
+    Target { name: "ply", growth: 4096, run: |data| meshes(ir::MeshFormat::Ply, data) },
+    Target { name: "obj", growth: 4096, run: |data| meshes(ir::MeshFormat::Obj, data) },
+    Target {
+        name: "serialized",
+        growth: 4 * 1032,
+        run: |data| (0..3).for_each(|index| meshes(ir::MeshFormat::Serialized { index }, data)),
+    },
+    // The discrete cosine codecs; four bytes held for one of a half float's two.
+    Target { name: "exr", growth: 4 << 17, run: |data| picture(b"\x76\x2f\x31\x01", data) },
+    // One bit a pixel through a palette: three bytes, then three floats.
+    Target { name: "png", growth: 1032 * 8 * 15, run: |data| picture(b"\x89PNG\r\n\x1a\n", data) },
+    Target { name: "hdr", growth: 64 * 6, run: |data| picture(b"#?", data) },
+    Target { name: "pfm", growth: 4, run: |data| picture(b"P", data) },
+    // JPEG, BMP and TGA: two bits end a block of 64 pixels.
+    Target { name: "raster", growth: 4096 * 15, run: |data| picture(b"", data) },
+    Target { name: "render_mitsuba", growth: 4096, run: |data| render("scene.xml", data) },
+    Target { name: "render_pbrt", growth: 4096, run: |data| render("scene.pbrt", data) },
+];
+
+/// Runs a target by name and holds it to its memory.
+pub fn run(name: &str, data: &[u8]) {
+    let target = TARGETS.iter().find(|t| t.name == name).expect("a target's name");
+    let held = most_held(|| (target.run)(data));
+    let bound = FIXED + target.growth * data.len();
+    assert!(held <= bound, "{name}: {held} bytes held for {} of input, bound {bound}", data.len());
+}
+
+const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+const PLY: &[u8] =
+    b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+const PART_XML: &[u8] = b"<scene version='3.0.0'><bsdf type='diffuse' id='part'/></scene>";
+const PART_PBRT: &[u8] = b"MakeNamedMaterial \"part\" \"string type\" \"diffuse\"\n";
+
+/// The scene itself, which may include itself, and one file of every kind it may name.
+fn files(name: &str, data: &[u8]) -> Memory {
+    let picture = image::encode_pfm(2, 1, &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).expect("two pixels");
+    let all: [(&str, &[u8]); 6] = [
+        ("mesh.obj", OBJ),
+        ("mesh.ply", PLY),
+        ("part.xml", PART_XML),
+        ("part.pbrt", PART_PBRT),
+        ("map.pfm", &picture),
+        (name, data),
+    ];
+    Memory(all.into_iter().map(|(n, b)| (PathBuf::from(n), b.to_vec())).collect::<BTreeMap<_, _>>())
+}
+
+fn read(name: &str, files: &Memory) -> Option<ir::Scene> {
+    let options = ReadOptions { allow_unsupported: true, upgrade_v3: true, ..ReadOptions::default() };
+    match read_scene(files, Path::new(name), &options) {
+        Ok(read) => {
+            let _ = read.sources.render(&read.warnings);
+            Some(read.scene)
+        }
+        Err(failure) => {
+            assert!(!failure.to_string().is_empty(), "a failure without words");
+            None
+        }
+    }
+}
+
+fn scene(name: &str, data: &[u8]) {
+    read(name, &files(name, data));
+}
+
+fn meshes(format: ir::MeshFormat, data: &[u8]) {
+    let plain = MeshOptions::default();
+    for options in [plain, MeshOptions { max_smooth_angle: Some(30.0), flip_tex_coords: true, ..plain }] {
+        if let Ok(mesh) = mesh::read(format, data, &options) {
+            let count = mesh.positions.len();
+            assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < count));
+            assert!(mesh.positions.iter().flatten().all(|c| c.is_finite()));
+        }
+    }
+}
+
+/// Formats are told apart by how they start, so a target gives the start and the fuzzer the rest.
+fn picture(start: &[u8], data: &[u8]) {
+    let whole;
+    let data = if data.starts_with(start) {
+        data
+    } else {
+        whole = [start, data].concat();
+        &whole
+    };
+    if let Ok(picture) = image::read(data) {
+        assert_eq!(picture.data.len(), picture.width * picture.height * picture.channels.len());
+    }
+}
+
+/// A scene that reads must compile or say why not, and then give a finite picture.
+fn render(name: &str, data: &[u8]) {
+    let files = files(name, data);
+    let Some(ir) = read(name, &files) else { return };
+    let options = BuildOptions { allow_unsupported: true, ..BuildOptions::default() };
+    let Ok(mut built) = build(&ir, &files, options) else { return };
+    let crop = &mut built.scene.film.crop;
+    (crop[2], crop[3]) = (crop[2].min(3), crop[3].min(2));
+    let count = built.scene.film.pixel_count();
+    for integrator in ["path", "photonmap"] {
+        let mut settings = built.scene.settings.clone();
+        for (name, value) in [("integrator", integrator), ("photons", "64"), ("caustic_photons", "64")] {
+            settings.set(name, value).expect("a setting of the table");
+        }
+        let plan = Plan::new(&built.scene, &settings);
+        let budget = Budget { passes: Some(2), time: None, error: None, interrupt: None };
+        let pixels = Pixels::new(count);
+        let done = caustica::render::render(&built.scene, &plan, &settings, budget, pixels, 0, &mut |_| {});
+        for i in 0..count {
+            let value = done.pixels.beauty(i, 2);
+            assert!(value.iter().all(|v| v.is_finite()), "{integrator}: pixel {i} is {value:?}");
+        }
+    }
+}

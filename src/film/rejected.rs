@@ -1,0 +1,89 @@
+//! Values that are no finite numbers: counted by where they came from, and kept out of film and maps.
+
+use serde::Serialize;
+
+use super::Layer;
+
+/// Camera samples of one layer that were left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct RejectedLayer {
+    pub nan: u64,
+    pub infinite: u64,
+}
+
+/// What was left out, by cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Rejected {
+    pub emission: RejectedLayer,
+    pub direct: RejectedLayer,
+    pub caustic: RejectedLayer,
+    pub indirect: RejectedLayer,
+    /// Photons whose flux is no finite number.
+    pub photon_flux: u64,
+    /// Photons that landed nowhere finite.
+    pub photon_place: u64,
+}
+
+impl Rejected {
+    /// Counts a camera sample of which `layer` is NaN, or else infinite.
+    pub fn sample(&mut self, layer: Layer, nan: bool) {
+        let layer = match layer {
+            Layer::Emission => &mut self.emission,
+            Layer::Direct => &mut self.direct,
+            Layer::Caustic => &mut self.caustic,
+            Layer::Indirect => &mut self.indirect,
+        };
+        *(if nan { &mut layer.nan } else { &mut layer.infinite }) += 1;
+    }
+
+    pub fn add(&mut self, other: &Self) {
+        for ((_, sum), (_, more)) in self.counts_mut().into_iter().zip(other.causes()) {
+            *sum += more;
+        }
+    }
+
+    /// Every cause with its count.
+    pub fn causes(&self) -> [(&'static str, u64); 10] {
+        let mut copy = *self;
+        copy.counts_mut().map(|(name, count)| (name, *count))
+    }
+
+    pub fn total(&self) -> u64 {
+        self.causes().iter().map(|(_, count)| count).sum()
+    }
+
+    fn counts_mut(&mut self) -> [(&'static str, &mut u64); 10] {
+        [
+            ("samples with emission that is NaN", &mut self.emission.nan),
+            ("samples with infinite emission", &mut self.emission.infinite),
+            ("samples with direct light that is NaN", &mut self.direct.nan),
+            ("samples with infinite direct light", &mut self.direct.infinite),
+            ("samples with a caustic that is NaN", &mut self.caustic.nan),
+            ("samples with an infinite caustic", &mut self.caustic.infinite),
+            ("samples with indirect light that is NaN", &mut self.indirect.nan),
+            ("samples with infinite indirect light", &mut self.indirect.infinite),
+            ("photons whose flux is not finite", &mut self.photon_flux),
+            ("photons at a place that is not finite", &mut self.photon_place),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cause_is_counted_by_itself() {
+        let mut all = Rejected { photon_flux: 9, photon_place: 10, ..Rejected::default() };
+        for (i, layer) in
+            [Layer::Emission, Layer::Direct, Layer::Caustic, Layer::Indirect].into_iter().enumerate()
+        {
+            (0..=2 * i).for_each(|_| all.sample(layer, true));
+            (0..=2 * i + 1).for_each(|_| all.sample(layer, false));
+        }
+        assert_eq!(all.causes().map(|(_, n)| n), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+        let one = all;
+        all.add(&one);
+        assert_eq!(all.total(), 110);
+    }
+}
