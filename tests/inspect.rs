@@ -15,7 +15,7 @@ fn json(folder: &Path, scene: &str) -> serde_json::Value {
 }
 
 const PARTLY: &str = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 4\nWorldBegin\n\
-    LightSource \"infinite\"\nShape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0]\nShape \"sphere\"\n\
+    Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0]\nShape \"sphere\"\n\
     LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]\n";
 
 /// Features that are not rendered are listed with their places, not fatal.
@@ -26,10 +26,10 @@ fn what_is_not_supported_is_listed() {
     let said = json(folder.path(), "a.pbrt");
     let list = said["unsupported"].as_array().unwrap();
     let places: Vec<_> = list.iter().map(|finding| finding["place"].as_str().unwrap()).collect();
-    assert_eq!(places, ["a.pbrt:4:7", "a.pbrt:6:24"], "{said:#}");
+    assert_eq!(places, ["a.pbrt:3:7", "a.pbrt:5:24"], "{said:#}");
     assert!(list[0]["message"].as_str().unwrap().contains("`curve`"));
     let text = inspect(folder.path(), &["a.pbrt"]);
-    assert!(text.contains("not supported\n  a.pbrt:4:7: shape `curve`"), "{text}");
+    assert!(text.contains("not supported\n  a.pbrt:3:7: shape `curve`"), "{text}");
 }
 
 /// A picture of one scene, in both languages: the mirror and the glass need a caustic map.
