@@ -119,9 +119,9 @@ fn lights() -> Vec<(&'static str, Scene)> {
         ),
         (
             "smooth spot",
-            of_pbrt(&format!(
-                "LightSource \"spot\" \"point3 from\" [1 -0.7 2] \"point3 to\" [0.1 0.2 0] \"float coneangle\" 25"
-            )),
+            of_pbrt(
+                "LightSource \"spot\" \"point3 from\" [1 -0.7 2] \"point3 to\" [0.1 0.2 0] \"float coneangle\" 25",
+            ),
         ),
         ("distant", of_pbrt("LightSource \"distant\" \"point3 from\" [0.3 0.2 1] \"point3 to\" [0 0 0]")),
         ("infinite", of_pbrt("LightSource \"infinite\" \"string filename\" \"square.pfm\"")),
