@@ -17,7 +17,6 @@ use page::{Common, Made};
 use reference::Reference;
 use std::io::Write;
 use std::path::Path;
-use std::time::Instant;
 
 /// Makes the study `name`, or `all`, in `args.output`: README.md, plots and pictures; the renders stay in its
 /// folder `work`, from which an interrupted run goes on.
@@ -29,7 +28,6 @@ pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -
             NAMES.join(", ")
         )));
     }
-    let started = Instant::now();
     let profile = if args.quick { Profile::QUICK } else { Profile::FULL };
     let machine = Machine::here(args.threads);
     let programs = Programs::new(args, caustica);
@@ -65,7 +63,6 @@ pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -
         profile,
         checks: &checks,
         command: format!("caustica bench --study {name}{quick} -o {}", args.output.display()),
-        seconds: started.elapsed().as_secs_f64(),
         cpu_seconds: made.iter().flat_map(|m| &m.rows).map(|r| r.cpu_seconds * r.seeds as f64).sum(),
     };
     page::write(&made, &common, &args.output)?;

@@ -30,7 +30,6 @@ pub struct Common<'a> {
     pub profile: Profile,
     pub checks: &'a [Check],
     pub command: String,
-    pub seconds: f64,
     /// Of all renders of the tables, whenever they were made.
     pub cpu_seconds: f64,
 }
@@ -46,12 +45,11 @@ pub fn write(made: &[Made], common: &Common<'_>, folder: &Path) -> Result<(), Be
     let p = common.profile;
     let mut text = format!(
         "# Studies of photon mapping's parameters\n\nWritten by `{}`, which renders everything but what an earlier run has left \
-         (this run took {:.1} minutes; the renders of the tables took {:.1} minutes of one processor). Pictures are {side} × {side} pixels.\n\nMachine: {}\n\n**Truth.** Each scene's reference is \
+         (the renders of the tables took {:.1} minutes of one processor). Pictures are {side} × {side} pixels.\n\nMachine: {}\n\n**Truth.** Each scene's reference is \
          {} passes of progressive photon mapping with direct light sampled, in two halves whose difference tells its noise. The room \
          of the document has a point lamp, whose caustics no path tracer can find; so the renderer is checked against its path tracer \
          in the same room under an area lamp:\n\n",
         common.command,
-        common.seconds / 60.0,
         common.cpu_seconds / 60.0,
         common.machine.line(),
         p.reference_passes,
