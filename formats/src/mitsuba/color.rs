@@ -2,7 +2,7 @@
 
 use super::number;
 use super::object::{Class, Entry, Object, ObjectIndex, Value};
-use super::plugin::{Plugin, read, unsupported};
+use super::plugin::{Plugin, read};
 use super::props::Props;
 use super::reader::Reader;
 use super::texture::is_texture_plugin;
@@ -19,8 +19,8 @@ pub(super) const SPECTRA: &[Plugin<ReadSpectrum>] = &[
     read("blackbody", blackbody),
     read("irregular", irregular),
     read("regular", regular),
-    unsupported("rawconstant"),
-    unsupported("srgb_d65"),
+    read("rawconstant", raw_constant),
+    read("srgb_d65", d65),
 ];
 
 /// Mitsuba 2 and 3 make no difference between spectra and textures but the name of the plugin.
@@ -176,6 +176,20 @@ fn d65(props: &mut Props<'_>) -> Option<Color> {
 fn uniform(props: &mut Props<'_>) -> Option<Color> {
     props.ignore(&["wavelength_min", "wavelength_max", "lambda_min", "lambda_max"]);
     Some(Color::UniformPlugin(props.float("value", 1.0)))
+}
+
+/// Numbers that are no light: what they are in every slot.
+fn raw_constant(props: &mut Props<'_>) -> Option<Color> {
+    let Some(entry) = props.entry("value") else {
+        props.complain("value", "rawconstant needs the parameter `value`");
+        return None;
+    };
+    match &entry.value {
+        Value::Float(v) => Some(Color::Gray(*v)),
+        Value::Integer(v) => Some(Color::Gray(*v as f64)),
+        Value::Vector(v) => Some(Color::Rgb(*v)),
+        _ => props.wrong(entry, "a float or vector"),
+    }
 }
 
 fn srgb(props: &mut Props<'_>) -> Option<Color> {

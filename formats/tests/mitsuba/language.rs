@@ -161,6 +161,18 @@ fn colours_keep_what_was_written() {
             "<spectrum name='radiance' type='irregular'><string name='wavelengths' value='400, 500'/><string name='values' value='1, 2'/></spectrum>",
             Color::Samples(vec![[400.0, 1.0], [500.0, 2.0]]),
         ),
+        (
+            "<spectrum name='radiance' type='rawconstant'><float name='value' value='2.5'/></spectrum>",
+            Color::Gray(2.5),
+        ),
+        (
+            "<spectrum name='radiance' type='rawconstant'><vector name='value' x='1' y='2' z='3'/></spectrum>",
+            Color::Rgb([1.0, 2.0, 3.0]),
+        ),
+        (
+            "<spectrum name='radiance' type='srgb_d65'><rgb name='color' value='0.2,2,0.4'/></spectrum>",
+            Color::D65 { scale: 1.0, color: Some([0.2, 2.0, 0.4]) },
+        ),
     ] {
         assert_eq!(constant("0.6.0", property), color, "{property}");
         assert_eq!(constant("3.5.0", property), color, "{property}");
