@@ -110,7 +110,8 @@ pub fn build(b: &mut Builder<'_>, camera: Option<[f64; 3]>) -> Shapes {
     }
     let world = Level::new(&level.primitives, level.analytic, &instance_bounds);
     let bounds = world.bounds;
-    if !bounds.is_empty() && !(bounds.min.is_finite() && bounds.max.is_finite()) {
+    let finite = bounds.min.is_finite() && bounds.max.is_finite();
+    if !finite && !bounds.is_empty() {
         b.error("the shapes reach farther than 32-bit floats can tell", b.ir.origin);
     }
     let sphere = if bounds.is_empty() {
