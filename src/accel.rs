@@ -81,17 +81,21 @@ const STACK: usize = 192;
 /// Boxes of which so many are looked at for equal ones.
 const LOOKED_AT: usize = 1024;
 
-/// All boxes in groups of equal ones, when many are equal. No tree can part those, and the builder, which
-/// pairs neighbours that prefer each other, would pair them two at a time: a chain as deep as they are many.
+/// All finite boxes in groups of equal ones, when many are equal or some are not finite. No tree can part
+/// equal ones, and the builder, which pairs neighbours that prefer each other, would pair them two at a
+/// time: a chain as deep as they are many.
 fn equal(boxes: &[Bounds]) -> Option<Vec<Vec<u32>>> {
     let key = |b: &Bounds| [b.min, b.max].map(|v| v.to_array().map(f32::to_bits));
+    let finite = |b: &Bounds| b.min.is_finite() && b.max.is_finite();
     let mut seen = HashSet::new();
-    if boxes.iter().step_by((boxes.len() / LOOKED_AT).max(1)).all(|b| seen.insert(key(b))) {
+    if boxes.iter().all(finite)
+        && boxes.iter().step_by((boxes.len() / LOOKED_AT).max(1)).all(|b| seen.insert(key(b)))
+    {
         return None;
     }
     let mut known = HashMap::new();
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    for (i, b) in (0_u32..).zip(boxes) {
+    for (i, b) in (0_u32..).zip(boxes).filter(|(_, b)| finite(b)) {
         let group = *known.entry(key(b)).or_insert(groups.len());
         if group == groups.len() {
             groups.push(Vec::new());
@@ -102,7 +106,7 @@ fn equal(boxes: &[Bounds]) -> Option<Vec<Vec<u32>>> {
 }
 
 impl Bvh {
-    /// Builds over finite boxes. `pack(items)` is called for every leaf with the indices of its boxes;
+    /// Builds over boxes; what has one that is not finite is left out. `pack(items)` is called for every leaf with the indices of its boxes;
     /// what it returns, a first element and a count in the caller's arrays, is what the leaf names.
     pub fn build(boxes: &[Bounds], mut pack: impl FnMut(&[u32]) -> (u32, u32)) -> Self {
         let Some(groups) = equal(boxes) else { return Self::build_over(boxes, pack) };

@@ -58,7 +58,7 @@ fn by_photons(scene: &Scene, boundary: &str) -> Picture {
     // Nearly no reduction of the radius: all passes measure the same bias.
     let settings = [
         ("nee", "false"),
-        ("photons", "60000"),
+        ("photons", "15000"),
         ("radius", "0.5"),
         ("alpha", "0.9999999"),
         ("boundary", boundary),

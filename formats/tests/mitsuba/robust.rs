@@ -105,7 +105,8 @@ fn what_multiplies_is_refused() {
         name = next;
     }
     text.push_str(&format!("<bsdf type='diffuse' id='${name}'/>").repeat(1000));
-    assert_eq!(headlines(&(text + "</scene>"))[0], "the value becomes too long by `$` substitution");
+    let found = headlines(&(text + "</scene>"));
+    assert!(found.contains(&"the value becomes too long by `$` substitution".to_owned()));
 
     let part = format!("<scene version='3.0.0'>{}</scene>", "<bsdf type='diffuse'/>".repeat(50_000));
     let scene = format!("<scene version='3.0.0'>{}</scene>", "<include filename='part.xml'/>".repeat(1000));

@@ -110,6 +110,10 @@ pub fn build(b: &mut Builder<'_>, camera: Option<[f64; 3]>) -> Shapes {
     }
     let world = Level::new(&level.primitives, level.analytic, &instance_bounds);
     let bounds = world.bounds;
+    let finite = bounds.min.is_finite() && bounds.max.is_finite();
+    if !finite && !bounds.is_empty() {
+        b.error("the shapes reach farther than 32-bit floats can tell", b.ir.origin);
+    }
     let sphere = if bounds.is_empty() {
         SceneSphere { center: Vec3::ZERO, radius: 1.0 }
     } else {
