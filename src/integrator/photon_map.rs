@@ -163,7 +163,7 @@ impl<'a> PhotonMapper<'a> {
                     self.paths[which as usize] = (self.paths[which as usize] as f32 * more) as u64;
                     found /= more.sqrt();
                 }
-                radius::clamped(found, pixel)
+                radius::clamped(found, pixel, scene_radius)
             }
         };
     }
