@@ -116,7 +116,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
         report::line(&loaded.plan.to_string());
     }
     if loaded.scene.emitters.is_empty() && !args.quiet {
-        report::line("warning: the scene has no emitter; the picture will be black");
+        let scene = loaded.path.display();
+        report::line(&format!("warning: {scene}: the scene has no light; the picture will be black"));
     }
 
     let interrupt = Interrupt::watch()?;

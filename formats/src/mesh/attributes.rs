@@ -22,6 +22,8 @@ pub(super) struct Columns {
     found: Vec<(String, usize)>,
     /// For every property the attribute and the component, if it is part of one.
     pub places: Vec<Option<(usize, usize)>>,
+    /// Names of what consists of other than one or three numbers, and of how many.
+    pub skipped: Vec<(String, usize)>,
 }
 
 /// What a property is part of: `color_0` of `color`, and so are `r` and `red`.
@@ -39,9 +41,15 @@ impl Columns {
     pub fn new<'a>(prefix: &str, properties: impl Iterator<Item = Option<&'a str>>) -> Self {
         let stems: Vec<Option<&str>> = properties.map(|p| p.and_then(stem)).collect();
         let count = |stem: &str| stems.iter().flatten().filter(|s| **s == stem).count();
-        let mut columns = Columns { found: Vec::new(), places: Vec::new() };
+        let mut columns = Columns { found: Vec::new(), places: Vec::new(), skipped: Vec::new() };
         let mut next = Vec::new();
         for stem in &stems {
+            if let Some(odd) = stem.filter(|s| !matches!(count(s), 1 | 3)) {
+                let entry = (format!("{prefix}{odd}"), count(odd));
+                if !columns.skipped.contains(&entry) {
+                    columns.skipped.push(entry);
+                }
+            }
             let place = stem.filter(|s| matches!(count(s), 1 | 3)).map(|stem| {
                 let name = format!("{prefix}{stem}");
                 let index = columns.found.iter().position(|(n, _)| *n == name).unwrap_or_else(|| {
@@ -85,6 +93,7 @@ mod tests {
         let columns = Columns::new(VERTEX, names.iter().map(|n| Some(*n)));
         let place = [Some((0, 0)), Some((1, 0)), Some((0, 1)), None, Some((0, 2)), None, None];
         assert_eq!(columns.places, place);
+        assert_eq!(columns.skipped, [("vertex_odd".to_owned(), 2)]);
         let mut lists = columns.lists();
         columns.push(&mut lists, &[[1.0, 2.0, f32::NAN], [4.0, 0.0, 0.0]]);
         assert_eq!(lists[0], Attribute { name: "vertex_color".into(), values: vec![[1.0, 2.0, 0.0]] });

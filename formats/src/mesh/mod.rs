@@ -20,6 +20,7 @@ use crate::ir::MeshFormat;
 pub use attributes::Attribute;
 pub use obj::read_obj;
 pub use ply::read_ply;
+use ply::skipped_attributes;
 pub use ply_write::write_ply;
 pub use serialized::{read_serialized, serialized_count};
 
@@ -74,6 +75,17 @@ pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<M
         MeshFormat::Obj => read_obj(bytes, options),
         MeshFormat::Ply => read_ply(bytes, options),
         MeshFormat::Serialized { index } => read_serialized(bytes, index, options),
+    }
+}
+
+/// Attributes that [`read`] leaves out of the mesh of a file, and of how many numbers each consists.
+pub fn skipped(format: MeshFormat, bytes: &[u8]) -> Result<Vec<(String, usize)>, MeshError> {
+    match format {
+        MeshFormat::Ply if is_gzip(bytes) => {
+            skipped_attributes(&unpack(bytes, MAX_FILE_BYTES).map_err(MeshError::Invalid)?)
+        }
+        MeshFormat::Ply => skipped_attributes(bytes),
+        MeshFormat::Obj | MeshFormat::Serialized { .. } => Ok(Vec::new()),
     }
 }
 

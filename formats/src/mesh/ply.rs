@@ -31,6 +31,20 @@ pub fn read_ply(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> 
     Ok(finish(mesh, options))
 }
 
+/// Attributes of a PLY file that [`read_ply`] leaves out, being of other than one or three numbers, and
+/// of how many they are.
+pub fn skipped_attributes(bytes: &[u8]) -> Result<Vec<(String, usize)>, MeshError> {
+    let mut skipped = Vec::new();
+    for element in &header(bytes)?.elements {
+        match element.name.as_str() {
+            "vertex" => skipped.extend(vertex_columns(element, &targets(element)?).skipped),
+            "face" => skipped.extend(face_columns(element).skipped),
+            _ => {}
+        }
+    }
+    Ok(skipped)
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Encoding {
     Ascii,
@@ -192,15 +206,23 @@ fn targets(element: &Element) -> Result<Vec<Target>, MeshError> {
     Ok(element.properties.iter().map(target).collect())
 }
 
+fn vertex_columns(element: &Element, targets: &[Target]) -> Columns {
+    let free = element.properties.iter().zip(targets).map(|(p, target)| {
+        (p.list.is_none() && matches!(target, Target::Nothing)).then_some(p.name.as_str())
+    });
+    Columns::new(VERTEX, free)
+}
+
+fn face_columns(element: &Element) -> Columns {
+    Columns::new(FACE, element.properties.iter().map(|p| p.list.is_none().then_some(p.name.as_str())))
+}
+
 fn read_vertices(source: &mut Source<'_>, element: &Element, mesh: &mut Mesh) -> Result<(), MeshError> {
     let targets = targets(element)?;
     let any = |wanted: fn(&Target) -> bool| targets.iter().any(wanted);
     let has_normals = any(|target| matches!(target, Target::Normal(_)));
     let has_uvs = any(|target| matches!(target, Target::Uv(_)));
-    let free = element.properties.iter().zip(&targets).map(|(p, target)| {
-        (p.list.is_none() && matches!(target, Target::Nothing)).then_some(p.name.as_str())
-    });
-    let columns = Columns::new(VERTEX, free);
+    let columns = vertex_columns(element, &targets);
     let (mut lists, mut row) = (columns.lists(), columns.row());
     mesh.positions.reserve(element.count);
     for vertex in 0..element.count {
@@ -253,8 +275,7 @@ fn read_faces(source: &mut Source<'_>, element: &Element, mesh: &mut Mesh) -> Re
     if element.count > 0 && !element.properties.iter().any(is_indices) {
         return Err(MeshError::Invalid("the PLY faces lack a list of vertex_indices".into()));
     }
-    let free = element.properties.iter().map(|p| p.list.is_none().then_some(p.name.as_str()));
-    let columns = Columns::new(FACE, free);
+    let columns = face_columns(element);
     let (mut lists, mut row) = (columns.lists(), columns.row());
     let mut corners = Vec::new();
     mesh.triangles.reserve(element.count);

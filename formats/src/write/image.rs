@@ -6,7 +6,7 @@ use std::path::Path;
 use super::mesh::stem;
 use super::{Output, WriteError};
 use crate::image::{self, Encoding, ExrLayer, ExrOptions, Image};
-use crate::ir::{Bitmap, EnvironmentMapping, LightImage, TextureEncoding};
+use crate::ir::{Bitmap, EnvironmentMapping, LightImage, TextureEncoding, WrapMode};
 use crate::spectrum::{luminance, srgb_to_linear};
 
 /// Decoded linear RGB, row 0 at the top.
@@ -17,12 +17,12 @@ pub(super) struct Pixels {
 }
 
 impl Pixels {
-    /// u to the right, v down, both from 0 to 1; the border goes on.
-    pub fn bilinear(&self, [u, v]: [f64; 2]) -> [f64; 3] {
+    /// u to the right, v down, both from 0 to 1; `wrap` says what lies beyond the borders of each.
+    pub fn bilinear(&self, [u, v]: [f64; 2], wrap: [WrapMode; 2]) -> [f64; 3] {
         let (x, y) = (u * self.width as f64 - 0.5, v * self.height as f64 - 0.5);
-        self.mix(x, y, |x, y| {
-            let inside = |i: i64, n: usize| i.clamp(0, n as i64 - 1) as usize;
-            self.rgb[inside(y, self.height) * self.width + inside(x, self.width)]
+        self.mix(x, y, |x, y| match (wrapped(x, self.width, wrap[0]), wrapped(y, self.height, wrap[1])) {
+            (Ok(x), Ok(y)) => self.rgb[y * self.width + x],
+            (Err(beyond), _) | (_, Err(beyond)) => [beyond; 3],
         })
     }
 
@@ -39,6 +39,19 @@ impl Pixels {
         std::array::from_fn(|i| {
             (a[i] * (1.0 - fx) + b[i] * fx) * (1.0 - fy) + (c[i] * (1.0 - fx) + d[i] * fx) * fy
         })
+    }
+}
+
+/// The index of a pixel at most one beyond a row of `n`, or the value there.
+fn wrapped(i: i64, n: usize, wrap: WrapMode) -> Result<usize, f64> {
+    let n = n as i64;
+    match wrap {
+        _ if (0..n).contains(&i) => Ok(i as usize),
+        WrapMode::Repeat => Ok(i.rem_euclid(n) as usize),
+        // The mirror shows the outermost pixel first.
+        WrapMode::Clamp | WrapMode::Mirror => Ok(i.clamp(0, n - 1) as usize),
+        WrapMode::Zero => Err(0.0),
+        WrapMode::One => Err(1.0),
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use super::{Output, WriteError};
-use crate::ir::{InlineMesh, MeshFile, MeshFormat, PartialQuadric};
+use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric};
 use crate::mesh::{self, Mesh, MeshOptions, write_ply};
 
 impl Output<'_> {
@@ -20,14 +20,23 @@ impl Output<'_> {
             .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })
     }
 
-    /// A PLY file of the mesh as it is rendered.
-    pub fn make_ply(&mut self, file: &MeshFile) -> Result<String, WriteError> {
+    /// A PLY file of the mesh as it is rendered; `origin` is that of its shape.
+    pub fn make_ply(&mut self, file: &MeshFile, origin: Origin) -> Result<String, WriteError> {
         let key = format!("mesh {file:?}");
         let mut stem = stem(&file.path);
         if let MeshFormat::Serialized { index } = file.format {
             stem = format!("{stem}-{index:03}");
         }
-        self.make(&key, "meshes", &stem, "ply", |output| Ok(write_ply(&output.mesh(file)?)))
+        self.make(&key, "meshes", &stem, "ply", |output| {
+            let mesh = output.mesh(file)?;
+            let skipped = mesh::skipped(file.format, &output.read(&file.path)?)
+                .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })?;
+            for (name, size) in skipped {
+                let what = format!("the attribute `{name}` of a mesh, {size} numbers each");
+                output.lose(origin, what, "a mesh without it");
+            }
+            Ok(write_ply(&mesh))
+        })
     }
 
     pub fn make_inline_ply(&mut self, mesh: &InlineMesh, name: &str) -> Result<String, WriteError> {

@@ -6,25 +6,32 @@ use std::path::Path;
 use super::image::{Pixels, exr};
 use super::mesh::stem;
 use super::{Output, WriteError};
-use crate::ir::{Bitmap, LightImage};
+use crate::ir::{Bitmap, LightImage, TextureFilter};
 
 /// Pixels of the longer side of a picture that is made: the cosine is even over such a pixel, and a
 /// lookup of the nearest one is as good as one that interpolates.
 const SIDE: usize = 512;
 
 impl Output<'_> {
-    /// The intensity of a picture that gives the irradiance, read bilinearly; the longer and the shorter
-    /// side of the picture are at `tangent` of the shorter side's half angle.
+    /// The intensity of a picture that gives the irradiance, read as its filter and wrapping say; the
+    /// shorter side of the picture is at `tangent` of its half angle.
     pub fn slide_intensity(&mut self, bitmap: &Bitmap, tangent: f64) -> Result<String, WriteError> {
-        let Bitmap { path, encoding, channel, scale, invert, .. } = bitmap;
-        let key = format!("intensity {path:?} {encoding:?} {channel:?} {scale} {invert} {tangent}");
+        let Bitmap { path, encoding, channel, scale, invert, filter, wrap_u, wrap_v, .. } = bitmap;
+        let wrap = [*wrap_u, *wrap_v];
+        let key = format!(
+            "intensity {path:?} {encoding:?} {channel:?} {scale} {invert} {filter:?} {wrap:?} {tangent}"
+        );
         self.make(&key, "textures", &format!("{}-intensity", stem(path)), "exr", |output| {
             let mut pixels = output.pixels(path, *encoding, *channel)?;
             for value in pixels.rgb.as_flattened_mut() {
                 let scaled = *value * scale;
                 *value = if *invert { (1.0 - scaled).max(0.0) } else { scaled };
             }
-            exr(path, &fan(&pixels, Pixels::bilinear, tangent, -3))
+            let lookup = |pixels: &Pixels, uv| match filter {
+                TextureFilter::Nearest => pixels.nearest(uv),
+                TextureFilter::Bilinear => pixels.bilinear(uv, wrap),
+            };
+            exr(path, &fan(&pixels, lookup, tangent, -3))
         })
     }
 
@@ -32,7 +39,7 @@ impl Output<'_> {
     pub fn even_intensity(&mut self, tangent: f64) -> Result<String, WriteError> {
         self.make(&format!("even intensity {tangent}"), "textures", "intensity", "exr", |_| {
             let one = Pixels { width: 1, height: 1, rgb: vec![[1.0; 3]] };
-            exr(Path::new("intensity"), &fan(&one, Pixels::bilinear, tangent, -3))
+            exr(Path::new("intensity"), &fan(&one, Pixels::nearest, tangent, -3))
         })
     }
 
@@ -53,7 +60,7 @@ impl Output<'_> {
 }
 
 /// A finer picture, times a power of the cosine between its pixel and the axis.
-fn fan(from: &Pixels, lookup: fn(&Pixels, [f64; 2]) -> [f64; 3], tangent: f64, power: i32) -> Pixels {
+fn fan(from: &Pixels, lookup: impl Fn(&Pixels, [f64; 2]) -> [f64; 3], tangent: f64, power: i32) -> Pixels {
     let times = SIDE.div_ceil(from.width.max(from.height));
     let (width, height) = (from.width * times, from.height * times);
     let shorter = width.min(height) as f64;
@@ -74,6 +81,24 @@ fn fan(from: &Pixels, lookup: fn(&Pixels, [f64; 2]) -> [f64; 3], tangent: f64, p
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ir::WrapMode;
+
+    /// Two pixels, 0 and 1: at the left border, a hair inside, the left one is mixed half and half with
+    /// what lies beyond.
+    #[test]
+    fn the_border_of_a_picture_follows_its_wrapping() {
+        let picture = Pixels { width: 2, height: 1, rgb: vec![[0.0; 3], [1.0; 3]] };
+        let at = |wrap| {
+            let made = fan(&picture, |pixels: &Pixels, uv| pixels.bilinear(uv, [wrap; 2]), 0.0, 1);
+            made.rgb[made.width * made.height / 2][0]
+        };
+        // The middle of the first of 512 pixels is 1/512 of a pixel of the picture from the border.
+        let inside = 1.0 / SIDE as f64;
+        assert!((at(WrapMode::Repeat) - (0.5 - inside)).abs() < 1e-12);
+        assert!(at(WrapMode::Clamp).abs() < 1e-12);
+        assert!(at(WrapMode::Mirror).abs() < 1e-12);
+        assert!(at(WrapMode::Zero).abs() < 1e-12);
+    }
 
     /// Both ways undo each other; a corner of a 90° picture is at cos = 1/√3.
     #[test]

@@ -142,3 +142,22 @@ proptest! {
         settles(scene, Language::Pbrt, Language::Mitsuba);
     }
 }
+
+/// Only attributes of one or three numbers can be shown: another goes when the mesh is made anew, and is
+/// listed once with the place of its shape.
+#[test]
+fn attributes_that_a_made_mesh_lacks_are_listed() {
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+               property float flow_0\nproperty float flow_1\nproperty float heat_0\nelement face 1\n\
+               property list uchar int vertex_indices\nend_header\n0 0 0 1 2 3\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n";
+    let scene = "<scene version=\"3.0.0\">\n<sensor type=\"perspective\"/>\n<emitter type=\"constant\"/>\n\
+                 <shape type=\"ply\"><string name=\"filename\" value=\"m.ply\"/></shape>\n</scene>\n";
+    let files = [("m.ply", ply), ("s.xml", scene)];
+    let files = Memory(files.map(|(name, text)| (PathBuf::from(name), text.as_bytes().to_vec())).into());
+    let read = read_scene(&files, Path::new("s.xml"), &ReadOptions::default()).unwrap();
+    let written = write(&read, &files, "made.pbrt");
+    let listed: Vec<_> = written.losses.iter().filter(|loss| loss.what.contains("attribute")).collect();
+    assert_eq!(listed.len(), 1, "{:#?}", written.losses);
+    assert!(listed[0].what.contains("`vertex_flow`") && listed[0].what.contains("2 numbers"));
+    assert!(listed[0].place.as_deref().is_some_and(|place| place.starts_with("s.xml:4:")), "{listed:?}");
+}

@@ -4,8 +4,8 @@ use super::Writer;
 use super::element::Element;
 use super::substitute;
 use crate::ir::{
-    AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup,
-    ShapeKind, Transform, uses_textures,
+    AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
+    ShapeGroup, ShapeKind, Transform, uses_textures,
 };
 use crate::write::WriteError;
 
@@ -33,7 +33,7 @@ impl Writer<'_, '_> {
         let plugin = |name: &str| Element::plugin("shape", name).id(shape.name.as_deref());
         let label = shape.name.as_deref().unwrap_or("mesh");
         let element = match &shape.kind {
-            ShapeKind::Mesh(file) => self.mesh(file, &|name| plugin(name))?,
+            ShapeKind::Mesh(file) => self.mesh(file, shape.origin, &|name| plugin(name))?,
             ShapeKind::Inline(mesh) => {
                 let name = mesh.made_from.as_deref().filter(|_| shape.name.is_none()).unwrap_or(label);
                 let file = self.out.make_inline_ply(mesh, name)?;
@@ -108,14 +108,19 @@ impl Writer<'_, '_> {
         Ok(Some(Element::plugin("bsdf", "mask").children(opacity).child(bsdf)))
     }
 
-    fn mesh(&mut self, file: &MeshFile, plugin: &dyn Fn(&str) -> Element) -> Result<Element, WriteError> {
+    fn mesh(
+        &mut self,
+        file: &MeshFile,
+        origin: Origin,
+        plugin: &dyn Fn(&str) -> Element,
+    ) -> Result<Element, WriteError> {
         let keep = file.max_smooth_angle.is_none()
             && match file.format {
                 MeshFormat::Obj | MeshFormat::Serialized { .. } => true,
                 MeshFormat::Ply => self.out.is_triangle_ply(file)?,
             };
         if !keep {
-            let name = self.out.make_ply(file)?;
+            let name = self.out.make_ply(file, origin)?;
             let element = plugin("ply").comment(format!("made from {}", file.path.display()));
             let flat = file.face_normals || self.out.mesh(file)?.normals.is_empty();
             return Ok(element.string("filename", &name).boolean_unless("face_normals", flat, false));

@@ -3,8 +3,8 @@
 use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
-    BsdfKind, FloatInput, Id, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind,
-    Transform, uses_textures,
+    BsdfKind, FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup,
+    ShapeKind, Transform, uses_textures,
 };
 use crate::mesh::{Mesh, builtin};
 use crate::write::WriteError;
@@ -93,7 +93,9 @@ impl Writer<'_, '_> {
         let none = Params::default();
         let label = shape.name.as_deref();
         Ok(match &shape.kind {
-            ShapeKind::Mesh(file) => ("plymesh", none.string("filename", &self.mesh(file)?), None),
+            ShapeKind::Mesh(file) => {
+                ("plymesh", none.string("filename", &self.mesh(file, shape.origin)?), None)
+            }
             ShapeKind::Inline(mesh) if mesh.triangles.len() > INLINE => {
                 let name = self.out.make_inline_ply(mesh, label.unwrap_or("mesh"))?;
                 ("plymesh", none.string("filename", &name), None)
@@ -142,12 +144,12 @@ impl Writer<'_, '_> {
     }
 
     /// The file itself where pbrt takes it alike, else one that says what is rendered.
-    fn mesh(&mut self, file: &MeshFile) -> Result<String, WriteError> {
+    fn mesh(&mut self, file: &MeshFile, origin: Origin) -> Result<String, WriteError> {
         let keep = file.authored_normals
             && file.format == MeshFormat::Ply
             && !file.flip_tex_coords
             && self.out.is_triangle_ply(file)?;
-        if keep { Ok(self.out.carry(&file.path, "meshes")) } else { self.out.make_ply(file) }
+        if keep { Ok(self.out.carry(&file.path, "meshes")) } else { self.out.make_ply(file, origin) }
     }
 
     /// The named material, and the opacity of a mask around it.
