@@ -172,8 +172,9 @@ fn equal(boxes: &[Aabb]) -> Option<Vec<Vec<u32>>> {
 }
 
 impl Bvh {
-    /// Builds over boxes; what has one that is not finite is left out. `pack(items)` is called for every leaf with the indices of its boxes;
-    /// what it returns, a first element and a count in the caller's arrays, is what the leaf names.
+    /// Builds over boxes; what has one that is not finite is left out. `pack(items)` is called for every
+    /// leaf with the indices of its boxes; what it returns, a first element and a count in the caller's
+    /// arrays, is what the leaf names.
     pub fn build(boxes: &[Bounds], mut pack: impl FnMut(&[u32]) -> (u32, u32)) -> Self {
         let mut bvh = Self { nodes: Vec::new(), flat: None, stack: 0 };
         let bands = Band::all(boxes);
