@@ -125,14 +125,61 @@ impl Microfacet {
         if self.kind == Kind::Phong {
             return self.sample_phong(u);
         }
-        let stretched = Vec3::new(self.au * wi.x, self.av * wi.y, wi.z).normalize_or(Vec3::Z);
+        let stretched = self.stretched(wi);
         let r = (stretched.x * stretched.x + stretched.y * stretched.y).sqrt();
         let (cos, sin) = if r > 0.0 { (stretched.x / r, stretched.y / r) } else { (1.0, 0.0) };
-        let slope =
-            if self.kind == Kind::Ggx { ggx_slope(stretched.z, u) } else { beckmann_slope(stretched.z, u) };
+        let slope = match self.kind {
+            Kind::Ggx => ggx_slope(stretched.z, u),
+            _ => Vec2::new(beckmann_slope_x(stretched.z, u.x), beckmann_slope_y(u.y)),
+        };
         let x = (cos * slope.x - sin * slope.y) * self.au;
         let y = (sin * slope.x + cos * slope.y) * self.av;
         Vec3::new(-x, -y, 1.0).normalize_or(Vec3::Z)
+    }
+
+    fn stretched(&self, wi: Vec3) -> Vec3 {
+        Vec3::new(self.au * wi.x, self.av * wi.y, wi.z).normalize_or(Vec3::Z)
+    }
+
+    /// Normals that [`sample`](Self::sample) makes of all pairs of `nodes`, with their weights: a quadrature
+    /// over the visible normals of an isotropic surface. `nodes` are pairs of place and weight, symmetric
+    /// about ½; `wi` has no y, so that of two normals which mirror each other only one is listed.
+    pub fn visible_normals(&self, wi: Vec3, nodes: &[(f64, f64)]) -> Vec<(Vec3, f64)> {
+        let half = &nodes[..nodes.len().div_ceil(2)];
+        let doubled = |i: usize| if i == nodes.len() - 1 - i { 1.0 } else { 2.0 };
+        let normal =
+            |slope: Vec2| Vec3::new(-slope.x * self.au, -slope.y * self.av, 1.0).normalize_or(Vec3::Z);
+        let cos = self.stretched(wi).z;
+        let mut normals = Vec::with_capacity(nodes.len() * nodes.len());
+        match self.kind {
+            // Each number decides about one coordinate of the slope.
+            Kind::Beckmann => {
+                let ys: Vec<f32> = half.iter().map(|&(y, _)| beckmann_slope_y(y as f32)).collect();
+                for &(x, wx) in nodes {
+                    let x = beckmann_slope_x(cos, x as f32);
+                    let at = |(i, (&y, &(_, wy)))| (normal(Vec2::new(x, y)), wx * wy * doubled(i));
+                    normals.extend(ys.iter().zip(half).enumerate().map(at));
+                }
+            }
+            // The first number mirrored is the slope mirrored.
+            Kind::Ggx => {
+                for (i, &(x, wx)) in half.iter().enumerate() {
+                    let at = |&(y, wy): &(f64, f64)| {
+                        let slope = ggx_slope(cos, Vec2::new(x as f32, y as f32));
+                        (normal(slope), wx * wy * doubled(i))
+                    };
+                    normals.extend(nodes.iter().map(at));
+                }
+            }
+            Kind::Phong => {
+                for &(x, wx) in nodes {
+                    let at =
+                        |&(y, wy): &(f64, f64)| (self.sample_phong(Vec2::new(x as f32, y as f32)), wx * wy);
+                    normals.extend(nodes.iter().map(at));
+                }
+            }
+        }
+        normals
     }
 
     /// Ashikhmin and Shirley 2000.
@@ -162,20 +209,25 @@ fn ggx_slope(cos: f32, u: Vec2) -> Vec2 {
 
 /// The same for Beckmann: the distribution function inverted by Newton's method in the domain of erf
 /// (Jakob 2014).
-fn beckmann_slope(cos: f32, u: Vec2) -> Vec2 {
+fn beckmann_slope_x(cos: f32, u: f32) -> f32 {
     const INV_SQRT_PI: f32 = 0.5 * FRAC_2_SQRT_PI;
     let tan = (1.0 - cos * cos).max(0.0).sqrt() / cos;
     let cot = 1.0 / tan;
-    let u = u.clamp(Vec2::splat(1e-6), Vec2::splat(1.0 - 1e-6));
+    let u = u.clamp(1e-6, 1.0 - 1e-6);
     let max = erf(cot);
-    let mut x = max - (max + 1.0) * erf((-u.x.ln()).sqrt());
-    let wanted = u.x * (1.0 + max + INV_SQRT_PI * tan * (-cot * cot).exp());
+    let mut x = max - (max + 1.0) * erf((-u.ln()).sqrt());
+    let wanted = u * (1.0 + max + INV_SQRT_PI * tan * (-cot * cot).exp());
     for _ in 0..3 {
         let slope = erf_inv(x);
         let value = 1.0 + x + INV_SQRT_PI * tan * (-slope * slope).exp() - wanted;
         x -= value / (1.0 - slope * tan);
     }
-    Vec2::new(erf_inv(x), erf_inv(2.0 * u.y - 1.0))
+    erf_inv(x)
+}
+
+/// Across the direction that it is seen from, the slope is a Gaussian.
+fn beckmann_slope_y(u: f32) -> f32 {
+    erf_inv(2.0 * u.clamp(1e-6, 1.0 - 1e-6) - 1.0)
 }
 
 /// Mirror image of `wi` about the normal `m`.
