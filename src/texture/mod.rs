@@ -10,7 +10,7 @@ mod site;
 mod solid;
 
 pub use attribute::{MeshAttribute, Values};
-pub use bitmap::{Bitmap, Wrap};
+pub use bitmap::{Bitmap, Bytes, Texels, Wrap};
 pub use checkerboard::Checkerboard;
 pub use mapping::{Mapping, ToTexture, UvTransform};
 pub use noise::{Noise, NoiseKind};

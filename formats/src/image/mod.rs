@@ -22,14 +22,22 @@ pub use raster::{encode_png, write_png};
 
 /// Pixels as named channels, interleaved, row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Image {
+pub struct Image<Data = Vec<f32>> {
     pub width: usize,
     pub height: usize,
     /// In storage order, e.g. `R G B A`, `Y`, `direct.R`.
     pub channels: Vec<String>,
     /// `width · height · channels.len()` values; integer formats are scaled to 0..1, not decoded.
-    pub data: Vec<f32>,
+    pub data: Data,
     pub encoding: Encoding,
+}
+
+/// The values of an [`Image`] as its file stores them, so that a texture of bytes may stay one.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// Of an 8-bit format; 255 is 1.
+    Bytes(Vec<u8>),
+    Floats(Vec<f32>),
 }
 
 /// What the stored numbers mean.
@@ -54,7 +62,7 @@ pub enum ImageError {
 /// The largest image read, in pixels.
 pub const MAX_PIXELS: usize = 1 << 28;
 
-impl Image {
+impl<Data> Image<Data> {
     /// Position of the channel called `name` within a pixel.
     pub fn channel(&self, name: &str) -> Option<usize> {
         self.channels.iter().position(|channel| channel == name)
@@ -68,6 +76,13 @@ impl Image {
         named("R", "G", "B").or_else(|| gray().map(|i| [i; 3])).or_else(|| named("r", "g", "b"))
     }
 
+    fn map<Other>(self, to: impl FnOnce(Data) -> Other) -> Image<Other> {
+        let Self { width, height, channels, data, encoding } = self;
+        Image { width, height, channels, data: to(data), encoding }
+    }
+}
+
+impl Image {
     /// The values of one pixel, in the order of `channels`.
     pub fn pixel(&self, x: usize, y: usize) -> &[f32] {
         let count = self.channels.len();
@@ -81,10 +96,20 @@ impl Image {
 /// EXR pixels cover the data window (the union of the data windows of all parts); channels of part
 /// `p` are called `p.name` when the file has several parts, and integer channels keep their numbers.
 pub fn read(bytes: &[u8]) -> Result<Image, ImageError> {
+    let floats = |samples| match samples {
+        Samples::Bytes(bytes) => bytes.into_iter().map(|v| f32::from(v) / 255.0).collect(),
+        Samples::Floats(values) => values,
+    };
+    Ok(read_samples(bytes)?.map(floats))
+}
+
+/// [`read`] without making floats of bytes.
+pub fn read_samples(bytes: &[u8]) -> Result<Image<Samples>, ImageError> {
+    let floats = |image: Image| image.map(Samples::Floats);
     match detect(bytes) {
-        Some(Format::Exr) => exr_read::read(bytes),
-        Some(Format::Pfm) => pfm::read(bytes),
-        Some(Format::Hdr) => hdr::read(bytes),
+        Some(Format::Exr) => exr_read::read(bytes).map(floats),
+        Some(Format::Pfm) => pfm::read(bytes).map(floats),
+        Some(Format::Hdr) => hdr::read(bytes).map(floats),
         Some(Format::Raster(format)) => raster::read(bytes, format),
         None => Err(ImageError::Unsupported(
             "this image format (known: EXR, PNG, JPEG, BMP, TGA, HDR, PFM)".into(),

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader};
 
-use super::{Encoding, Image, ImageError, MAX_PIXELS, atomic_write, check_data, check_size, guarded};
+use super::{Encoding, Image, ImageError, MAX_PIXELS, Samples, atomic_write, check_data, check_size, guarded};
 
-pub(super) fn read(bytes: &[u8], format: ImageFormat) -> Result<Image, ImageError> {
+pub(super) fn read(bytes: &[u8], format: ImageFormat) -> Result<Image<Samples>, ImageError> {
     if format == ImageFormat::Png && !has_whole_palette(bytes) {
         return Err(ImageError::Invalid("PNG: the palette is cut off within a colour".into()));
     }
@@ -71,11 +71,12 @@ fn png_bytes(bytes: &[u8], [width, height]: [usize; 2]) -> u128 {
     (width as u128 * samples * depth).div_ceil(8) * height as u128
 }
 
-fn convert(image: DynamicImage) -> Result<Image, ImageError> {
+fn convert(image: DynamicImage) -> Result<Image<Samples>, ImageError> {
     let (width, height) = (image.width() as usize, image.height() as usize);
-    let eight = |values: Vec<u8>| values.iter().map(|&v| f32::from(v) / 255.0).collect();
-    let sixteen = |values: Vec<u16>| values.iter().map(|&v| f32::from(v) / 65535.0).collect();
-    let (names, data): (&[&str], Vec<f32>) = match image {
+    let eight = Samples::Bytes;
+    let sixteen =
+        |values: Vec<u16>| Samples::Floats(values.iter().map(|&v| f32::from(v) / 65535.0).collect());
+    let (names, data): (&[&str], Samples) = match image {
         DynamicImage::ImageLuma8(pixels) => (&["Y"], eight(pixels.into_raw())),
         DynamicImage::ImageLumaA8(pixels) => (&["Y", "A"], eight(pixels.into_raw())),
         DynamicImage::ImageRgb8(pixels) => (&["R", "G", "B"], eight(pixels.into_raw())),

@@ -19,13 +19,13 @@ impl Builder<'_> {
             return Some(Emitter::Collimated(Box::new(Collimated::new(triangles, radiance, lift))));
         }
         let sides = if e.two_sided { Sides::Both } else { Sides::Front };
-        let mut lamp = Area::new(surface, radiance, sides, lift, self.textures.so_far());
+        let mut lamp = Area::new(surface, radiance, sides, lift, self.textures_of(radiance));
         if let Some(wanted) = e.power {
             let emitted = luminance(lamp.power());
             if emitted > 0.0 {
                 // pbrt multiplies its power by the scale.
                 let radiance = self.scaled(radiance, (wanted * e.scale) as f32 / emitted);
-                lamp = Area::new(lamp.surface, radiance, sides, lift, self.textures.so_far());
+                lamp = Area::new(lamp.surface, radiance, sides, lift, self.textures_of(radiance));
             }
         }
         Some(Emitter::Area(lamp))

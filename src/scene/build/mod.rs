@@ -105,11 +105,18 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
         origin: [0.0; 3],
     };
     let sensor = sensor::choose(&mut b);
-    let shapes = shapes::build(&mut b, sensor.map(|s| s.to_world.point([0.0; 3])));
+    shapes::build_materials(&mut b);
+    let pictures = b.wanted_pictures();
+    let camera = sensor.map(|s| s.to_world.point([0.0; 3]));
+    let (shapes, ()) = rayon::join(
+        || shapes::build(&mut b, camera),
+        || textures::decode_all(&pictures, ir, files),
+    );
     let mut emitters = shapes.emitters;
     let environment = emitters::build(&mut b, shapes.origin, &mut emitters);
     let camera = sensor.map(|s| sensor::build(&mut b, s, shapes.origin));
     let settings = integrator::settings(&mut b);
+    b.settle();
     let failed = b.diagnostics.iter().any(|d| d.severity == Severity::Error);
     let Some((sensor, film, filter)) = camera.filter(|_| !failed) else {
         return Err(b.diagnostics);

@@ -47,6 +47,13 @@ fn cache_key(m: &ir::MeshFile) -> (PathBuf, String) {
     (path, format!("{:?}", mesh_key(m)))
 }
 
+/// The materials of all shapes, so that what they want to read is known before anything is.
+pub fn build_materials(b: &mut Builder<'_>) {
+    for shape in every_shape(b.ir) {
+        b.material(shape.bsdf, shape.emission.is_some());
+    }
+}
+
 pub fn build(b: &mut Builder<'_>, camera: Option<[f64; 3]>) -> Shapes {
     let meshes = load_meshes(b);
     let origin = origin(b, &meshes, camera);

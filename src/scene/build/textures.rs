@@ -1,20 +1,21 @@
 //! Textures and textured parameters. Only what is used is loaded, once per use as colour or emission.
 
 mod mappings;
+mod pictures;
 
 use std::collections::HashMap;
 
-use caustica_formats::image::{self, Encoding};
 use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
-use caustica_formats::spectrum::SrgbTable;
 
 use super::Builder;
 use crate::math::{Rgb, Vec3};
 use crate::texture::{
-    Bilerp, Bitmap, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, SolidChecks,
-    Texture, Textures, UnitChecks, Wrap,
+    Bilerp, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, SolidChecks, Texture,
+    Textures, UnitChecks,
 };
 use mappings::{noise, uv_transform};
+use pictures::Waiting;
+pub(super) use pictures::{channels, decode_all, decoder};
 
 #[derive(Default)]
 pub struct TextureTable {
@@ -22,6 +23,7 @@ pub struct TextureTable {
     known: HashMap<(usize, bool), Param>,
     /// Per texture, how many are looked up for one value of it.
     lookups: Vec<u32>,
+    waiting: Vec<Waiting>,
 }
 
 /// Textures that double each other thirty times would never come to an end.
@@ -32,7 +34,7 @@ impl TextureTable {
         self.textures
     }
 
-    /// Those that were built already.
+    /// Those that were built already, perhaps without their pictures.
     pub fn so_far(&self) -> &Textures {
         &self.textures
     }
@@ -100,10 +102,7 @@ impl Builder<'_> {
         let texture = &self.ir.textures[id];
         let origin = texture.origin;
         let param = match &texture.kind {
-            ir::TextureKind::Bitmap(b) => match self.bitmap(b, origin) {
-                Some(b) => self.textures.push(Texture::Bitmap(b)),
-                None => Param::gray(0.5),
-            },
+            ir::TextureKind::Bitmap(b) => self.bitmap(id, b).unwrap_or(Param::gray(0.5)),
             ir::TextureKind::Checkerboard { color0, color1, to_uv } => {
                 let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
                 self.textures.push(Texture::Checkerboard(Checkerboard { colors, to_uv: uv_transform(to_uv) }))
@@ -184,79 +183,6 @@ impl Builder<'_> {
         };
         self.textures.known.insert(key, param);
         param
-    }
-
-    fn bitmap(&mut self, b: &ir::Bitmap, origin: ir::Origin) -> Option<Bitmap> {
-        let read = self
-            .files
-            .read(&b.path)
-            .map_err(|e| e.to_string())
-            .and_then(|bytes| image::read(&bytes).map_err(|e| e.to_string()));
-        let picture = match read {
-            Ok(picture) => picture,
-            Err(e) => {
-                self.error(format!("cannot read texture `{}`: {e}", b.path.display()), origin);
-                return None;
-            }
-        };
-        let channels = channels(&picture.channels, b.channel);
-        let Some(channels) = channels else {
-            let known = picture.channels.join(", ");
-            self.error(
-                format!("texture `{}` has channels {known}, none of them usable", b.path.display()),
-                origin,
-            );
-            return None;
-        };
-        let decode = decoder(b.encoding, picture.encoding);
-        let mapping = self.mapping(&b.mapping, origin)?;
-        let scale = b.scale as f32;
-        // pbrt scales before it inverts.
-        let adjust = |x: f32| if b.invert { (1.0 - x * scale).max(0.0) } else { x * scale };
-        let texels = picture
-            .data
-            .chunks_exact(picture.channels.len())
-            .map(|p| channels.map(|c| adjust(decode(p[c]))))
-            .collect();
-        Some(Bitmap {
-            width: picture.width,
-            height: picture.height,
-            texels,
-            bilinear: b.filter == ir::TextureFilter::Bilinear,
-            wrap: [wrap(b.wrap_u), wrap(b.wrap_v)],
-            mapping,
-        })
-    }
-}
-
-/// Indices of the channels to use as RGB. Alpha is dropped without un-premultiplying, as Mitsuba does.
-pub(super) fn channels(names: &[String], one: Option<char>) -> Option<[usize; 3]> {
-    let find = |wanted: &str| names.iter().position(|n| n.eq_ignore_ascii_case(wanted));
-    if let Some(c) = one {
-        return find(&c.to_string()).map(|i| [i; 3]);
-    }
-    match (find("R"), find("G"), find("B")) {
-        (Some(r), Some(g), Some(b)) => Some([r, g, b]),
-        _ => find("Y").or((names.len() == 1).then_some(0)).map(|i| [i; 3]),
-    }
-}
-
-pub(super) fn decoder(wanted: ir::TextureEncoding, stored: Encoding) -> impl Fn(f32) -> f32 {
-    let srgb = SrgbTable::new();
-    move |x| match (wanted, stored) {
-        (ir::TextureEncoding::Auto, Encoding::Srgb) | (ir::TextureEncoding::Srgb, _) => srgb.decode(x),
-        (ir::TextureEncoding::Auto, Encoding::Linear) | (ir::TextureEncoding::Linear, _) => x,
-        (ir::TextureEncoding::Gamma(g), _) => x.max(0.0).powf(g as f32),
-    }
-}
-
-fn wrap(mode: ir::WrapMode) -> Wrap {
-    match mode {
-        ir::WrapMode::Repeat => Wrap::Repeat,
-        ir::WrapMode::Mirror => Wrap::Mirror,
-        ir::WrapMode::Clamp => Wrap::Clamp,
-        ir::WrapMode::Zero => Wrap::Zero,
-        ir::WrapMode::One => Wrap::One,
     }
 }
 

@@ -21,7 +21,7 @@ pub fn build(
             let axes = axes(b, to_world, "the projector", at)?;
             let irradiance = b.param(irradiance, ColorSlot::Emission, at);
             // A picture keeps its shape; anything else is square.
-            let aspect = irradiance.texture(b.textures.so_far()).map_or(1.0, |t| match t {
+            let aspect = irradiance.texture(b.textures_of(irradiance)).map_or(1.0, |t| match t {
                 Texture::Bitmap(t) => t.width as f64 / t.height as f64,
                 _ => 1.0,
             });
