@@ -173,15 +173,12 @@ impl Level {
             .collect();
         let mut bounds = Bounds::EMPTY;
         boxes.iter().for_each(|b| bounds.union(b));
-        let mut packets = Vec::with_capacity(primitives.len() / 2);
-        let bvh = Bvh::build(&boxes, |items| {
-            let first = packets.len();
+        let (bvh, packets) = Bvh::build(&boxes, |items, packets: &mut Vec<Packet>| {
             let flat = |&&i: &&u32| matches!(kind(primitives[i as usize].tag), Kind::Triangle(_));
             let (triangles, others): (Vec<&u32>, Vec<&u32>) = items.iter().partition(flat);
             for (list, are_triangles) in [(triangles, true), (others, false)] {
                 packets.extend(list.chunks(WIDTH).map(|lanes| packet(primitives, lanes, are_triangles)));
             }
-            (first as u32, (packets.len() - first) as u32)
         });
         let flat = if bvh.is_flat() && packets.iter().all(|p| p.others == 0) {
             (0..primitives.len()).map(|i| Face::new(&packets[i / WIDTH].triangles, i % WIDTH)).collect()

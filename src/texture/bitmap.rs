@@ -44,9 +44,7 @@ impl Texels {
     fn get(&self, i: usize) -> Rgb {
         match self {
             Self::Floats(texels) => Rgb::from(texels[i]),
-            Self::Bytes(b) => {
-                Rgb::from(b.channels.map(|c| b.table[usize::from(b.data[i * b.stride + c])]))
-            }
+            Self::Bytes(b) => Rgb::from(b.channels.map(|c| b.table[usize::from(b.data[i * b.stride + c])])),
         }
     }
 }

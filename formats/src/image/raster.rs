@@ -5,7 +5,9 @@ use std::path::Path;
 
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader};
 
-use super::{Encoding, Image, ImageError, MAX_PIXELS, Samples, atomic_write, check_data, check_size, guarded};
+use super::{
+    Encoding, Image, ImageError, MAX_PIXELS, Samples, atomic_write, check_data, check_size, guarded,
+};
 
 pub(super) fn read(bytes: &[u8], format: ImageFormat) -> Result<Image<Samples>, ImageError> {
     if format == ImageFormat::Png && !has_whole_palette(bytes) {
