@@ -105,11 +105,16 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
         origin: [0.0; 3],
     };
     let sensor = sensor::choose(&mut b);
-    shapes::build_materials(&mut b);
-    let pictures = b.wanted_pictures();
     let camera = sensor.map(|s| s.to_world.point([0.0; 3]));
-    let (shapes, ()) =
-        rayon::join(|| shapes::build(&mut b, camera), || textures::decode_all(&pictures, ir, files));
+    let shapes = rayon::scope(|scope| {
+        let materials = || {
+            shapes::build_materials(&mut b);
+            let pictures = b.wanted_pictures();
+            scope.spawn(move |_| textures::decode_all(&pictures, ir, files));
+        };
+        let (meshes, ()) = rayon::join(|| shapes::load_meshes(ir, files), materials);
+        shapes::build(&mut b, meshes, camera)
+    });
     let mut emitters = shapes.emitters;
     let environment = emitters::build(&mut b, shapes.origin, &mut emitters);
     let camera = sensor.map(|s| sensor::build(&mut b, s, shapes.origin));

@@ -3,9 +3,10 @@
 mod extent;
 mod split;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
+use caustica_formats::files::Files;
 use caustica_formats::ir::{self, ShapeKind, Transform};
 use caustica_formats::mesh::{self, Mesh, MeshOptions};
 use rayon::prelude::*;
@@ -54,8 +55,8 @@ pub fn build_materials(b: &mut Builder<'_>) {
     }
 }
 
-pub fn build(b: &mut Builder<'_>, camera: Option<[f64; 3]>) -> Shapes {
-    let meshes = load_meshes(b);
+pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64; 3]>) -> Shapes {
+    let meshes = loaded.checked(b);
     let origin = origin(b, &meshes, camera);
     b.origin = origin;
     let mut level = LevelBuilder::default();
@@ -134,46 +135,57 @@ fn every_shape(ir: &ir::Scene) -> impl Iterator<Item = &ir::Shape> {
     ir.shapes.iter().chain(ir.groups.iter().flat_map(|(_, g)| g.shapes.iter()))
 }
 
-/// Reads every mesh file once, in parallel; problems are reported at the first shape that uses it.
-fn load_meshes(b: &mut Builder<'_>) -> Meshes {
+/// Every mesh file of a scene with the first shape that uses it, and what reading it gave.
+pub struct LoadedMeshes<'a>(Vec<(&'a ir::MeshFile, ir::Origin, Result<Mesh, String>)>);
+
+/// Reads every mesh file once, in parallel.
+pub fn load_meshes<'a>(ir: &'a ir::Scene, files: &dyn Files) -> LoadedMeshes<'a> {
     let mut wanted: Vec<(&ir::MeshFile, ir::Origin)> = Vec::new();
-    let mut seen = HashMap::new();
-    for shape in every_shape(b.ir) {
-        if let ShapeKind::Mesh(m) = &shape.kind {
-            seen.entry(cache_key(m)).or_insert_with(|| wanted.push((m, shape.origin)));
+    let mut seen = HashSet::new();
+    for shape in every_shape(ir) {
+        if let ShapeKind::Mesh(m) = &shape.kind
+            && seen.insert(cache_key(m))
+        {
+            wanted.push((m, shape.origin));
         }
     }
-    let files = b.files;
-    let loaded: Vec<Result<Mesh, String>> = wanted
-        .par_iter()
-        .map(|(m, _)| {
-            let bytes = files.read(&m.path).map_err(|e| e.to_string())?;
-            let options = MeshOptions {
-                face_normals: m.face_normals,
-                authored_normals: m.authored_normals,
-                flip_tex_coords: m.flip_tex_coords,
-                max_smooth_angle: m.max_smooth_angle,
-            };
-            mesh::read(m.format, &bytes, &options).map_err(|e| e.to_string())
-        })
-        .collect();
-    let mut meshes = Meshes::new();
-    for ((m, origin), result) in wanted.into_iter().zip(loaded) {
-        let mesh = match result {
-            Ok(mesh) => {
-                if mesh.triangles.is_empty() {
-                    b.warn(format!("mesh `{}` has no triangles", m.path.display()), origin);
-                }
-                Some(mesh)
-            }
-            Err(e) => {
-                b.error(format!("cannot read mesh `{}`: {e}", m.path.display()), origin);
-                None
-            }
+    let load = |(m, origin): (&'a ir::MeshFile, ir::Origin)| {
+        let options = MeshOptions {
+            face_normals: m.face_normals,
+            authored_normals: m.authored_normals,
+            flip_tex_coords: m.flip_tex_coords,
+            max_smooth_angle: m.max_smooth_angle,
         };
-        meshes.insert(cache_key(m), mesh);
+        let read = || {
+            let bytes = files.read(&m.path).map_err(|e| e.to_string())?;
+            mesh::read(m.format, &bytes, &options).map_err(|e| e.to_string())
+        };
+        (m, origin, read())
+    };
+    LoadedMeshes(wanted.into_par_iter().map(load).collect())
+}
+
+impl LoadedMeshes<'_> {
+    /// Problems are reported at the first shape that uses the file.
+    fn checked(self, b: &mut Builder<'_>) -> Meshes {
+        let mut meshes = Meshes::new();
+        for (m, origin, result) in self.0 {
+            let mesh = match result {
+                Ok(mesh) => {
+                    if mesh.triangles.is_empty() {
+                        b.warn(format!("mesh `{}` has no triangles", m.path.display()), origin);
+                    }
+                    Some(mesh)
+                }
+                Err(e) => {
+                    b.error(format!("cannot read mesh `{}`: {e}", m.path.display()), origin);
+                    None
+                }
+            };
+            meshes.insert(cache_key(m), mesh);
+        }
+        meshes
     }
-    meshes
 }
 
 #[derive(Default)]
