@@ -148,3 +148,23 @@ fn nothing_is_overwritten_unasked_and_never_the_source() {
     let itself = convert(&["b.xml", "b.xml", "--force"], folder.path());
     assert!(text(&itself.stderr).contains("was read from"), "{}", text(&itself.stderr));
 }
+
+/// pbrt's coat keeps the colour of light that bounces below it, which Mitsuba's plastic leaves white unless asked:
+/// the base is written such that both reflect as much. Unchanged it would be a quarter darker.
+#[test]
+fn plastic_keeps_its_brightness_in_pbrt() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = r#"<scene version="3.0.0">
+<integrator type="path"/>
+<sensor type="perspective">
+    <float name="fov" value="30"/>
+    <transform name="to_world"><lookat origin="0, -4, 0" target="0, 0, 0" up="0, 0, 1"/></transform>
+    <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="32"/><rfilter type="box"/></film>
+</sensor>
+<emitter type="constant"/>
+<shape type="sphere"><bsdf type="plastic"><rgb name="diffuse_reflectance" value="0.6, 0.4, 0.1"/></bsdf></shape>
+</scene>"#;
+    std::fs::write(folder.path().join("a.xml"), scene).unwrap();
+    let run = convert(&["a.xml", "b.pbrt", "--check"], folder.path());
+    assert!(run.status.success(), "{}{}", text(&run.stdout), text(&run.stderr));
+}

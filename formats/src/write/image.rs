@@ -9,6 +9,24 @@ use crate::image::{self, Encoding, ExrLayer, ExrOptions, Image};
 use crate::ir::{Bitmap, EnvironmentMapping, LightImage, TextureEncoding, WrapMode};
 use crate::spectrum::{luminance, srgb_to_linear};
 
+/// What a baked texture's colours become.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tone {
+    Factor([f64; 3]),
+    /// The base that, below a coat which reflects this share of diffuse light back at it, looks like one whose
+    /// bounces below the coat are all white (`plastic` without `nonlinear`): ρ'/(1 − ρ'F) = ρ/(1 − F).
+    UnderCoat(f64),
+}
+
+impl Tone {
+    pub fn of(self, rgb: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Factor(factor) => std::array::from_fn(|i| rgb[i] * factor[i]),
+            Self::UnderCoat(internal) => rgb.map(|rho| rho / (1.0 - internal + rho * internal)),
+        }
+    }
+}
+
 /// Decoded linear RGB, row 0 at the top.
 pub(super) struct Pixels {
     pub width: usize,
@@ -87,17 +105,18 @@ impl Output<'_> {
         Ok(Pixels { width: image.width, height: image.height, rgb })
     }
 
-    /// A float image of the texture's values times `factor`, to be read without decoding.
-    pub fn bake(&mut self, bitmap: &Bitmap, factor: [f64; 3]) -> Result<String, WriteError> {
+    /// A float image of the texture's values, changed by `tone`, to be read without decoding.
+    pub fn bake(&mut self, bitmap: &Bitmap, tone: Tone) -> Result<String, WriteError> {
         let Bitmap { path, encoding, channel, scale, invert, .. } = bitmap;
-        let key = format!("bitmap {path:?} {encoding:?} {channel:?} {scale} {invert} {factor:?}");
+        let key = format!("bitmap {path:?} {encoding:?} {channel:?} {scale} {invert} {tone:?}");
         self.make(&key, "textures", &format!("{}-baked", stem(path)), "exr", |output| {
             let mut pixels = output.pixels(path, *encoding, *channel)?;
             for pixel in &mut pixels.rgb {
-                for (value, factor) in pixel.iter_mut().zip(factor) {
+                for value in pixel.iter_mut() {
                     let scaled = *value * scale;
-                    *value = factor * if *invert { (1.0 - scaled).max(0.0) } else { scaled };
+                    *value = if *invert { (1.0 - scaled).max(0.0) } else { scaled };
                 }
+                *pixel = tone.of(*pixel);
             }
             exr(path, &pixels)
         })

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use thiserror::Error;
 
+pub(crate) use image::Tone;
 pub(crate) use output::Output;
 
 use crate::diagnostic::nearest;

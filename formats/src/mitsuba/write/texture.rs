@@ -8,7 +8,7 @@ use crate::ir::{
     TextureFilter, TextureKind, Transform, WrapMode,
 };
 use crate::spectrum::luminance;
-use crate::write::WriteError;
+use crate::write::{Tone, WriteError};
 
 /// What the language makes of a texture.
 enum Said {
@@ -199,7 +199,7 @@ impl Writer<'_, '_> {
         let (name, raw) = if readable && plain {
             (self.out.carry(&b.path, "textures"), b.encoding == TextureEncoding::Linear)
         } else {
-            (self.out.bake(b, factor)?, true)
+            (self.out.bake(b, Tone::Factor(factor))?, true)
         };
         let filter = match b.filter {
             TextureFilter::Bilinear => None,

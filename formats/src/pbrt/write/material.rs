@@ -248,7 +248,18 @@ impl Writer<'_, '_> {
         origin: Origin,
     ) -> Result<Said, WriteError> {
         let p = self.color_input(Params::default(), "reflectance", reflectance, Reflectance, origin)?;
-        let p = p.float("eta", eta);
+        self.coat_over(p, eta, microfacet, origin)
+    }
+
+    /// `coateddiffuse` over the reflectance that is said in `base`.
+    pub fn coat_over(
+        &mut self,
+        base: Params,
+        eta: f64,
+        microfacet: Option<&Microfacet>,
+        origin: Origin,
+    ) -> Result<Said, WriteError> {
+        let p = base.float("eta", eta);
         let p = match microfacet {
             Some(m) => self.roughness(p, m, PLAIN, origin)?,
             None => p,

@@ -7,7 +7,7 @@ use crate::ir::{
     Bitmap, BsdfKind, ColorInput, ColorSlot, FloatInput, Microfacet, MicrofacetDistribution, Origin,
     PerturbedShading, Plastic, PrincipledIndex, RoughnessRemap, Shadowing, TextureEncoding, TextureKind,
 };
-use crate::write::WriteError;
+use crate::write::{Tone, WriteError};
 
 use ColorSlot::Reflectance;
 
@@ -125,13 +125,36 @@ impl Writer<'_, '_> {
         microfacet: Option<&Microfacet>,
         origin: Origin,
     ) -> Result<Said, WriteError> {
+        let eta = index(&p.int_ior) / index(&p.ext_ior);
+        let base = self.base_of(p, eta, origin)?;
         self.out.lose(
             origin,
             "plastic by a closed formula",
             "`coateddiffuse`, which follows light between coat and base",
         );
         self.lose_factor(&p.specular_reflectance, "the specular reflectance of plastic", origin);
-        self.coated(&p.diffuse_reflectance, index(&p.int_ior) / index(&p.ext_ior), microfacet, origin)
+        self.coat_over(base, eta, microfacet, origin)
+    }
+
+    /// The reflectance below pbrt's coat, between which and the base light keeps its colour.
+    fn base_of(&mut self, p: &Plastic, eta: f64, origin: Origin) -> Result<Params, WriteError> {
+        let tone = Tone::UnderCoat(diffuse_reflectance_from_inside(eta));
+        let base = Params::default();
+        match &p.diffuse_reflectance {
+            same if p.nonlinear => self.color_input(base, "reflectance", same, Reflectance, origin),
+            ColorInput::Color(color) => {
+                let rgb = tone.of(self.out.rgb(color, Reflectance, origin));
+                Ok(base.rgb("reflectance", rgb))
+            }
+            ColorInput::Texture(id) => match self.toned_texture(*id, tone)? {
+                Some(name) => Ok(base.texture("reflectance", &name)),
+                None => {
+                    let what = "plastic without `nonlinear` over a texture that is no picture";
+                    self.out.lose(origin, what, "its colours as they are, up to a third darker");
+                    self.color_input(base, "reflectance", &p.diffuse_reflectance, Reflectance, origin)
+                }
+            },
+        }
     }
 
     fn lose_shading(&mut self, s: PerturbedShading, origin: Origin) {
@@ -146,6 +169,12 @@ impl Writer<'_, '_> {
             && b.channel.is_none()
             && super::texture::scale_and_shift(&b.mapping) == Some([1.0, 1.0, 0.0, 0.0])
     }
+}
+
+/// Of a smooth coat for diffuse light below it: Mitsuba's fit for 1/eta.
+fn diffuse_reflectance_from_inside(eta: f64) -> f64 {
+    let inverse = 1.0 / eta;
+    -1.4399 * inverse * inverse + 0.7099 * inverse + 0.6681 + 0.0636 * eta
 }
 
 const ROUGHNESS: [&str; 3] = ["roughness", "uroughness", "vroughness"];

@@ -7,7 +7,7 @@ use crate::ir::{
     TextureFilter, TextureKind, Transform, WrapMode,
 };
 use crate::spectrum::luminance;
-use crate::write::WriteError;
+use crate::write::{Tone, WriteError};
 
 /// Plugin, parameters, and the texture space (world → texture) where it has one.
 type Said = (&'static str, Params, Option<Transform>);
@@ -37,6 +37,17 @@ impl Writer<'_, '_> {
         let p = Params::default().texture("tex", &plain).float("scale", factor);
         self.define(&name, true, ("scale", p, None), self.scene.textures[id].origin);
         Ok(name)
+    }
+
+    /// A picture in other colours; `None` for a texture that is no picture.
+    pub fn toned_texture(&mut self, id: Id<Texture>, tone: Tone) -> Result<Option<String>, WriteError> {
+        let Texture { origin, kind: TextureKind::Bitmap(bitmap), .. } = &self.scene.textures[id] else {
+            return Ok(None);
+        };
+        let said = self.bitmap(bitmap, Some(tone), *origin)?;
+        let name = self.free(&None, "toned");
+        self.define(&name, false, said, *origin);
+        Ok(Some(name))
     }
 
     fn define(&mut self, name: &str, numbers: bool, (plugin, p, space): Said, origin: Origin) {
@@ -86,7 +97,7 @@ impl Writer<'_, '_> {
     ) -> Result<Said, WriteError> {
         let none = Params::default();
         match kind {
-            TextureKind::Bitmap(bitmap) => self.bitmap(bitmap, origin),
+            TextureKind::Bitmap(bitmap) => self.bitmap(bitmap, None, origin),
             TextureKind::Checkerboard { color0, color1, to_uv } => {
                 // Two cells where pbrt has one.
                 let mapping = Mapping::Uv(Transform::scale([2.0, 2.0, 1.0]).after(to_uv));
@@ -215,10 +226,12 @@ impl Writer<'_, '_> {
         }
     }
 
-    fn bitmap(&mut self, b: &Bitmap, origin: Origin) -> Result<Said, WriteError> {
-        let one_channel = b.channel.is_some();
-        let name =
-            if one_channel { self.out.bake(b, [1.0; 3])? } else { self.out.carry(&b.path, "textures") };
+    fn bitmap(&mut self, b: &Bitmap, tone: Option<Tone>, origin: Origin) -> Result<Said, WriteError> {
+        let tone = tone.or(b.channel.map(|_| Tone::Factor([1.0; 3])));
+        let name = match tone {
+            Some(tone) => self.out.bake(b, tone)?,
+            None => self.out.carry(&b.path, "textures"),
+        };
         let mut p = Params::default().string("filename", &name);
         if b.wrap_u != b.wrap_v {
             self.out.lose(origin, "wrap modes that differ between u and v", "the one of u");
@@ -237,7 +250,7 @@ impl Writer<'_, '_> {
             }
         };
         p = p.string("filter", if b.filter == TextureFilter::Nearest { "point" } else { "bilinear" });
-        if !one_channel {
+        if tone.is_none() {
             p = match b.encoding {
                 TextureEncoding::Auto => p,
                 TextureEncoding::Linear => p.string("encoding", "linear"),
