@@ -3,10 +3,12 @@
 pub mod filter;
 mod pixels;
 mod rejected;
+mod response;
 
 pub use filter::Filter;
 pub use pixels::{LAYERS, Layer, Pixels, Radiance, STRIDE, accumulate};
 pub use rejected::{Rejected, RejectedLayer};
+pub use response::Response;
 
 /// Size of the picture and the part of it that is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

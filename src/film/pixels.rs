@@ -36,10 +36,10 @@ impl Radiance {
         self.layers[layer as usize] += value;
     }
 
-    /// Multiplies the light, not the coverage.
+    /// Changes the light, not the coverage.
     #[inline]
-    pub fn scale(&mut self, factor: f32) {
-        self.layers.iter_mut().for_each(|l| *l *= factor);
+    pub fn map(&mut self, change: impl Fn(Rgb) -> Rgb) {
+        self.layers.iter_mut().for_each(|l| *l = change(*l));
     }
 
     pub fn sum(&self) -> Rgb {

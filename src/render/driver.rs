@@ -242,7 +242,7 @@ fn sample_all<I: Integrator>(
                 }
                 integrator.sample(shared, &mut samples, &mut scratch);
                 for (sample, &(at, weight)) in samples.iter_mut().zip(&places) {
-                    sample.out.scale(scene.sensor.imaging_ratio);
+                    scene.response.apply(&mut sample.out);
                     accumulate(&mut sums[at], &sample.out, weight, &mut rejected);
                 }
             }

@@ -10,7 +10,7 @@ pub use plan::Plan;
 
 use crate::bsdf::{Closure, Material, Point};
 use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere, Sides};
-use crate::film::{FilmSize, Filter};
+use crate::film::{FilmSize, Filter, Response};
 use crate::math::{Frame, LIFT, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::Discrete;
 use crate::sensor::Sensor;
@@ -108,6 +108,7 @@ pub struct Scene {
     pub sensor: Sensor,
     pub film: FilmSize,
     pub filter: Filter,
+    pub response: Response,
     /// Camera rays see through lamps (Mitsuba 3.7's `hide_emitters`) rather than see them dark.
     pub hidden_lamps_are_transparent: bool,
     /// Settings the scene asks for.

@@ -65,8 +65,6 @@ pub struct Sensor {
     pub far: f32,
     /// Added to the film position, in fractions of the film.
     pub principal_point_offset: Vec2,
-    /// What the film stores of a radiance of 1.
-    pub imaging_ratio: f32,
 }
 
 impl Sensor {

@@ -73,6 +73,9 @@ pub struct Film {
     pub sample_border: bool,
     /// Radiance of the scene times this is what the film stores (pbrt's imaging ratio).
     pub imaging_ratio: f64,
+    /// Colour temperature in kelvin of the daylight that is to look white; `None` keeps colours (pbrt's
+    /// `whitebalance`).
+    pub white_balance: Option<f64>,
     /// Tone mapping asked for by an `ldrfilm`; used for the PNG only.
     pub tonemap: Option<Tonemap>,
 }

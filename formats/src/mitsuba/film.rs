@@ -62,6 +62,7 @@ impl<'a> Reader<'a> {
             file_format: "openexr".to_owned(),
             sample_border: false,
             imaging_ratio: 1.0,
+            white_balance: None,
             tonemap: None,
         };
         let Some(index) = index else { return film };

@@ -95,7 +95,7 @@ impl Reader<'_> {
         film.imaging_ratio = exposure * p_ref.positive("iso", 100.0) / 100.0;
         p_ref.ignore(&["diagonal"]);
         p_ref.ignore_with_warning("maxcomponentvalue", "no sample is cut");
-        response(p_ref);
+        film.white_balance = response(p_ref);
         if p_ref.space != ColorSpace::Srgb {
             let text = format!("the picture is written in linear Rec.709, not in {}", p_ref.space.name());
             p_ref.problems.push(Diagnostic::warning(text, Some(p_ref.span)));
@@ -153,8 +153,9 @@ fn radius(p: &mut Params, default: f64) -> [f64; 2] {
     [p.positive("xradius", default), p.positive("yradius", default)]
 }
 
-/// The response of the sensor to light is that of the standard observer.
-fn response(p: &mut Params) {
+/// The response of the sensor to light is that of the standard observer. What it balances to white: a temperature
+/// in kelvin.
+fn response(p: &mut Params) -> Option<f64> {
     if let Some((name, _)) = p.optional_string("sensor") {
         if SENSORS.contains(&name.as_str()) {
             let text = format!("sensor `{name}` is approximated by the standard observer `cie1931`");
@@ -163,9 +164,16 @@ fn response(p: &mut Params) {
             p.complain("sensor", format!("no sensor is called `{name}`; the exact one is cie1931"));
         }
     }
-    if p.float("whitebalance", 0.0) != 0.0 {
-        p.warn("whitebalance", "`whitebalance` is not applied: white is that of D65");
+    let kelvin = p.float("whitebalance", 0.0);
+    if kelvin == 0.0 {
+        return None;
     }
+    // Outside of these the formula of daylight is no colour of light.
+    if !(1500.0..=25000.0).contains(&kelvin) {
+        p.complain("whitebalance", format!("{kelvin} K is no daylight: 1500 to 25000 are, 0 is no balance"));
+        return None;
+    }
+    Some(kelvin)
 }
 
 /// `cropwindow` wins over `pixelbounds`.

@@ -130,6 +130,7 @@ pub(super) fn default_film() -> Film {
         file_format: "openexr".to_owned(),
         sample_border: false,
         imaging_ratio: 1.0,
+        white_balance: None,
         tonemap: None,
     }
 }

@@ -151,7 +151,7 @@ fn clamp(rgb: [f64; 3], slot: ColorSlot, rule: SpectrumRule) -> [f64; 3] {
 }
 
 /// XYZ → linear Rec.709 (D65 white), with Mitsuba's rounding of the matrix.
-fn xyz_to_rgb([x, y, z]: [f64; 3]) -> [f64; 3] {
+pub(super) fn xyz_to_rgb([x, y, z]: [f64; 3]) -> [f64; 3] {
     [
         3.240_479 * x - 1.537_150 * y - 0.498_535 * z,
         -0.969_256 * x + 1.875_991 * y + 0.041_556 * z,
@@ -216,7 +216,7 @@ fn lit_by_d65(samples: &[[f64; 2]]) -> [f64; 3] {
 }
 
 /// The XYZ that [`xyz_to_rgb`] takes to (1, 1, 1), to its six digits: D65.
-fn rgb_to_xyz_of_white() -> [f64; 3] {
+pub(super) fn rgb_to_xyz_of_white() -> [f64; 3] {
     [0.950_456, 1.0, 1.088_754]
 }
 

@@ -9,6 +9,7 @@ mod library;
 mod metals;
 mod spd;
 mod srgb;
+mod white;
 
 pub use convert::{SpectrumError, luminance, planck, to_linear_rgb};
 pub use ior::{ior, ior_names};
@@ -16,3 +17,4 @@ pub use library::{LibrarySpectrum, library_names, library_spectrum};
 pub use metals::{Metal, conductor, conductor_names};
 pub use spd::{SpdError, parse_spd};
 pub use srgb::{SrgbTable, linear_to_srgb, linear_to_srgb_f32, srgb_to_linear, srgb_to_linear_f32};
+pub use white::white_balance;

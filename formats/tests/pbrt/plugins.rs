@@ -7,7 +7,7 @@ use caustica_formats::ir::{
     Projection, RoughnessRemap, Scalar, ShapeKind, TextureKind,
 };
 
-use crate::{scene, world};
+use crate::{problems, scene, world};
 
 fn near(a: [f64; 3], b: [f64; 3]) {
     // Sines and inverses of a few matrices, in f64.
@@ -48,8 +48,19 @@ fn exposure_and_crop() {
     let scene = scene(&format!("{film} {camera} WorldBegin LightSource \"infinite\""));
     let film = &scene.sensors[0].film;
     assert_eq!(film.imaging_ratio, 6.0);
+    assert_eq!(film.white_balance, None);
     let crop = film.crop.unwrap();
     assert_eq!((crop.x, crop.width, crop.height), (3, 5, 10));
+}
+
+#[test]
+fn white_balance_is_a_temperature() {
+    let film = |kelvin: &str| {
+        format!("Film \"rgb\" \"float whitebalance\" {kelvin} WorldBegin LightSource \"infinite\"")
+    };
+    assert_eq!(scene(&film("5000")).sensors[0].film.white_balance, Some(5000.0));
+    let said = problems(&film("12"));
+    assert!(said.iter().any(|p| p.contains("12 K is no daylight")), "{said:?}");
 }
 
 #[test]

@@ -117,11 +117,11 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
     });
     let mut emitters = shapes.emitters;
     let environment = emitters::build(&mut b, shapes.origin, &mut emitters);
-    let camera = sensor.map(|s| sensor::build(&mut b, s, shapes.origin));
+    let camera = sensor.map(|s| (sensor::build(&mut b, s, shapes.origin), sensor::response(&s.film)));
     let settings = integrator::settings(&mut b);
     b.settle();
     let failed = b.diagnostics.iter().any(|d| d.severity == Severity::Error);
-    let Some((sensor, film, filter)) = camera.filter(|_| !failed) else {
+    let Some(((sensor, film, filter), response)) = camera.filter(|_| !failed) else {
         return Err(b.diagnostics);
     };
     let textures = b.textures.finish();
@@ -140,6 +140,7 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
         sensor,
         film,
         filter,
+        response,
         hidden_lamps_are_transparent: ir.hide_emitters == ir::HideEmitters::Surface,
         settings,
     };

@@ -2,11 +2,12 @@
 
 use caustica_formats::diagnostic::Diagnostic;
 use caustica_formats::ir;
+use caustica_formats::spectrum::white_balance;
 
 use super::Builder;
 use crate::film::filter::{Box, Cubic, Gaussian, Lanczos, Shape, Sinc, Stretched, Tent, Truncated};
-use crate::film::{FilmSize, Filter};
-use crate::math::{Vec2, Vec3};
+use crate::film::{FilmSize, Filter, Response};
+use crate::math::{Rgb, Vec2, Vec3};
 use crate::sensor::{Axis, Orthographic, Perspective, Projection, Sensor, ThinLens, Window};
 
 /// Diagonal of the 36 × 24 mm frame that focal lengths refer to.
@@ -68,9 +69,17 @@ pub fn build(b: &mut Builder<'_>, s: &ir::Sensor, origin: [f64; 3]) -> (Sensor, 
         near: near as f32,
         far: (near + (s.far_clip - s.near_clip)) as f32,
         principal_point_offset: Vec2::new(ox as f32, oy as f32),
-        imaging_ratio: s.film.imaging_ratio as f32,
     };
     (sensor, film, filter(&s.film.filter))
+}
+
+pub fn response(film: &ir::Film) -> Response {
+    let Some(kelvin) = film.white_balance else {
+        return Response::Ratio(film.imaging_ratio as f32);
+    };
+    let rows = white_balance(kelvin);
+    let image = |c: usize| Rgb::from(rows.map(|row| (row[c] * film.imaging_ratio) as f32));
+    Response::Colors([image(0), image(1), image(2)])
 }
 
 fn projection(b: &mut Builder<'_>, s: &ir::Sensor, aspect: f64) -> Projection {

@@ -52,6 +52,10 @@ impl Writer<'_, '_> {
             let what = format!("the film's imaging ratio {}", f.imaging_ratio);
             self.out.lose(f.origin, what, "lights brighter by the ratio of the sensor that renders");
         }
+        if let Some(kelvin) = f.white_balance {
+            let what = format!("the film's white balance of {kelvin} K");
+            self.out.lose(f.origin, what, "colours as they are");
+        }
         element = element.boolean_unless("sample_border", f.sample_border, false);
         element.child(self.filter(f))
     }

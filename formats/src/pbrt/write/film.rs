@@ -104,6 +104,7 @@ impl Writer<'_, '_> {
             p = p.integers("pixelbounds", [c.x, c.x + c.width, c.y, c.y + c.height]);
         }
         p = p.float_unless("iso", 100.0 * f.imaging_ratio, 100.0);
+        p = p.float_unless("whitebalance", f.white_balance.unwrap_or(0.0), 0.0);
         p = p.boolean_unless("savefp16", f.component_format != ComponentFormat::Float32, true);
         p.write(text, "", "Film", &["rgb"]);
         let wide = |p: Params, [x, y]: [f64; 2]| p.float("xradius", x).float("yradius", y);

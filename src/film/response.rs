@@ -1,0 +1,21 @@
+use super::Radiance;
+use crate::math::Rgb;
+
+/// What the film stores of radiance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Response {
+    /// That times a number.
+    Ratio(f32),
+    /// The images of red, green and blue.
+    Colors([Rgb; 3]),
+}
+
+impl Response {
+    #[inline]
+    pub fn apply(&self, radiance: &mut Radiance) {
+        match self {
+            Self::Ratio(ratio) => radiance.map(|c| c * *ratio),
+            Self::Colors([r, g, b]) => radiance.map(|c| *r * c.x + *g * c.y + *b * c.z),
+        }
+    }
+}
