@@ -322,3 +322,23 @@ fn a_parameter_given_twice_counts_last_where_mitsuba_allows_it() {
         ["parameter `radius` is given twice"]
     );
 }
+
+/// A fork's own parameter says what a nested picture says elsewhere.
+#[test]
+fn a_normal_map_may_name_its_file_itself() {
+    let kind = |normals: &str| {
+        let bsdf = format!("<bsdf type='normalmap'><bsdf type='dielectric'/>{normals}</bsdf>");
+        v3(&format!("<shape type='sphere'>{bsdf}</shape>"))
+            .textures
+            .iter()
+            .next()
+            .map(|(_, t)| t.kind.clone())
+    };
+    let own = kind("<string name='filename' value='wood.png'/><float name='tiles' value='3'/>");
+    let nested = kind(
+        "<texture type='bitmap' name='normalmap'><string name='filename' value='wood.png'/>\
+         <boolean name='raw' value='true'/><transform name='to_uv'><scale value='3'/></transform></texture>",
+    );
+    assert!(own.is_some());
+    assert_eq!(own, nested);
+}

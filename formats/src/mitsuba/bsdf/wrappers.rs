@@ -2,8 +2,8 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
-    Bsdf, BsdfKind, Color, ColorInput, FloatInput, Id, PerturbedShading, Texture, TextureEncoding,
-    TextureKind,
+    Bitmap, Bsdf, BsdfKind, Color, ColorInput, FloatInput, Id, Mapping, PerturbedShading, Texture,
+    TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
 };
 use crate::mitsuba::number;
 use crate::mitsuba::object::Class;
@@ -123,6 +123,7 @@ pub(super) fn normal_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> 
     };
     let normals = match texture {
         Some(texture) => reader.numbers(texture),
+        None if props.has("filename") => own_picture(reader, props),
         None => {
             props.needs("a nested texture `normalmap`");
             None
@@ -132,6 +133,25 @@ pub(super) fn normal_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> 
     let flat = ColorInput::Color(Color::Rgb([0.5, 0.5, 1.0]));
     let normals = normals.map_or(flat, ColorInput::Texture);
     Some(BsdfKind::NormalMap { normals, shading, nested: reader.bsdf(nested.index) })
+}
+
+/// The normals of a fork (specular manifold sampling): a file of the BSDF itself, repeated.
+fn own_picture<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Id<Texture>> {
+    let origin = props.origin();
+    let path = reader.asset(props, "texture")?;
+    let tiles = props.positive("tiles", 1.0);
+    let kind = TextureKind::Bitmap(Bitmap {
+        path,
+        filter: TextureFilter::Bilinear,
+        wrap_u: WrapMode::Repeat,
+        wrap_v: WrapMode::Repeat,
+        encoding: TextureEncoding::Linear,
+        channel: None,
+        mapping: Mapping::Uv(Transform::scale([tiles; 3])),
+        scale: 1.0,
+        invert: false,
+    });
+    Some(reader.scene.textures.push(Texture { name: None, origin, kind }))
 }
 
 pub(super) fn blend<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
