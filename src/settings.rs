@@ -176,6 +176,32 @@ impl Limit {
     }
 }
 
+/// Camera samples a pixel in one pass; `None` follows the size of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Samples(pub Option<u32>);
+
+impl fmt::Display for Samples {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(n) => write!(f, "{n}"),
+            None => f.write_str("auto"),
+        }
+    }
+}
+
+impl FromStr for Samples {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "auto" => Ok(Self(None)),
+            _ => match s.parse() {
+                Ok(n @ 1..=4096) => Ok(Self(Some(n))),
+                _ => Err("a whole number from 1 to 4096, or `auto`".to_owned()),
+            },
+        }
+    }
+}
+
 /// Parses with what was wanted as the error.
 trait Value: Sized {
     fn parse(s: &str) -> Result<Self, String>;
@@ -186,7 +212,7 @@ macro_rules! value_from_str {
         fn parse(s: &str) -> Result<Self, String> { s.parse() }
     })+ };
 }
-value_from_str!(IntegratorKind, Mode, Lookup, Roulette, Count, Radius, Limit, KernelKind);
+value_from_str!(IntegratorKind, Mode, Lookup, Roulette, Count, Radius, Limit, Samples, KernelKind);
 
 impl Value for bool {
     fn parse(s: &str) -> Result<Self, String> {
@@ -256,6 +282,7 @@ settings! {
     integrator: IntegratorKind = IntegratorKind::PhotonMap, "photonmap or path", "what computes the picture";
     mode: Mode = Mode::Progressive, "progressive or classic", "a new photon map each pass with shrinking radius, or one map for all passes";
     passes: u32 = 4, "a whole number from 1", "camera samples a pixel; in progressive mode also photon passes";
+    camera_samples: Samples = Samples(None), "a count or auto", "photon mapping: camera samples a pixel in each pass; auto is 1, but more for pictures below 16384 pixels";
     max_depth: Limit = Limit::NONE, "a whole number or -1", "path segments from camera to lamp: 1 is emission seen directly, 2 adds direct light";
     rr_depth: u32 = 5, "a whole number from 1", "path segments before Russian roulette may end a camera path";
     hide_emitters: bool = false, "true or false", "lamps and environment are not seen directly";

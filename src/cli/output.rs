@@ -105,7 +105,7 @@ impl Output {
                     (0..n).map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect(),
                 ));
             } else {
-                extras.push(("samples", &["Y"], vec![passes as f32; n]));
+                extras.push(("samples", &["Y"], vec![passes as f32 * pixels.samples_a_pass as f32; n]));
             }
         }
         let mut layers = vec![ExrLayer { name: "", channels: main_channels, data: &main }];

@@ -6,7 +6,7 @@ mod rejected;
 mod response;
 
 pub use filter::Filter;
-pub use pixels::{LAYERS, Layer, Pixels, Radiance, STRIDE, accumulate};
+pub use pixels::{LAYERS, Layer, Mean, Pixels, Radiance, STRIDE};
 pub use rejected::{Rejected, RejectedLayer};
 pub use response::Response;
 

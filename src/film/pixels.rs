@@ -1,5 +1,5 @@
 use super::Rejected;
-use crate::math::{Rgb, luminance};
+use crate::math::Rgb;
 
 /// The parts a picture is made of; they sum to the beauty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +52,8 @@ impl Radiance {
 pub struct Pixels {
     /// Per pixel: layers × RGB, then alpha, then the square of the sample's luminance.
     sums: Vec<[f64; STRIDE]>,
+    /// Camera samples that every pass took of a pixel.
+    pub samples_a_pass: u32,
 }
 
 const ALPHA: usize = 3 * LAYERS.len();
@@ -61,7 +63,7 @@ pub const STRIDE: usize = SQUARE + 1;
 
 impl Pixels {
     pub fn new(count: usize) -> Self {
-        Self { sums: vec![[0.0; STRIDE]; count] }
+        Self { sums: vec![[0.0; STRIDE]; count], samples_a_pass: 1 }
     }
 
     pub fn len(&self) -> usize {
@@ -128,22 +130,38 @@ impl Pixels {
     }
 }
 
-/// Adds one sample to a pixel's sums, or counts it in `rejected` and adds nothing when it is not finite.
-#[inline]
-pub fn accumulate(sums: &mut [f64; STRIDE], sample: &Radiance, weight: f32, rejected: &mut Rejected) {
-    let layers = sample.layers.map(|layer| layer * weight);
-    let total: Rgb = layers.iter().copied().sum();
-    if !total.is_finite() {
-        return reject(&layers, rejected);
+/// What a pass brings to a pixel: the mean of its samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mean([f64; SQUARE]);
+
+impl Mean {
+    /// Adds one sample, `weight` being its filter's over the number of samples, or counts it in `rejected` and adds
+    /// nothing when it is not finite.
+    #[inline]
+    pub fn add(&mut self, sample: &Radiance, weight: f32, rejected: &mut Rejected) {
+        let layers = sample.layers.map(|layer| layer * weight);
+        let total: Rgb = layers.iter().copied().sum();
+        if !total.is_finite() {
+            return reject(&layers, rejected);
+        }
+        for (l, layer) in layers.iter().enumerate() {
+            self.0[3 * l] += f64::from(layer.x);
+            self.0[3 * l + 1] += f64::from(layer.y);
+            self.0[3 * l + 2] += f64::from(layer.z);
+        }
+        self.0[ALPHA] += f64::from(sample.alpha * weight);
     }
-    for (l, layer) in layers.iter().enumerate() {
-        sums[3 * l] += f64::from(layer.x);
-        sums[3 * l + 1] += f64::from(layer.y);
-        sums[3 * l + 2] += f64::from(layer.z);
+
+    /// Adds it to a pixel's sums.
+    #[inline]
+    pub fn add_to(&self, sums: &mut [f64; STRIDE]) {
+        for (sum, value) in sums.iter_mut().zip(&self.0) {
+            *sum += value;
+        }
+        let channel = |c: usize| (0..LAYERS.len()).map(|l| self.0[3 * l + c]).sum::<f64>();
+        let y = 0.212671 * channel(0) + 0.715160 * channel(1) + 0.072169 * channel(2);
+        sums[SQUARE] += y * y;
     }
-    sums[ALPHA] += f64::from(sample.alpha * weight);
-    let y = f64::from(luminance(total));
-    sums[SQUARE] += y * y;
 }
 
 #[cold]

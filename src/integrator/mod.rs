@@ -61,6 +61,11 @@ pub trait Integrator: Sync {
         [0.0; 2]
     }
 
+    /// Camera samples a pixel in each pass.
+    fn samples_a_pass(&self) -> u32 {
+        1
+    }
+
     fn begin_pass(&self, pass: u32) -> (Self::Pass, PassStats);
 
     /// Fills `out` of each sample. What a sample becomes does not depend on those it comes with.

@@ -352,6 +352,9 @@ impl<'a> PhotonMapper<'a> {
     }
 }
 
+/// A pass of fewer pixels than these would leave more noise of the camera than its photons do, in no time.
+const SMALL_PICTURE: u32 = 1 << 14;
+
 impl Integrator for PhotonMapper<'_> {
     type Pass = Arc<Maps>;
 
@@ -359,6 +362,12 @@ impl Integrator for PhotonMapper<'_> {
 
     fn first_radii(&self) -> [f32; 2] {
         self.radii
+    }
+
+    fn samples_a_pass(&self) -> u32 {
+        let film = &self.scene.film;
+        let pixels = film.width.saturating_mul(film.height).max(1);
+        self.settings.camera_samples.0.unwrap_or((SMALL_PICTURE / pixels).clamp(1, 64))
     }
 
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::film::{Pixels, Radiance, Rejected, STRIDE, accumulate};
+use crate::film::{Mean, Pixels, Radiance, Rejected, STRIDE};
 use crate::integrator::{CameraSample, Integrator, PassStats, PathTracer, PhotonMapper, Scratch};
 use crate::math::Vec2;
 use crate::sampling::{Sampler, mix};
@@ -123,6 +123,7 @@ fn run<I: Integrator>(
     };
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
     let stopped = || budget.interrupt.is_some_and(|i| i.load(Ordering::Relaxed));
+    pixels.samples_a_pass = integrator.samples_a_pass();
     // The sums before the running pass, to take it back.
     let mut before = Vec::new();
     let mut passes = done;
@@ -207,6 +208,7 @@ fn sample_all<I: Integrator>(
     let inverse = Vec2::new(1.0 / scene.film.width as f32, 1.0 / scene.film.height as f32);
     let band = width * BLOCK;
     let has_aperture = scene.sensor.has_aperture();
+    let each = integrator.samples_a_pass();
     let counted: Vec<(Scratch, Rejected, bool)> = pixels
         .as_mut_slice()
         .par_chunks_mut(band)
@@ -218,32 +220,44 @@ fn sample_all<I: Integrator>(
             let mut rejected = Rejected::default();
             let rows = (height - b * BLOCK).min(BLOCK);
             let mut samples = Vec::with_capacity(BLOCK * BLOCK);
+            let mut weights = Vec::with_capacity(BLOCK * BLOCK);
             let mut places = Vec::with_capacity(BLOCK * BLOCK);
             for column in (0..width).step_by(BLOCK) {
                 if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
                     return (scratch, rejected, false);
                 }
                 samples.clear();
+                weights.clear();
                 places.clear();
                 for row in 0..rows {
                     for x in column..(column + BLOCK).min(width) {
                         let (px, py) = (x0 + x, y0 + b * BLOCK + row);
                         // Keyed by the place on the full film: a crop shows the same noise.
                         let pixel = (py as u64) << 32 | px as u64;
-                        let mut sampler =
-                            Sampler::new(mix(seed ^ mix(pixel)), pass).stratified(I::STRATIFIED_PAIRS);
-                        let (offset, weight) = scene.filter.sample(sampler.next_2d());
-                        let film = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * inverse;
-                        let aperture = if has_aperture { sampler.next_2d() } else { Vec2::ZERO };
-                        let ray = scene.sensor.ray(film, aperture);
-                        samples.push(CameraSample { ray, sampler, out: Radiance::default() });
-                        places.push((row * width + x, weight));
+                        for number in 0..each {
+                            let index = pass.wrapping_mul(each).wrapping_add(number);
+                            let mut sampler =
+                                Sampler::new(mix(seed ^ mix(pixel)), index).stratified(I::STRATIFIED_PAIRS);
+                            let (offset, weight) = scene.filter.sample(sampler.next_2d());
+                            let film = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * inverse;
+                            let aperture = if has_aperture { sampler.next_2d() } else { Vec2::ZERO };
+                            let ray = scene.sensor.ray(film, aperture);
+                            samples.push(CameraSample { ray, sampler, out: Radiance::default() });
+                            weights.push(weight);
+                        }
+                        places.push(row * width + x);
                     }
                 }
                 integrator.sample(shared, &mut samples, &mut scratch);
-                for (sample, &(at, weight)) in samples.iter_mut().zip(&places) {
-                    scene.response.apply(&mut sample.out);
-                    accumulate(&mut sums[at], &sample.out, weight, &mut rejected);
+                let each = each as usize;
+                let pixels = samples.chunks_mut(each).zip(weights.chunks(each)).zip(&places);
+                for ((samples, weights), &at) in pixels {
+                    let mut mean = Mean::default();
+                    for (sample, weight) in samples.iter_mut().zip(weights) {
+                        scene.response.apply(&mut sample.out);
+                        mean.add(&sample.out, weight / each as f32, &mut rejected);
+                    }
+                    mean.add_to(&mut sums[at]);
                 }
             }
             (scratch, rejected, true)

@@ -52,6 +52,7 @@ pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
     ("caustic_neighbours", ScalarType::Integer),
     ("caustic_cap", ScalarType::Integer),
     ("passes", ScalarType::Integer),
+    ("camera_samples", ScalarType::Integer),
     ("radius", ScalarType::Float),
     ("caustic_radius", ScalarType::Float),
     ("alpha", ScalarType::Float),
