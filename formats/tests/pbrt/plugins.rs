@@ -219,7 +219,7 @@ fn an_interface_does_not_shine_and_a_lamp_may_turn() {
     );
     let emission = scene.shapes[0].emission.as_ref().unwrap();
     assert!(emission.two_sided && emission.scale == 2.0 && scene.shapes[0].flip_normals);
-    let dark = crate::problems(
+    let dark = problems(
         "WorldBegin LightSource \"infinite\"\nAreaLightSource \"diffuse\" Material \"interface\" Shape \"sphere\"",
     );
     assert_eq!(
