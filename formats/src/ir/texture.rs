@@ -117,6 +117,23 @@ pub struct Bitmap {
     pub invert: bool,
 }
 
+impl Bitmap {
+    /// The numbers of a picture as they are, repeated and interpolated.
+    pub fn raw(path: PathBuf, mapping: Mapping) -> Self {
+        Self {
+            path,
+            filter: TextureFilter::Bilinear,
+            wrap_u: WrapMode::Repeat,
+            wrap_v: WrapMode::Repeat,
+            encoding: TextureEncoding::Linear,
+            channel: None,
+            mapping,
+            scale: 1.0,
+            invert: false,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TextureFilter {
     Nearest,

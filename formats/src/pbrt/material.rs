@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, Span, nearest};
 use crate::ir::{
     Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
     Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, PerturbedShading, RoughnessRemap,
-    Shadowing, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
+    Shadowing, Texture, TextureKind, Transform,
 };
 
 type ReadMaterial = fn(&mut Reader<'_>, &mut Params) -> Option<BsdfKind>;
@@ -82,17 +82,7 @@ impl Reader<'_> {
         let kind = match normals {
             None => kind,
             Some(path) => {
-                let bitmap = Bitmap {
-                    path,
-                    filter: TextureFilter::Bilinear,
-                    wrap_u: WrapMode::Repeat,
-                    wrap_v: WrapMode::Repeat,
-                    encoding: TextureEncoding::Linear,
-                    channel: None,
-                    mapping: upside_down(Mapping::Uv(Transform::IDENTITY)),
-                    scale: 1.0,
-                    invert: false,
-                };
+                let bitmap = Bitmap::raw(path, upside_down(Mapping::Uv(Transform::IDENTITY)));
                 let texture = Texture { name: None, origin, kind: TextureKind::Bitmap(bitmap) };
                 let normals = ColorInput::Texture(self.scene.textures.push(texture));
                 let nested = self.scene.bsdfs.push(Bsdf { name: None, origin, kind });

@@ -3,7 +3,7 @@
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
     Bitmap, Bsdf, BsdfKind, Color, ColorInput, FloatInput, Id, Mapping, PerturbedShading, Texture,
-    TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
+    TextureEncoding, TextureKind, Transform,
 };
 use crate::mitsuba::number;
 use crate::mitsuba::object::Class;
@@ -140,17 +140,8 @@ fn own_picture<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Id<
     let origin = props.origin();
     let path = reader.asset(props, "texture")?;
     let tiles = props.positive("tiles", 1.0);
-    let kind = TextureKind::Bitmap(Bitmap {
-        path,
-        filter: TextureFilter::Bilinear,
-        wrap_u: WrapMode::Repeat,
-        wrap_v: WrapMode::Repeat,
-        encoding: TextureEncoding::Linear,
-        channel: None,
-        mapping: Mapping::Uv(Transform::scale([tiles; 3])),
-        scale: 1.0,
-        invert: false,
-    });
+    let mapping = Mapping::Uv(Transform::scale([tiles; 3]));
+    let kind = TextureKind::Bitmap(Bitmap::raw(path, mapping));
     Some(reader.scene.textures.push(Texture { name: None, origin, kind }))
 }
 
