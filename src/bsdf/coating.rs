@@ -5,8 +5,8 @@ use super::material::flat;
 use super::microfacet::{Microfacet, reflect};
 use super::roughconductor::reflected_pdf;
 use super::{
-    DeltaLobe, Deltas, Nature, Node, PARTS, Parameters, Part, PartList, Point, Range, Roughness, Scatter,
-    Transmittance, Transport, fresnel,
+    DeltaLobe, Deltas, Nature, Node, PARTS, Parameters, Part, PartList, Point, Range, Returned, Roughness,
+    Scatter, Transmittance, Transport, fresnel,
 };
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::Param;
@@ -22,10 +22,19 @@ pub struct CoatingModel {
     pub specular: Param,
     /// A rough surface, with its transmittance; `None` is smooth.
     pub rough: Option<(Roughness, Arc<Transmittance>)>,
-    /// Light is thrown back and forth between the coat and what lies below. Exact for a smooth coat over a
-    /// smooth metal; elsewhere every round trip is taken at the angles of the first.
-    pub interreflection: bool,
+    /// How light is thrown back and forth between the coat and a metal below it, if it is. Exact for a smooth
+    /// coat over a smooth metal; else every round trip takes the share of the first.
+    pub interreflection: Option<Interreflection>,
     pub nested: Box<Node>,
+}
+
+/// What the coat sends back to the base.
+#[derive(Clone, Debug)]
+pub enum Interreflection {
+    /// What a mirror sends to it: by the angle of the light.
+    Mirror,
+    /// By the base's roughness.
+    Rough(Roughness, Arc<Returned>),
 }
 
 impl Parameters for CoatingModel {
@@ -37,14 +46,21 @@ impl Parameters for CoatingModel {
             absorption: point.color(self.absorption),
             specular: point.color(self.specular),
             rough: self.rough.as_ref().map(|(r, t)| (r.at(point), t.clone())),
-            interreflection: self.interreflection,
+            interreflection: self.interreflection.as_ref().map(|i| match i {
+                Interreflection::Mirror => None,
+                Interreflection::Rough(r, table) => Some((r.at(point).roughness(), table.clone())),
+            }),
             nested: [Vec3::Z, -Vec3::Z].map(|wi| flat(&self.nested, point, wi)),
         }
     }
 
     fn params(&self) -> Vec<Param> {
         let rough = self.rough.iter().flat_map(|(r, _)| r.params());
-        rough.chain([self.absorption, self.specular]).collect()
+        let base = match &self.interreflection {
+            Some(Interreflection::Rough(r, _)) => r.params(),
+            _ => Vec::new(),
+        };
+        rough.chain(base).chain([self.absorption, self.specular]).collect()
     }
 
     fn varies(&self) -> bool {
@@ -66,7 +82,8 @@ pub struct Coating {
     absorption: Rgb,
     specular: Rgb,
     rough: Option<(Microfacet, Arc<Transmittance>)>,
-    interreflection: bool,
+    /// α of the base with its table, unless it is a mirror.
+    interreflection: Option<Option<(f32, Arc<Returned>)>>,
     /// Above and below.
     nested: [Layers; 2],
 }
@@ -105,17 +122,24 @@ impl Coating {
 
     /// Sum of the round trips between coat and base.
     fn round_trips(&self, wi: Vec3, wo: Vec3) -> Rgb {
-        if !self.interreflection {
+        let Some(rough) = &self.interreflection else {
             return Rgb::ONE;
-        }
+        };
         let base = |w: Vec3| {
             let (w, below) = (self.inside(w), self.below(wi));
             let deltas: Rgb = below.deltas(w, Transport::Importance).iter().map(|l| l.weight).sum();
             below.albedo(w, Range::ALL) + deltas
         };
-        // Equal angles have equal Fresnel reflectance on both sides of the interface.
-        let back = 1.0 - 0.5 * (self.transmitted(wi) + self.transmitted(wo));
-        Rgb::ONE / (Rgb::ONE - ((base(wi) + base(wo)) * (0.5 * back)).min(Rgb::splat(0.99)))
+        let trips = |w: Vec3| match rough {
+            Some((alpha, table)) => table.sum(*alpha, self.inside(w).z.abs(), base(w)),
+            // Equal angles have equal Fresnel reflectance on both sides of the interface.
+            None => {
+                let again =
+                    base(w) * self.absorbed(self.inside(w), self.inside(w)) * (1.0 - self.transmitted(w));
+                Rgb::ONE / (Rgb::ONE - again.min(Rgb::splat(0.99)))
+            }
+        };
+        (trips(wi) + trips(wo)) * 0.5
     }
 
     /// What becomes of light that goes in along one and out along the other direction.

@@ -15,7 +15,7 @@ pub enum Kind {
 }
 
 /// Masking and shadowing together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Shadowing {
     /// G1(wi)·G1(wo): Mitsuba.
     Separable,

@@ -9,6 +9,7 @@
 //! numbers at one point ([`Scatter`]). Adding one is one new file and one row in the table below.
 //! [`Material`] nests models (masks, blends, two sides, bumps); [`Closure`] is a material at a point.
 
+mod between;
 mod closure;
 mod coating;
 mod conductor;
@@ -25,6 +26,7 @@ mod phong;
 mod plastic;
 mod principled;
 mod principledthin;
+mod returned;
 mod roughconductor;
 mod roughdielectric;
 mod roughdiffuse;
@@ -36,8 +38,9 @@ mod tilt;
 mod transmittance;
 mod ward;
 
+pub use between::{Between, Walk};
 pub use closure::Closure;
-pub use coating::CoatingModel;
+pub use coating::{CoatingModel, Interreflection};
 pub use conductor::ConductorModel;
 pub use dielectric::DielectricModel;
 pub use difftrans::DiffuseTransmissionModel;
@@ -49,6 +52,7 @@ pub use phong::PhongModel;
 pub use plastic::PlasticModel;
 pub use principled::PrincipledModel;
 pub use principledthin::PrincipledThinModel;
+pub use returned::Returned;
 pub use roughconductor::RoughConductorModel;
 pub use roughdielectric::RoughDielectricModel;
 pub use roughdiffuse::RoughDiffuseModel;

@@ -2,22 +2,22 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::diffuse::cosine_pdf;
 use super::{
-    DeltaLobe, Deltas, Nature, Parameters, PartList, Point, Range, Scatter, Transport, fresnel, one_part,
+    Between, DeltaLobe, Deltas, Nature, Parameters, PartList, Point, Range, Scatter, Transport, fresnel,
+    one_part,
 };
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
 
 /// Diffuse base under a smooth dielectric coat, with interreflection between them
-/// (Mitsuba's `plastic`; front side only).
+/// (Mitsuba's `plastic`, pbrt's `coateddiffuse`; front side only).
 #[derive(Clone, Copy, Debug)]
 pub struct PlasticModel {
     /// Index of the coat over the index outside.
     pub eta: f32,
     pub diffuse: Param,
     pub specular: Param,
-    /// The base colour shifts with every internal bounce.
-    pub nonlinear: bool,
+    pub between: Between,
 }
 
 impl Parameters for PlasticModel {
@@ -28,8 +28,9 @@ impl Parameters for PlasticModel {
         let internal = fresnel::diffuse_reflectance(1.0 / self.eta);
         Plastic {
             eta: self.eta,
-            base: base(diffuse, internal, self.nonlinear) / (self.eta * self.eta),
+            base: self.between.base(diffuse, internal) / (self.eta * self.eta),
             internal,
+            between: self.between,
             specular,
             specular_weight: specular_weight(diffuse, specular),
         }
@@ -44,12 +45,6 @@ impl Parameters for PlasticModel {
     }
 }
 
-/// Reflectance of the base with all bounces between it and the coat.
-pub(super) fn base(diffuse: Rgb, internal: f32, nonlinear: bool) -> Rgb {
-    let shift = if nonlinear { diffuse } else { Rgb::ONE };
-    diffuse / (Rgb::ONE - shift * internal)
-}
-
 /// How much of sampling the coat should get, before Fresnel.
 pub(super) fn specular_weight(diffuse: Rgb, specular: Rgb) -> f32 {
     let (d, s) = (diffuse.element_sum(), specular.element_sum());
@@ -62,13 +57,14 @@ pub struct Plastic {
     /// ρ / (1 − ρₓ·F̄) / η².
     base: Rgb,
     internal: f32,
+    between: Between,
     specular: Rgb,
     specular_weight: f32,
 }
 
 impl Plastic {
     fn transmitted(&self, cos: f32) -> f32 {
-        1.0 - fresnel::dielectric(cos, self.eta).reflectance
+        (1.0 - fresnel::dielectric(cos, self.eta).reflectance) * self.between.passage(cos, self.eta)
     }
 }
 
@@ -96,7 +92,7 @@ impl Scatter for Plastic {
     /// ∫(1 − F)cosθ/π over the outside, divided by η², equals 1 − F̄ inside.
     fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
         if wi.z > 0.0 && range.diffuse() {
-            self.base * (self.transmitted(wi.z) * (1.0 - self.internal) * self.eta * self.eta)
+            self.base * (self.transmitted(wi.z) * self.between.leaves(self.internal) * self.eta * self.eta)
         } else {
             Rgb::ZERO
         }

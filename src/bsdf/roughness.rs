@@ -28,6 +28,11 @@ impl Roughness {
         vec![self.u, self.v]
     }
 
+    /// At some α, the same along both axes.
+    pub fn isotropic(&self, alpha: f32) -> Microfacet {
+        Microfacet::new(self.kind, self.shadowing, alpha, alpha)
+    }
+
     /// α where it is the same everywhere.
     pub fn constant(&self) -> Option<[f32; 2]> {
         match (self.u, self.v) {

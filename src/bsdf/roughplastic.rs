@@ -3,10 +3,11 @@ use std::sync::Arc;
 
 use super::diffuse::cosine_pdf;
 use super::microfacet::{Microfacet, reflect};
-use super::plastic::{base, specular_weight};
+use super::plastic::specular_weight;
 use super::roughconductor::reflected_pdf;
 use super::{
-    Nature, Parameters, Part, PartList, Point, Range, Roughness, Scatter, Transmittance, Transport, fresnel,
+    Between, Nature, Parameters, Part, PartList, Point, Range, Roughness, Scatter, Transmittance, Transport,
+    fresnel,
 };
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::sampling::warp;
@@ -19,7 +20,7 @@ pub struct RoughPlasticModel {
     pub eta: f32,
     pub diffuse: Param,
     pub specular: Param,
-    pub nonlinear: bool,
+    pub between: Between,
     pub roughness: Roughness,
     /// For this `eta`.
     pub transmittance: Arc<Transmittance>,
@@ -34,8 +35,9 @@ impl Parameters for RoughPlasticModel {
         let internal = self.transmittance.internal(microfacet.roughness());
         RoughPlastic {
             eta: self.eta,
-            base: base(diffuse, internal, self.nonlinear) / (self.eta * self.eta),
+            base: self.between.base(diffuse, internal) / (self.eta * self.eta),
             internal,
+            between: self.between,
             specular,
             specular_weight: specular_weight(diffuse, specular),
             microfacet,
@@ -62,6 +64,7 @@ pub struct RoughPlastic {
     eta: f32,
     base: Rgb,
     internal: f32,
+    between: Between,
     specular: Rgb,
     specular_weight: f32,
     microfacet: Microfacet,
@@ -71,6 +74,11 @@ pub struct RoughPlastic {
 impl RoughPlastic {
     fn transmitted(&self, cos: f32) -> f32 {
         self.transmittance.external(self.microfacet.roughness(), cos)
+    }
+
+    /// From outside to the base, or back.
+    fn reaches(&self, cos: f32) -> f32 {
+        self.transmitted(cos) * self.between.passage(cos, self.eta)
     }
 
     /// Probability of choosing the coat.
@@ -102,7 +110,7 @@ impl Scatter for RoughPlastic {
             f += self.specular * (reflected * dg / (4.0 * wi.z * wo.z));
         }
         if range.diffuse() {
-            f += self.base * (FRAC_1_PI * self.transmitted(wi.z) * self.transmitted(wo.z));
+            f += self.base * (FRAC_1_PI * self.reaches(wi.z) * self.reaches(wo.z));
         }
         f
     }
@@ -143,7 +151,8 @@ impl Scatter for RoughPlastic {
             albedo += self.specular * (1.0 - t);
         }
         if range.diffuse() {
-            albedo += self.base * (t * (1.0 - self.internal) * self.eta * self.eta);
+            let leaves = self.between.leaves(self.internal);
+            albedo += self.base * (self.reaches(wi.z) * leaves * self.eta * self.eta);
         }
         albedo
     }

@@ -27,19 +27,20 @@ struct Row {
 
 impl Transmittance {
     /// For one roughness, as exactly as Mitsuba's `roughplastic` makes its table.
-    pub fn new(kind: Kind, alpha: f32, eta: f32) -> Self {
+    pub fn new(kind: Kind, shadowing: Shadowing, alpha: f32, eta: f32) -> Self {
         // The discontinuity of total reflection is what takes so many. Beckmann's slopes end sooner than
         // the long tails of the others: half as many already agree with twice as many to 5e-5.
         let inner_nodes = if kind == Kind::Beckmann { 64 } else { 128 };
-        Self { rows: vec![row(kind, alpha, eta, inner_nodes)] }
+        Self { rows: vec![row(Microfacet::new(kind, shadowing, alpha, alpha), eta, inner_nodes)] }
     }
 
     /// For every roughness up to 1: interpolated between 24 of them.
-    pub fn all(kind: Kind, eta: f32) -> Self {
+    pub fn all(kind: Kind, shadowing: Shadowing, eta: f32) -> Self {
         let n = 24;
         // Denser where surfaces are smooth: there the table changes fastest.
         let alpha = |i: usize| ((i as f32 + 0.25) / (n as f32 - 0.75)).powi(2);
-        Self { rows: (0..n).map(|i| row(kind, alpha(i), eta, 24)).collect() }
+        let microfacet = |i| Microfacet::new(kind, shadowing, alpha(i), alpha(i));
+        Self { rows: (0..n).map(|i| row(microfacet(i), eta, 24)).collect() }
     }
 
     /// The rows around α and how far it is from the first to the second.
@@ -67,8 +68,7 @@ impl Transmittance {
     }
 }
 
-fn row(kind: Kind, alpha: f32, eta: f32, inner_nodes: usize) -> Row {
-    let microfacet = Microfacet::new(kind, Shadowing::Separable, alpha, alpha);
+fn row(microfacet: Microfacet, eta: f32, inner_nodes: usize) -> Row {
     let cos = |i: usize| (i as f32 / (ENTRIES - 1) as f32).max(1e-6);
     let outer = gauss_legendre(32);
     let inner = gauss_legendre(inner_nodes);
@@ -77,7 +77,13 @@ fn row(kind: Kind, alpha: f32, eta: f32, inner_nodes: usize) -> Row {
     // Added in order, so that the sum does not depend on the threads.
     let shares: Vec<f64> = (0..ENTRIES).into_par_iter().map(back).collect();
     let sum: f64 = shares.iter().sum();
-    Row { alpha, external, internal: (2.0 * sum / ENTRIES as f64) as f32 }
+    let mean = match microfacet.shadowing {
+        // Mitsuba's table, which counts the ends of the integral in full.
+        Shadowing::Separable => sum / ENTRIES as f64,
+        // At grazing angles the share is 0.
+        Shadowing::HeightCorrelated => (sum - 0.5 * shares[ENTRIES - 1]) / (ENTRIES - 1) as f64,
+    };
+    Row { alpha: microfacet.au, external, internal: (2.0 * mean) as f32 }
 }
 
 /// Which of the two shares.
@@ -87,7 +93,7 @@ enum Side {
     Through,
 }
 
-/// Reflected or transmitted share: ∫ F·G1(wo) or ∫ (1 − F)·G1(wo) over visible normals.
+/// Reflected or transmitted share: ∫ F·G/G1(wi) or ∫ (1 − F)·G/G1(wi) over visible normals.
 fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, nodes: &[(f64, f64)], side: Side) -> f64 {
     let wi = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
     let mut sum = 0.0;
@@ -102,7 +108,10 @@ fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, nodes: &[(f64, f64)], 
         }
         let passes = match microfacet.kind {
             Kind::Phong => microfacet.g(wi, wo, m) * wi.dot(m).abs() / (wi.z * m.z).max(f32::MIN_POSITIVE),
-            Kind::Beckmann | Kind::Ggx => microfacet.g1(wo, m),
+            Kind::Beckmann | Kind::Ggx => match microfacet.shadowing {
+                Shadowing::Separable => microfacet.g1(wo, m),
+                Shadowing::HeightCorrelated => microfacet.g(wi, wo, m) / microfacet.g1(wi, m),
+            },
         };
         sum += f64::from(share * passes) * weight;
     }

@@ -2,6 +2,7 @@
 //! so the defaults of the format are part of what is checked.
 
 mod albedo;
+mod coats;
 mod golden;
 mod laws;
 mod specular;

@@ -16,13 +16,15 @@ use crate::ir::{
 type ReadMaterial = fn(&mut Reader<'_>, &mut Params) -> Option<BsdfKind>;
 
 /// What the coated materials are instead.
-const CLOSED_FORM: &str = "closed form, no random walk";
+const CLOSED_FORM: &str = "closed form of the random walk: its albedo to 0.6 %";
+const CLOSED_FORM_OVER_METAL: &str =
+    "closed form of the random walk: its albedo to 2 %, below a rough interface to 8 %";
 
 pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     read("diffuse", diffuse),
     approximated("coateddiffuse", coated_diffuse, CLOSED_FORM),
     read("conductor", conductor),
-    approximated("coatedconductor", coated_conductor, CLOSED_FORM),
+    approximated("coatedconductor", coated_conductor, CLOSED_FORM_OVER_METAL),
     read("dielectric", dielectric),
     read("thindielectric", thin_dielectric),
     read("diffusetransmission", diffuse_transmission),

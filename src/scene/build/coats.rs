@@ -1,9 +1,14 @@
 //! Dielectric layers over other materials.
 
-use caustica_formats::ir::{self, ColorInput, ColorSlot};
+use std::sync::Arc;
+
+use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
 use super::Builder;
-use crate::bsdf::{CoatingModel, ConductorModel, Metal, Node, PlasticModel, RoughConductorModel, Roughness};
+use crate::bsdf::{
+    Between, CoatingModel, ConductorModel, Interreflection, Metal, Node, PlasticModel, Returned,
+    RoughConductorModel, Roughness, Walk,
+};
 use crate::math::Rgb;
 use crate::texture::Param;
 
@@ -33,7 +38,7 @@ impl Builder<'_> {
         let specular = self.param(specular, ColorSlot::Reflectance, origin);
         let nested = self.node(nested);
         let rough = microfacet.and_then(|m| self.roughness(m));
-        let coat = Coat { eta, absorption, specular, rough, interreflection: false };
+        let coat = Coat { eta, absorption, specular, rough, interreflection: None };
         self.coating(coat, nested, origin)
     }
 
@@ -49,8 +54,8 @@ impl Builder<'_> {
         CoatingModel { eta, absorption, specular, rough, interreflection, nested: Box::new(nested) }.into()
     }
 
-    /// pbrt walks randomly between coat and base. The same sum in closed form: exact for a smooth coat;
-    /// under a rough one the walk's angles are taken as diffuse.
+    /// pbrt walks randomly between coat and base. The same sum in closed form: exact for a smooth coat; a rough one lets
+    /// light pass at the angles of a smooth one.
     pub(super) fn coated_diffuse(
         &mut self,
         reflectance: &ColorInput,
@@ -60,7 +65,8 @@ impl Builder<'_> {
         self.empty_coat(coat, origin);
         let eta = self.ior(&coat.eta, origin);
         let diffuse = self.param(reflectance, ColorSlot::Reflectance, origin);
-        let smooth = PlasticModel { eta, diffuse, specular: WHITE, nonlinear: true };
+        let walk = Walk::new(self.thickness(coat, origin), coat.max_depth, eta);
+        let smooth = PlasticModel { eta, diffuse, specular: WHITE, between: Between::Walk(walk) };
         match self.roughness(&coat.microfacet) {
             Some(roughness) => self.rough_plastic(smooth, roughness).into(),
             None => smooth.into(),
@@ -82,13 +88,35 @@ impl Builder<'_> {
             Metal::Index { eta: n, k, outside } => Metal::Index { eta: n, k, outside: outside * eta },
             Metal::Reflectance { normal, outside } => Metal::Reflectance { normal, outside: outside * eta },
         };
-        let nested: Node = match self.roughness(microfacet) {
-            Some(roughness) => RoughConductorModel { metal, reflectance, roughness }.into(),
-            None => ConductorModel { metal, reflectance }.into(),
+        let thickness = self.thickness(coat, origin);
+        let (nested, interreflection): (Node, _) = match self.roughness(microfacet) {
+            Some(roughness) => {
+                let alphas = match roughness.constant() {
+                    Some([u, v]) => vec![(u * v).max(0.0).sqrt()],
+                    None => (0..16).map(|i| (i as f32 + 0.5) / 15.5).collect(),
+                };
+                let returned =
+                    Arc::new(Returned::new(&roughness.isotropic(alphas[0]), &alphas, eta, thickness));
+                let rough = Interreflection::Rough(roughness, returned);
+                (RoughConductorModel { metal, reflectance, roughness }.into(), rough)
+            }
+            None => (ConductorModel { metal, reflectance }.into(), Interreflection::Mirror),
         };
         let rough = self.roughness(&coat.microfacet);
-        let coat = Coat { eta, absorption: BLACK, specular: WHITE, rough, interreflection: true };
+        let absorption = Param::gray(thickness);
+        let coat = Coat { eta, absorption, specular: WHITE, rough, interreflection: Some(interreflection) };
         self.coating(coat, nested, origin)
+    }
+
+    /// In pbrt's sense: the optical thickness of a passage straight through.
+    fn thickness(&mut self, coat: &ir::Coat, origin: ir::Origin) -> f32 {
+        match &coat.thickness {
+            FloatInput::Value(v) => v.max(0.0) as f32,
+            FloatInput::Texture(_) => {
+                self.unsupported("a textured thickness of a coat", "a thickness of 0.01", origin);
+                0.01
+            }
+        }
     }
 
     fn empty_coat(&mut self, coat: &ir::Coat, origin: ir::Origin) {
@@ -104,5 +132,5 @@ struct Coat {
     absorption: Param,
     specular: Param,
     rough: Option<Roughness>,
-    interreflection: bool,
+    interreflection: Option<Interreflection>,
 }

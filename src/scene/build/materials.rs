@@ -10,7 +10,7 @@ use super::Builder;
 use super::textures::DEFAULT_REFLECTANCE;
 use crate::bsdf::microfacet::{Kind, Shadowing};
 use crate::bsdf::{
-    ConductorModel, DielectricModel, DiffuseModel, DiffuseTransmissionModel, Material, Metal, Node,
+    Between, ConductorModel, DielectricModel, DiffuseModel, DiffuseTransmissionModel, Material, Metal, Node,
     Perturbation, PhongModel, PlasticModel, Relief, RoughConductorModel, RoughDielectricModel,
     RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
     WardVariant,
@@ -33,7 +33,7 @@ pub struct MaterialTable {
     /// BSDFs of the material that is being built.
     parts: u32,
     /// By distribution, bits of α (none: any α) and of the relative index.
-    transmittances: HashMap<(Kind, Option<u32>, u32), Arc<Transmittance>>,
+    transmittances: HashMap<(Kind, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
 }
 
 impl MaterialTable {
@@ -261,22 +261,22 @@ impl Builder<'_> {
     }
 
     pub(super) fn rough_plastic(&mut self, smooth: PlasticModel, roughness: Roughness) -> RoughPlasticModel {
-        let PlasticModel { eta, diffuse, specular, nonlinear } = smooth;
+        let PlasticModel { eta, diffuse, specular, between } = smooth;
         let transmittance = self.transmittance(&roughness, eta);
-        RoughPlasticModel { eta, diffuse, specular, nonlinear, roughness, transmittance }
+        RoughPlasticModel { eta, diffuse, specular, between, roughness, transmittance }
     }
 
     pub(super) fn transmittance(&mut self, roughness: &Roughness, eta: f32) -> Arc<Transmittance> {
         let alpha = roughness.constant().map(|[u, v]| (u * v).max(0.0).sqrt());
-        let kind = roughness.kind;
+        let (kind, shadowing) = (roughness.kind, roughness.shadowing);
         let table = self
             .materials
             .transmittances
-            .entry((kind, alpha.map(f32::to_bits), eta.to_bits()))
+            .entry((kind, shadowing, alpha.map(f32::to_bits), eta.to_bits()))
             .or_insert_with(|| {
                 Arc::new(match alpha {
-                    Some(alpha) => Transmittance::new(kind, alpha, eta),
-                    None => Transmittance::all(kind, eta),
+                    Some(alpha) => Transmittance::new(kind, shadowing, alpha, eta),
+                    None => Transmittance::all(kind, shadowing, eta),
                 })
             });
         table.clone()
@@ -340,7 +340,7 @@ impl Builder<'_> {
             eta: self.ior(&p.int_ior, origin) / self.ior(&p.ext_ior, origin),
             diffuse: self.param(&p.diffuse_reflectance, ColorSlot::Reflectance, origin),
             specular: self.param(&p.specular_reflectance, ColorSlot::Reflectance, origin),
-            nonlinear: p.nonlinear,
+            between: if p.nonlinear { Between::Colored } else { Between::White },
         }
     }
 }

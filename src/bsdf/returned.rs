@@ -1,0 +1,117 @@
+//! Round trips of light between a smooth coat and a rough metal below it.
+
+use super::fresnel;
+use super::microfacet::{Microfacet, reflect};
+use super::special::gauss_legendre;
+use crate::math::{Rgb, Vec3};
+
+/// Entries over cosθ from 0 to 1.
+const ENTRIES: usize = 32;
+
+/// Round trips that are followed: as many meetings with the metal as pbrt's default walk has, less the first.
+const TRIPS: usize = 4;
+
+/// What leaves the coat after each round trip, over what leaves it after none, for a metal that absorbs nothing: half of
+/// it by the cosine inside under which light comes, half by that under which it goes. For one roughness or for a row of
+/// them.
+#[derive(Clone, Debug)]
+pub struct Returned {
+    rows: Vec<Row>,
+}
+
+#[derive(Clone, Debug)]
+struct Row {
+    alpha: f32,
+    trips: [[f32; TRIPS]; ENTRIES],
+}
+
+impl Returned {
+    /// `metal` at the roughnesses `alphas`, ascending; `eta` is the coat's index over that outside, `thickness` its
+    /// optical thickness straight through.
+    pub fn new(metal: &Microfacet, alphas: &[f32], eta: f32, thickness: f32) -> Self {
+        let row = |&alpha: &f32| {
+            let metal = Microfacet::new(metal.kind, metal.shadowing, alpha, alpha);
+            Row { alpha: metal.au, trips: trips(&metal, eta, thickness) }
+        };
+        Self { rows: alphas.iter().map(row).collect() }
+    }
+
+    /// Sum over all trips for a metal of reflectance `base`, of one of the two ends: 1 without any.
+    pub fn sum(&self, alpha: f32, cos: f32, base: Rgb) -> Rgb {
+        let x = cos.clamp(0.0, 1.0) * (ENTRIES - 1) as f32;
+        let i = (x as usize).min(ENTRIES - 2);
+        let above = self.rows.iter().position(|r| r.alpha >= alpha).unwrap_or(self.rows.len() - 1);
+        let (a, b) = (&self.rows[above.saturating_sub(1)], &self.rows[above]);
+        let t =
+            if b.alpha > a.alpha { ((alpha - a.alpha) / (b.alpha - a.alpha)).clamp(0.0, 1.0) } else { 0.0 };
+        // Horner's rule, longest trip first.
+        (0..TRIPS).rev().fold(Rgb::ZERO, |sum, k| {
+            let at = |r: &Row| r.trips[i][k] + (r.trips[i + 1][k] - r.trips[i][k]) * (x - i as f32);
+            (sum + Rgb::splat(at(a) + (at(b) - at(a)) * t)) * base
+        }) + Rgb::ONE
+    }
+}
+
+fn cosine(i: usize) -> f32 {
+    (i as f32 / (ENTRIES - 1) as f32).max(1e-2)
+}
+
+/// Follows light between the entries: each meeting with the metal spreads it over them.
+fn trips(metal: &Microfacet, eta: f32, thickness: f32) -> [[f32; TRIPS]; ENTRIES] {
+    let spread: Table = std::array::from_fn(|i| reflected(metal, cosine(i)));
+    let back: [f64; ENTRIES] =
+        std::array::from_fn(|i| f64::from(fresnel::dielectric(cosine(i), 1.0 / eta).reflectance));
+    let absorbed: [f64; ENTRIES] = std::array::from_fn(|i| (-2.0 * f64::from(thickness / cosine(i))).exp());
+    let out: Table = spread.map(|row| std::array::from_fn(|j| row[j] * (1.0 - back[j])));
+    let mut light = spread;
+    let mut factors = [[0.0; TRIPS]; ENTRIES];
+    for k in 0..TRIPS {
+        light = light.map(|row| {
+            let mut next = [0.0; ENTRIES];
+            for j in 0..ENTRIES {
+                let returned = row[j] * back[j] * absorbed[j];
+                next.iter_mut().zip(&spread[j]).for_each(|(n, s)| *n += returned * s);
+            }
+            next
+        });
+        let leaves = light.map(|row| row.iter().zip(&back).map(|(l, b)| l * (1.0 - b)).sum());
+        let solved = symmetric(&out, &leaves);
+        factors.iter_mut().zip(solved).for_each(|(f, s)| f[k] = s as f32);
+    }
+    factors
+}
+
+type Table = [[f64; ENTRIES]; ENTRIES];
+
+/// h with Σⱼ outᵢⱼ·½(hᵢ + hⱼ) = leavesᵢ: light that leaves directly, times the mean of h at both its ends, which keeps the
+/// reflection reciprocal, is what leaves in all. By Gauss and Seidel's method.
+fn symmetric(out: &Table, leaves: &[f64; ENTRIES]) -> [f64; ENTRIES] {
+    let mut h = [0.0; ENTRIES];
+    for _ in 0..64 {
+        for i in 0..ENTRIES {
+            let sum: f64 = out[i].iter().sum();
+            let others: f64 = (0..ENTRIES).filter(|&j| j != i).map(|j| out[i][j] * h[j]).sum();
+            if sum > 1e-6 {
+                h[i] = ((2.0 * leaves[i] - others) / (sum + out[i][i])).max(0.0);
+            }
+        }
+    }
+    h
+}
+
+/// Where light that meets the metal under `cos` goes, shared among the entries; what its own bumps catch is lost.
+fn reflected(metal: &Microfacet, cos: f32) -> [f64; ENTRIES] {
+    let wi = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+    let mut entries = [0.0; ENTRIES];
+    for (m, weight) in metal.visible_normals(wi, &gauss_legendre(32)) {
+        let wo = reflect(wi, m);
+        if wo.z > 0.0 {
+            let share = weight * f64::from(metal.g(wi, wo, m) / metal.g1(wi, m));
+            let x = f64::from(wo.z.min(1.0)) * (ENTRIES - 1) as f64;
+            let i = (x as usize).min(ENTRIES - 2);
+            entries[i] += share * (1.0 - (x - i as f64));
+            entries[i + 1] += share * (x - i as f64);
+        }
+    }
+    entries
+}
