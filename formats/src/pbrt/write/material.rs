@@ -251,7 +251,7 @@ impl Writer<'_, '_> {
         self.coat_over(p, eta, microfacet, origin)
     }
 
-    /// `coateddiffuse` over the reflectance that is said in `base`.
+    /// `coateddiffuse` over the reflectance that is said in `base`: a clear coat, and bounces below it to the end.
     pub fn coat_over(
         &mut self,
         base: Params,
@@ -259,7 +259,7 @@ impl Writer<'_, '_> {
         microfacet: Option<&Microfacet>,
         origin: Origin,
     ) -> Result<Said, WriteError> {
-        let p = base.float("eta", eta);
+        let p = base.float("eta", eta).float("thickness", 1e-6).integer("maxdepth", 100);
         let p = match microfacet {
             Some(m) => self.roughness(p, m, PLAIN, origin)?,
             None => p,
