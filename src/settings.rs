@@ -88,12 +88,16 @@ impl fmt::Display for Count {
 impl FromStr for Count {
     type Err = String;
     fn from_str(s: &str) -> Result<Self, String> {
-        let wants = || "a whole number, `stored:NUMBER` or `auto`".to_owned();
+        let wants = || "a whole number from 1, `stored:NUMBER` or `auto`".to_owned();
         let number = |s: &str| match s.parse::<u64>() {
+            Ok(0) => {
+                Err("a whole number from 1 (integrator `path` needs no photons), `stored:NUMBER` or `auto`"
+                    .to_owned())
+            }
             Ok(n) => Ok(n),
             // 1e6 and 2.5e5 are how people write photon counts.
             Err(_) => match s.parse::<f64>() {
-                Ok(x) if (0.0..1e18).contains(&x) && x.fract() == 0.0 => Ok(x as u64),
+                Ok(x) if (1.0..1e18).contains(&x) && x.fract() == 0.0 => Ok(x as u64),
                 _ => Err(wants()),
             },
         };

@@ -54,6 +54,30 @@ fn median(row: &Value, point: usize, what: &str) -> f64 {
     row["points"][point][what]["median"].as_f64().unwrap()
 }
 
+/// A benchmark of which nothing came is no success.
+#[test]
+fn a_bench_without_any_render_fails() {
+    let folder = Folder::new();
+    folder.reference("reference.exr");
+    let broken = folder.path("broken.xml");
+    std::fs::write(&broken, "<scene version='3.0.0'><shape type='spher'/></scene>").unwrap();
+    let arguments = [
+        "bench",
+        "broken.xml",
+        "--reference",
+        "reference.exr",
+        "--passes",
+        "1",
+        "--config",
+        "caustica",
+        "-o",
+        "out",
+    ];
+    let (status, said) = folder.caustica(&arguments, "");
+    assert_eq!(status, 1, "{said}");
+    assert!(said.contains("no render of this benchmark succeeded"), "{said}");
+}
+
 /// Takes what pbrt takes and renders it with our path tracer: so the picture shows what pbrt was given.
 #[cfg(unix)]
 const PBRT: &str = r#"#!/bin/sh

@@ -172,7 +172,7 @@ fn output_that_cannot_be_written() {
         assert!(run.text.starts_with(&format!("error: cannot write `{output}`: ")), "{}", run.text);
     }
     let run = run(&files, &["render", "scene.xml", "--quiet", "-o", "out.gif"]);
-    assert_eq!(run.status, 1);
+    assert_eq!(run.status, 2);
     assert_snapshot!(run.text, @"error: cannot write `out.gif`: extension `gif` is none of exr, png, hdr, pfm");
 }
 
@@ -181,14 +181,45 @@ fn settings_that_do_not_exist_or_do_not_parse() {
     let scene = whole_scene();
     let files = [("scene.xml", scene.as_str())];
     let name = run(&files, &["render", "scene.xml", "--set", "kernal=cone"]);
-    assert_eq!(name.status, 1);
+    assert_eq!(name.status, 2);
     assert_snapshot!(name.text, @"error: there is no setting `kernal`; did you mean `kernel`?");
     let value = run(&files, &["render", "scene.xml", "--set", "kernel=round"]);
-    assert_eq!(value.status, 1);
+    assert_eq!(value.status, 2);
     assert_snapshot!(value.text, @"error: setting `kernel` wants one of constant, cone, epanechnikov, biweight, triweight, tricube, gaussian, logistic, silverman, got `round`");
     let layer = run(&files, &["render", "scene.xml", "--quiet", "--layers", "direkt"]);
-    assert_eq!(layer.status, 1);
+    assert_eq!(layer.status, 2);
     assert_snapshot!(layer.text, @"error: there is no layer `direkt`; there are emission, direct, caustic, indirect, variance, samples");
+}
+
+#[test]
+fn sizes_and_counts_beyond_sense_point_at_their_option() {
+    let scene = whole_scene();
+    let files = [("scene.xml", scene.as_str())];
+    let size = run(&files, &["render", "scene.xml", "--size", "60000x60000"]);
+    assert_eq!(size.status, 2);
+    assert_snapshot!(size.text, @r#"
+    error: invalid value '60000x60000' for '--size <WxH>': a film has 1073741824 pixels at most
+
+    For more information, try '--help'.
+    "#);
+    let photons = run(&files, &["render", "scene.xml", "--photons", "0"]);
+    assert_eq!(photons.status, 2);
+    assert_snapshot!(photons.text, @"error: setting `photons` wants a whole number from 1 (integrator `path` needs no photons), `stored:NUMBER` or `auto`, got `0`");
+}
+
+#[test]
+fn files_with_nearly_the_right_name_are_suggested() {
+    let mesh = "<scene version='3.0.0'>\n  <shape type='obj'>\n    <string name='filename' value='bunnny.obj'/>\n  </shape>\n</scene>";
+    assert_snapshot!(message(mesh, &[("bunny.obj", ""), ("other.obj", "")]), @r#"
+    error: mesh `bunnny.obj` not found
+      ┌─ scene.xml:3:36
+      │
+    3 │     <string name='filename' value='bunnny.obj'/>
+      │                                    ^^^^^^^^^^
+      │
+      = help: did you mean `bunny.obj`?
+      = help: searched in: .
+    "#);
 }
 
 #[test]

@@ -191,13 +191,84 @@ fn two_processes_do_not_write_one_output() {
 fn what_memory_cannot_hold_is_refused_with_the_setting() {
     let (_folder, output) = place();
     for (setting, value, named) in [
-        ("--size", "60000x60000", "60000×60000 pixels"),
+        ("--size", "30000x30000", "30000 × 30000 pixels (--size, --crop) needs about"),
         ("--photons", "1000000000000", "setting `photons` = 1000000000000 needs about"),
     ] {
         let (status, text) = done(&mut render(&output, &[setting, value]));
         assert_eq!(status, Some(1), "{text}");
         assert!(text.contains(named), "{text}");
     }
+}
+
+/// Light paths of a first pass that takes seconds, and the memory for them.
+const MANY: &str = "10000000";
+
+#[test]
+fn an_interrupt_in_the_first_pass_leaves_older_pictures_alone() {
+    let (folder, output) = place();
+    let lock = folder.path().join(".out.exr.lock");
+    for (older, name, status) in [(true, "INT", 130), (true, "TERM", 143), (false, "INT", 130)] {
+        let _absent = std::fs::remove_file(&output);
+        if older {
+            std::fs::write(&output, "older").expect("writable");
+        }
+        let mut child = render(&output, &["--photons", MANY, "--passes", "2"])
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        wait_for(&lock);
+        // Signals are watched right after the lock; the pass takes far longer.
+        std::thread::sleep(Duration::from_millis(200));
+        signal(&child, name);
+        let begun = Instant::now();
+        assert_eq!(child.wait().expect("waited").code(), Some(status));
+        let waited = begun.elapsed();
+        assert!(
+            waited < Duration::from_secs(3),
+            "it took {waited:?} on a busy machine; 0.1 s on an idle one"
+        );
+        if older {
+            assert_eq!(std::fs::read(&output).expect("there"), b"older");
+            let mut said = String::new();
+            std::io::Read::read_to_string(&mut child.stderr.take().expect("piped"), &mut said)
+                .expect("UTF-8");
+            assert!(said.contains("nothing was written to") && said.contains("out.exr"), "{said}");
+        } else {
+            assert!(pixels(&output).iter().all(|v| v.is_finite()));
+        }
+        assert!(!output.with_extension("checkpoint").exists());
+    }
+}
+
+/// A first pass that is longer than the time is made of fewer light paths, which carry all the power:
+/// the picture is as bright as it should be, and nothing may be added to it.
+#[test]
+fn time_holds_in_the_first_pass_too() {
+    let (folder, output) = place();
+    let stats = folder.path().join("stats.json");
+    let (_, checkpoint) = (stats.to_str().expect("UTF-8"), output.with_extension("checkpoint"));
+    let names = [stats.to_str().expect("UTF-8"), checkpoint.to_str().expect("UTF-8")];
+    let args = ["--photons", MANY, "--time", "0.3", "--stats", names[0], "--checkpoint", names[1]];
+    let (status, text) = done(&mut render(&output, &args));
+    assert_eq!(status, Some(0), "{text}");
+    let said: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(&stats).expect("written")).expect("JSON");
+    let said = &said["render"];
+    assert_eq!((&said["passes"], &said["first_pass_cut"]), (&1.into(), &true.into()), "{said}");
+    assert!(!checkpoint.exists());
+    let whole = folder.path().join("whole.exr");
+    assert_eq!(done(&mut render(&whole, &["--photons", "200000", "--passes", "1"])).0, Some(0));
+    let mean = |path: &Path| {
+        let picture = image::read(&std::fs::read(path).expect("readable")).expect("a whole picture");
+        let channels = picture.channels.len();
+        let rgb = picture.rgb().expect("a picture");
+        let sum: f64 = picture.data.chunks(channels).map(|p| f64::from(p[rgb[1]])).sum();
+        sum / (picture.width * picture.height) as f64
+    };
+    // The same camera rays and lamp samples; only photons differ, 65 536 or more of them on 2304
+    // pixels: their share of the mean has a relative deviation of about 1/√65536.
+    let ratio = mean(&output) / mean(&whole);
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
 }
 
 #[test]

@@ -145,8 +145,9 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
             let lower: &[&str] = match module {
                 "ir" => &["ir", "diagnostic"],
                 "diagnostic" => &["diagnostic"],
-                "files" => &["files"],
-                "image" => &["image", "files"],
+                "files" | "memory" => &["files"],
+                "missing" => &["diagnostic", "files"],
+                "image" => &["image", "files", "memory"],
                 "spectrum" => &["spectrum", "ir"],
                 "mesh" => &["mesh", "ir", "files"],
                 "mitsuba" => &[
@@ -157,6 +158,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "spectrum",
                     "image",
                     "mesh",
+                    "missing",
                     "Failure",
                     "Read",
                     "ReadOptions",
@@ -172,6 +174,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "spectrum",
                     "image",
                     "mesh",
+                    "missing",
                     "Failure",
                     "Read",
                     "ReadOptions",

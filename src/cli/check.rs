@@ -1,6 +1,7 @@
 //! `convert --check`: do both scenes give the same picture?
 
 use super::convert::ConvertArgs;
+use super::failure::Failure;
 use super::load::{Loaded, SceneArgs, SpectralRule};
 use super::report;
 use crate::film::Pixels;
@@ -18,7 +19,7 @@ const WORST_RATIO: f64 = 1.5;
 const WORST_BIAS: f64 = 4.0;
 
 /// Renders the source twice and the result once, and compares. 0 or 1.
-pub fn run(args: &ConvertArgs) -> Result<u8, String> {
+pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     let source = |seed| {
         let rule = args.spectral_to_rgb;
         let scene =
@@ -31,11 +32,11 @@ pub fn run(args: &ConvertArgs) -> Result<u8, String> {
     let result =
         picture(SceneArgs::plain(&args.output, &[], &[], args.allow_unsupported, SpectralRule::File), 1)?;
     if first.len() != result.len() {
-        return Err(format!(
+        return Err(Failure::Work(format!(
             "check: the pictures differ in shape ({} and {} pixels)",
             first.len(),
             result.len()
-        ));
+        )));
     }
     let noise = Difference::of(&first, &other);
     let found = Difference::of(&first, &result);
@@ -59,7 +60,7 @@ pub fn run(args: &ConvertArgs) -> Result<u8, String> {
 }
 
 /// Of a few samples a pixel, by path tracing.
-fn picture(scene: SceneArgs, seed: u64) -> Result<Pixels, String> {
+fn picture(scene: SceneArgs, seed: u64) -> Result<Pixels, Failure> {
     let Loaded { scene, mut settings, .. } = scene.small(SIDE).load(true)?;
     for (name, value) in
         [("integrator", "path"), ("passes", &PASSES.to_string()), ("seed", &seed.to_string())]
@@ -98,8 +99,8 @@ impl Difference {
     }
 }
 
-/// Standard error of the picture's mean.
+/// Standard error of the picture's mean: paths of different pixels are independent.
 fn mean_error(pixels: &Pixels) -> f64 {
     let count = pixels.len() as f64;
-    (0..pixels.len()).map(|i| pixels.variance(i, PASSES)).sum::<f64>().sqrt() / count
+    (pixels.doublings().variance(PASSES) / count).sqrt()
 }

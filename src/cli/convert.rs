@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use caustica_formats::confined::Confined;
 use caustica_formats::image::atomic_write;
-use caustica_formats::{Loss, Read, ReadOptions, Written, ir, read_scene, write_scene};
+use caustica_formats::{Loss, Read, ReadOptions, WriteError, Written, ir, read_scene, write_scene};
 use clap::Args;
 
+use super::failure::Failure;
 use super::load::{SpectralRule, pair};
 use super::{check, report};
 
@@ -39,7 +40,7 @@ pub struct ConvertArgs {
     pub allow_path: Vec<PathBuf>,
 }
 
-pub fn run(args: &ConvertArgs) -> Result<u8, String> {
+pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     let options = ReadOptions {
         defines: args.define.clone(),
         allow_unsupported: args.allow_unsupported,
@@ -52,7 +53,10 @@ pub fn run(args: &ConvertArgs) -> Result<u8, String> {
     if let Some(rule) = args.spectral_to_rgb.rule() {
         read.scene.spectrum_rule = rule;
     }
-    let written = write_scene(&read, &files, &args.output).map_err(|e| e.to_string())?;
+    let written = write_scene(&read, &files, &args.output).map_err(|e| match e {
+        WriteError::UnknownLanguage { .. } => Failure::Usage(e.to_string()),
+        e => Failure::Work(e.to_string()),
+    })?;
     written.save(&files, args.force).map_err(|e| e.to_string())?;
     for loss in &written.losses {
         report::line(&describe(loss));

@@ -8,6 +8,7 @@ use caustica_formats::ir;
 use clap::Args;
 use serde::Serialize;
 
+use super::failure::Failure;
 use super::load::{Inspected, SceneArgs};
 use super::report::{self, count, megabytes};
 use crate::scene::Plan;
@@ -21,7 +22,7 @@ pub struct InspectArgs {
     json: bool,
 }
 
-pub fn run(args: &InspectArgs) -> Result<u8, String> {
+pub fn run(args: &InspectArgs) -> Result<u8, Failure> {
     let inspected = args.scene.inspect()?;
     let description = Description::of(&inspected);
     if args.json {

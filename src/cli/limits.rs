@@ -1,5 +1,7 @@
 //! What a render will need, against what the machine has: said before anything is allocated.
 
+use caustica_formats::memory::available;
+
 use super::load::Loaded;
 use super::report::megabytes;
 use crate::film::STRIDE;
@@ -7,7 +9,7 @@ use crate::settings::{Count, IntegratorKind};
 
 /// Bytes a pixel: the sums twice (a cut pass is taken back), and a checkpoint or a picture with all
 /// its layers being written.
-const PIXEL: u128 = 3 * 8 * STRIDE as u128;
+const PIXEL: u128 = 3 * 8 * (STRIDE as u128 + 1);
 /// Bytes of a photon while its map is built: as traced in its chunk and joined, 52 each, then sorted, 40.
 const PHOTON: u128 = 144;
 /// Bytes of the results of a chunk of 2048 light paths that store nothing.
@@ -49,13 +51,4 @@ fn refuse(what: &str, bytes: u128, memory: u128) -> Result<(), String> {
     }
     let shown = |n: u128| megabytes(u64::try_from(n).unwrap_or(u64::MAX));
     Err(format!("{what} needs about {} of memory; {} are free", shown(bytes), shown(memory)))
-}
-
-/// Free memory in bytes; where the system does not tell, that of a large machine.
-fn available() -> u128 {
-    let told = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
-        let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
-        line.split_whitespace().next()?.parse::<u128>().ok()
-    });
-    told.map_or(1 << 38, |kb| kb * 1024)
 }

@@ -8,9 +8,10 @@ use caustica_formats::ir;
 use caustica_formats::{Read, ReadOptions, read_scene};
 use clap::{Args, ValueEnum};
 
+use super::failure::Failure;
 use super::hashing::Hashing;
 use super::report;
-use crate::scene::build::{BuildOptions, build};
+use crate::scene::build::{BuildOptions, MAX_PIXELS, build};
 use crate::scene::{Plan, Scene, Settings};
 
 /// Arguments that decide what scene is rendered, and how.
@@ -103,6 +104,9 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     let wrong = || "expected WIDTHxHEIGHT, such as 640x480".to_owned();
     let (w, h) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
     match (w.parse(), h.parse()) {
+        (Ok(w), Ok(h)) if u64::from(w) * u64::from(h) > MAX_PIXELS => {
+            Err(format!("a film has {MAX_PIXELS} pixels at most"))
+        }
         (Ok(w), Ok(h)) if w > 0 && h > 0 => Ok((w, h)),
         _ => Err(wrong()),
     }
@@ -190,18 +194,18 @@ impl SceneArgs {
     }
 
     /// Reads, compiles and plans. Warnings are printed unless `quiet`.
-    pub fn load(&self, quiet: bool) -> Result<Loaded, String> {
+    pub fn load(&self, quiet: bool) -> Result<Loaded, Failure> {
         Ok(self.load_and_keep(quiet, self.allow_unsupported)?.loaded)
     }
 
     /// As [`Self::load`], with what was read, and without printing. What is not supported is listed.
-    pub fn inspect(&self) -> Result<Inspected, String> {
+    pub fn inspect(&self) -> Result<Inspected, Failure> {
         self.load_and_keep(true, true)
     }
 
-    fn load_and_keep(&self, quiet: bool, allow_unsupported: bool) -> Result<Inspected, String> {
-        let path =
-            self.scene.clone().ok_or("no scene was given: name a Mitsuba .xml or a pbrt-v4 .pbrt file")?;
+    fn load_and_keep(&self, quiet: bool, allow_unsupported: bool) -> Result<Inspected, Failure> {
+        let none = "no scene was given: name a Mitsuba .xml or a pbrt-v4 .pbrt file";
+        let path = self.scene.clone().ok_or_else(|| Failure::Usage(none.to_owned()))?;
         let disk = Confined::new(&path, &self.allow_path);
         let files = Hashing::new(&disk);
         let options = ReadOptions {
@@ -229,7 +233,7 @@ impl SceneArgs {
         print(&built.warnings);
         warnings.extend(built.warnings);
         let mut settings = built.scene.settings.clone();
-        self.override_settings(&mut settings)?;
+        self.override_settings(&mut settings).map_err(Failure::Usage)?;
         let plan = Plan::new(&built.scene, &settings);
         let film = scene.sensors[self.sensor.unwrap_or(scene.default_sensor)].film.clone();
         let loaded = Loaded {

@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod compare;
 mod convert;
+mod failure;
 mod hashing;
 mod inspect;
 mod interrupt;
@@ -18,6 +19,7 @@ mod resume;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use failure::Failure;
 
 /// Photon-mapping renderer for Mitsuba scenes.
 #[derive(Debug, Parser)]
@@ -48,18 +50,18 @@ const FAILED: u8 = 1;
 pub fn main() -> ExitCode {
     // clap prints usage errors itself and exits with 2.
     let arguments = Arguments::parse();
-    let result = match arguments.command {
+    let result: Result<u8, Failure> = match arguments.command {
         Command::Render(args) => render::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => Ok(compare::run(&args)),
-        Command::Bench(args) => bench::run(&args),
+        Command::Bench(args) => bench::run(&args).map_err(Into::into),
     };
     match result {
         Ok(status) => ExitCode::from(status),
-        Err(message) => {
-            report::error(&message);
-            ExitCode::from(FAILED)
+        Err(failure) => {
+            report::error(failure.message());
+            ExitCode::from(failure.status())
         }
     }
 }

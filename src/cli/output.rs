@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use caustica_formats::image::{ExrLayer, ExrOptions, encode_exr, encode_hdr, encode_pfm, encode_png};
 use caustica_formats::ir;
 
+use super::failure::Failure;
 use super::load::Loaded;
 use crate::film::{LAYERS, Pixels};
 
@@ -28,15 +29,15 @@ pub const KNOWN_LAYERS: [&str; 6] = ["emission", "direct", "caustic", "indirect"
 
 impl Output {
     /// Fails now rather than after the render: an unknown extension or a folder that cannot be written.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), Failure> {
         for file in &self.files {
             match extension(file).as_str() {
                 "exr" | "png" | "hdr" | "pfm" => {}
                 other => {
-                    return Err(format!(
+                    return Err(Failure::Usage(format!(
                         "cannot write `{}`: extension `{other}` is none of exr, png, hdr, pfm",
                         file.display()
-                    ));
+                    )));
                 }
             }
             check_place(file)?;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::limits;
 use super::load::{Loaded, SceneArgs, stem};
@@ -87,9 +88,9 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a positive number of seconds".to_owned())
 }
 
-pub fn run(args: &RenderArgs) -> Result<u8, String> {
+pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     if args.help_settings {
-        return help_settings();
+        return Ok(help_settings()?);
     }
     if let Some(n) = args.threads {
         rayon::ThreadPoolBuilder::new().num_threads(n as usize).build_global().map_err(|e| e.to_string())?;
@@ -98,7 +99,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
     let loaded = args.scene.load(args.quiet)?;
     let load_seconds = started.elapsed().as_secs_f64();
     limits::check(&loaded)?;
-    let output = args.output(&loaded)?;
+    let output = args.output(&loaded).map_err(Failure::Usage)?;
     output.check()?;
     let mut saver = Saver::new(args.checkpoint_path(&output), &loaded);
     let saving = args.checkpoint.is_some() || args.resume;
@@ -140,9 +141,19 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
     let outcome = render(&loaded.scene, &loaded.plan, &loaded.settings, budget, pixels, done, &mut on_pass);
     bar.finish_and_clear();
     let passes = outcome.statistics.passes;
+    // A picture from before is worth more than a part of the first pass.
+    let kept = passes == 0 && output.files.iter().any(|file| file.exists());
     // The picture first: it is what nobody wants to lose.
-    let picture = output.write(&loaded, &outcome.pixels, passes, &radii(&outcome.statistics));
-    if passes > 0 && (saving || outcome.stop == Stop::Interrupted) {
+    let picture = if kept {
+        Ok(())
+    } else {
+        output.write(&loaded, &outcome.pixels, passes, &radii(&outcome.statistics))
+    };
+    for file in output.files.iter().filter(|_| kept) {
+        report::line(&format!("interrupted in the first pass: nothing was written to {}", file.display()));
+    }
+    let whole = passes > 0 && !outcome.statistics.first_pass_cut;
+    if whole && (saving || outcome.stop == Stop::Interrupted) {
         let saved = saver.save(&outcome.pixels, passes, true);
         if let (Err(_), Err(problem)) = (&picture, &saved) {
             report::error(problem);
@@ -151,7 +162,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, String> {
     } else {
         picture?;
     }
-    args.summary(&loaded, &output, &outcome, load_seconds)?;
+    let written = if kept { &[] } else { &*output.files };
+    args.summary(&loaded, written, &outcome, load_seconds)?;
     Ok(if outcome.stop == Stop::Interrupted { interrupt.status() } else { 0 })
 }
 
@@ -216,7 +228,7 @@ impl RenderArgs {
     fn summary(
         &self,
         loaded: &Loaded,
-        output: &Output,
+        written: &[PathBuf],
         outcome: &Outcome,
         load_seconds: f64,
     ) -> Result<(), String> {
@@ -242,7 +254,7 @@ impl RenderArgs {
         }
         if !self.quiet {
             report::line(&self.table(outcome, load_seconds));
-            for file in &output.files {
+            for file in written {
                 report::line(&format!("wrote {}", file.display()));
             }
         }
@@ -311,10 +323,13 @@ impl RenderArgs {
         }
         let ended = match outcome.stop {
             Stop::Passes => "all passes done",
+            Stop::Time if s.first_pass_cut => {
+                "time is up: the only pass has fewer light paths than asked for, and no checkpoint"
+            }
             Stop::Time => "time is up",
             Stop::Error => "target error reached",
             Stop::Interrupted if s.passes == 0 => {
-                "interrupted in the first pass: what it did not reach is black"
+                "interrupted in the first pass, from which nothing can go on; black is what it did not reach"
             }
             Stop::Interrupted => "interrupted; --resume goes on from the checkpoint",
         };

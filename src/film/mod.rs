@@ -1,10 +1,12 @@
 //! The film: what is stored per pixel, and reconstruction filters.
 
+mod doublings;
 pub mod filter;
 mod pixels;
 mod rejected;
 mod response;
 
+pub use doublings::Doublings;
 pub use filter::Filter;
 pub use pixels::{LAYERS, Layer, Mean, Pixels, Radiance, STRIDE};
 pub use rejected::{Rejected, RejectedLayer};

@@ -1,4 +1,4 @@
-use super::Rejected;
+use super::{Doublings, Rejected};
 use crate::math::Rgb;
 
 /// The parts a picture is made of; they sum to the beauty.
@@ -54,6 +54,7 @@ pub struct Pixels {
     sums: Vec<[f64; STRIDE]>,
     /// Camera samples that every pass took of a pixel.
     pub samples_a_pass: u32,
+    doublings: Doublings,
 }
 
 const ALPHA: usize = 3 * LAYERS.len();
@@ -63,7 +64,7 @@ pub const STRIDE: usize = SQUARE + 1;
 
 impl Pixels {
     pub fn new(count: usize) -> Self {
-        Self { sums: vec![[0.0; STRIDE]; count], samples_a_pass: 1 }
+        Self { sums: vec![[0.0; STRIDE]; count], samples_a_pass: 1, doublings: Doublings::default() }
     }
 
     pub fn len(&self) -> usize {
@@ -86,6 +87,19 @@ impl Pixels {
         &mut self.sums
     }
 
+    pub fn doublings(&self) -> &Doublings {
+        &self.doublings
+    }
+
+    pub fn set_doublings(&mut self, doublings: Doublings) {
+        self.doublings = doublings;
+    }
+
+    /// To be called after every pass, in order: what [`Self::relative_error`] is made of.
+    pub fn pass_done(&mut self, passes: u32) {
+        self.doublings.pass_done(&self.sums, passes);
+    }
+
     /// Mean of a layer after `passes`.
     pub fn layer(&self, pixel: usize, layer: Layer, passes: u32) -> [f64; 3] {
         let at = 3 * layer as usize;
@@ -105,29 +119,31 @@ impl Pixels {
         self.sums[pixel][ALPHA] / f64::from(passes.max(1))
     }
 
-    /// Variance of the mean luminance: the sample variance over passes divided by their number.
-    /// Passes of progressive photon mapping are nearly independent; its bias is not in this figure.
+    /// Variance of the mean luminance were the passes independent: the sample variance over passes divided
+    /// by their number. They are stratified among each other, so the true one is smaller, by how much
+    /// cannot be told pixel by pixel. The bias of photon mapping is not in this figure.
     pub fn variance(&self, pixel: usize, passes: u32) -> f64 {
         let n = f64::from(passes);
         if passes < 2 {
             return f64::INFINITY;
         }
-        let [r, g, b] = self.beauty(pixel, passes);
-        let mean = 0.212671 * r + 0.715160 * g + 0.072169 * b;
+        let mean = luminance_sum(&self.sums[pixel]) / n;
         ((self.sums[pixel][SQUARE] / n - mean * mean) / (n - 1.0)).max(0.0)
     }
 
-    /// Standard error of the picture relative to its mean: √mean(variance) / mean luminance.
+    /// Standard error of a pixel's luminance after `passes`, root mean square over the picture, relative to
+    /// the picture's mean. Honest for stratified passes, see [`Doublings`].
     pub fn relative_error(&self, passes: u32) -> f64 {
-        let (mut variance, mut mean) = (0.0, 0.0);
-        for i in 0..self.sums.len() {
-            variance += self.variance(i, passes);
-            let [r, g, b] = self.beauty(i, passes);
-            mean += 0.212671 * r + 0.715160 * g + 0.072169 * b;
-        }
-        let n = self.sums.len().max(1) as f64;
-        if mean > 0.0 { (variance / n).sqrt() / (mean / n) } else { f64::INFINITY }
+        let sum: f64 = self.sums.iter().map(luminance_sum).sum();
+        let mean = sum / self.sums.len().max(1) as f64 / f64::from(passes.max(1));
+        if mean > 0.0 { self.doublings.variance(passes).sqrt() / mean } else { f64::INFINITY }
     }
+}
+
+/// Luminance of the sum of all layers of a pixel's sums.
+pub(super) fn luminance_sum(s: &[f64; STRIDE]) -> f64 {
+    let channel = |c: usize| (0..LAYERS.len()).map(|l| s[3 * l + c]).sum::<f64>();
+    0.212671 * channel(0) + 0.715160 * channel(1) + 0.072169 * channel(2)
 }
 
 /// What a pass brings to a pixel: the mean of its samples.

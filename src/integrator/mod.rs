@@ -29,6 +29,8 @@ pub struct Scratch {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PassStats {
     pub light_paths: u64,
+    /// Time was up before all light paths were traced.
+    pub cut: bool,
     pub photons: u64,
     pub photon_rays: u64,
     pub map_bytes: u64,

@@ -1,8 +1,7 @@
 //! Photon mapping: camera paths end at the first rough surface, where direct light is sampled and
 //! everything else is read from the photon maps.
 
-use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
 
 use super::arrive::{Arrival, Sight, arrive};
@@ -11,7 +10,7 @@ use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::{Ray, Rgb, Vec2, Vec3};
-use crate::photon::trace::{TraceJob, Traced, trace_until};
+use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
 use crate::photon::{Boundary, Estimator, Owner, PhotonMap, radius};
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Plan, Scene, Settings, Surface};
@@ -23,12 +22,14 @@ pub struct PhotonMapper<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     settings: &'a Settings,
-    /// Once set, maps are cut short; what comes of them is thrown away.
-    stop: Option<&'a AtomicBool>,
+    /// For pass 0, and for the passes after it.
+    halts: [Halt<'a>; 2],
     /// Light paths a pass.
     paths: [u64; 2],
     /// Search radii of the first pass.
     radii: [f32; 2],
+    /// Photons of pass 0 that were traced to measure their density.
+    pilots: Mutex<[Option<Traced>; 2]>,
     /// Classic mode traces once.
     kept: OnceLock<Arc<Maps>>,
 }
@@ -69,18 +70,14 @@ impl<'a> PhotonMapper<'a> {
     /// Measures what the settings leave open: path counts from a pilot, radii from the density of the
     /// first pass. Deterministic: a resumed render measures the same.
     pub fn new(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings) -> Self {
-        Self::stoppable(scene, plan, settings, None)
+        Self::halting(scene, plan, settings, [Halt::default(); 2])
     }
 
-    /// The same, cut short once `stop` is set.
-    pub fn stoppable(
-        scene: &'a Scene,
-        plan: &'a Plan,
-        settings: &'a Settings,
-        stop: Option<&'a AtomicBool>,
-    ) -> Self {
-        let kept = OnceLock::new();
-        let mut mapper = Self { scene, plan, settings, stop, paths: [0; 2], radii: [0.0; 2], kept };
+    /// The same; pass 0 (with what is measured before it) and the passes after it are cut short as
+    /// `halts` say.
+    pub fn halting(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings, halts: [Halt<'a>; 2]) -> Self {
+        let (pilots, kept) = (Mutex::default(), OnceLock::new());
+        let mut mapper = Self { scene, plan, settings, halts, paths: [0; 2], radii: [0.0; 2], pilots, kept };
         let places = if plan.global_map || plan.caustics { mapper.gather_places() } else { Vec::new() };
         for which in [Which::Global, Which::Caustic] {
             mapper.paths[which as usize] = mapper.path_count(which);
@@ -119,7 +116,13 @@ impl<'a> PhotonMapper<'a> {
     }
 
     fn traced(&self, which: Which, pass: u32, paths: u64) -> Traced {
-        trace_until(self.scene, &self.job(which, pass, paths), self.stop)
+        let [first, later] = self.halts;
+        trace_until(self.scene, &self.job(which, pass, paths), if pass == 0 { first } else { later })
+    }
+
+    fn pilot(&self, which: Which) -> Option<Traced> {
+        // A poisoned lock holds photons of a thread that panicked: they are traced again.
+        self.pilots.lock().ok().and_then(|mut pilots| pilots[which as usize].take())
     }
 
     fn path_count(&self, which: Which) -> u64 {
@@ -158,10 +161,17 @@ impl<'a> PhotonMapper<'a> {
                         radius::measured(&traced.photons, &places, 0.25, scene_radius)
                     }
                 };
+                let paths = &mut self.paths[which as usize];
+                let before = *paths;
                 if which == Which::Global && count == Count::Auto {
                     let more = radius::more_paths(found, pixel);
-                    self.paths[which as usize] = (self.paths[which as usize] as f32 * more) as u64;
+                    *paths = (*paths as f32 * more) as u64;
                     found /= more.sqrt();
+                }
+                if *paths == before
+                    && let Ok(pilots) = self.pilots.get_mut()
+                {
+                    pilots[which as usize] = Some(traced);
                 }
                 radius::clamped(found, pixel, scene_radius)
             }
@@ -225,7 +235,9 @@ impl<'a> PhotonMapper<'a> {
         let s = self.settings;
         let paths = self.paths[which as usize];
         let start = Instant::now();
-        let traced = self.traced(which, pass, paths);
+        let pilot = self.pilot(which).filter(|_| pass == 0);
+        let traced = pilot.unwrap_or_else(|| self.traced(which, pass, paths));
+        stats.cut |= traced.paths < paths;
         stats.trace_seconds += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let radius = self.radius(which, pass);
@@ -242,7 +254,7 @@ impl<'a> PhotonMapper<'a> {
             PhotonMap::build(&traced.photons, 2.0 * radius)
         };
         stats.build_seconds += start.elapsed().as_secs_f64();
-        stats.light_paths += paths;
+        stats.light_paths += traced.paths;
         stats.photons += map.len() as u64;
         stats.photon_rays += traced.rays;
         stats.rejected.add(&traced.rejected);

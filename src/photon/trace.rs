@@ -1,6 +1,7 @@
 //! Light paths: from the lamps through the scene, leaving photons on rough surfaces.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use rayon::prelude::*;
 
@@ -28,9 +29,30 @@ pub struct TraceJob {
     pub max_depth: u32,
 }
 
+/// When not to go on.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Halt<'a> {
+    /// Set from outside: what is not done yet is left, what was done is of no use.
+    pub stop: Option<&'a AtomicBool>,
+    /// From then on nothing more is begun.
+    pub deadline: Option<Instant>,
+}
+
+impl Halt<'_> {
+    pub fn stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    pub fn late(&self) -> bool {
+        self.deadline.is_some_and(|end| Instant::now() >= end)
+    }
+}
+
 /// Stored photons with what happened on the way.
 #[derive(Debug, Default)]
 pub struct Traced {
+    /// Fewer than asked for where the time was up. The photons carry the whole power nevertheless.
+    pub paths: u64,
     pub photons: Vec<Photon>,
     pub rays: u64,
     /// Photons that were not finite, and were dropped.
@@ -40,34 +62,45 @@ pub struct Traced {
 /// Paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
 const CHUNK: u64 = 2048;
 
+/// Chunks that are traced however late it is: a map of fewer paths shows nothing.
+const LEAST_CHUNKS: u64 = 32;
+
 /// Traces all paths of a job. The result does not depend on the number of threads.
 pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
-    trace_until(scene, job, None)
+    trace_until(scene, job, Halt::default())
 }
 
-/// The same, but with an unusable part of the paths once `stop` is set.
-pub fn trace_until(scene: &Scene, job: &TraceJob, stop: Option<&AtomicBool>) -> Traced {
+/// The same, but with fewer paths when the deadline comes first, and none once it was stopped.
+pub fn trace_until(scene: &Scene, job: &TraceJob, halt: Halt<'_>) -> Traced {
     let chunks: Vec<Traced> = (0..job.paths.div_ceil(CHUNK))
         .into_par_iter()
         .map(|c| {
             let mut out = Traced::default();
-            if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+            if halt.stopped() || (c >= LEAST_CHUNKS && halt.late()) {
                 return out;
             }
-            for i in c * CHUNK..((c + 1) * CHUNK).min(job.paths) {
-                trace_path(scene, job, i, &mut out);
-            }
+            let paths = c * CHUNK..((c + 1) * CHUNK).min(job.paths);
+            out.paths = paths.end - paths.start;
+            paths.for_each(|i| trace_path(scene, job, i, &mut out));
             out
         })
         .collect();
+    if halt.stopped() {
+        return Traced::default();
+    }
     let mut all = Traced {
         photons: Vec::with_capacity(chunks.iter().map(|c| c.photons.len()).sum()),
         ..Traced::default()
     };
     for c in chunks {
         all.photons.extend(c.photons);
+        all.paths += c.paths;
         all.rays += c.rays;
         all.rejected.add(&c.rejected);
+    }
+    if all.paths < job.paths {
+        let share = job.paths as f32 / all.paths.max(1) as f32;
+        all.photons.iter_mut().for_each(|p| p.flux *= share);
     }
     all
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use crate::film::{Pixels, STRIDE};
+use crate::film::{Doublings, Pixels, STRIDE};
 
 /// A render that can go on.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub enum CheckpointError {
     Different { name: String, was: String, now: String },
 }
 
-const MAGIC: &[u8; 8] = b"caustic2";
+const MAGIC: &[u8; 8] = b"caustic3";
 
 fn text(out: &mut Vec<u8>, s: &str) {
     out.extend((s.len() as u32).to_le_bytes());
@@ -56,6 +56,12 @@ impl<'a> Reader<'a> {
         Ok(u32::from_le_bytes(bytes.try_into().map_err(|_| CheckpointError::Invalid("it ends too early"))?))
     }
 
+    /// So many f64.
+    fn numbers(&mut self, count: usize) -> Result<impl Iterator<Item = f64> + use<'a>, CheckpointError> {
+        let bytes = self.take(count.checked_mul(8).ok_or(CheckpointError::Invalid("its size is absurd"))?)?;
+        Ok(bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)))
+    }
+
     fn text(&mut self) -> Result<String, CheckpointError> {
         let n = self.u32()? as usize;
         String::from_utf8(self.take(n)?.to_vec()).map_err(|_| CheckpointError::Invalid("a text is not UTF-8"))
@@ -76,6 +82,11 @@ impl Checkpoint {
         out.extend((pixels.len() as u32).to_le_bytes());
         for value in pixels.as_slice().iter().flatten() {
             out.extend_from_slice(&value.to_le_bytes());
+        }
+        let (luminance, steps) = pixels.doublings().parts();
+        for numbers in [luminance, steps] {
+            out.extend((numbers.len() as u32).to_le_bytes());
+            numbers.iter().for_each(|v| out.extend_from_slice(&v.to_le_bytes()));
         }
         let sum = checksum(&out);
         out.extend(sum.to_le_bytes());
@@ -103,11 +114,14 @@ impl Checkpoint {
         }
         let passes = r.u32()?;
         let count = r.u32()? as usize;
-        let numbers =
-            r.take(count.checked_mul(STRIDE * 8).ok_or(CheckpointError::Invalid("its size is absurd"))?)?;
+        let values = r.numbers(count.saturating_mul(STRIDE))?;
         let mut pixels = Pixels::new(count);
-        let values = numbers.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default()));
         pixels.as_mut_slice().iter_mut().flatten().zip(values).for_each(|(to, from)| *to = from);
+        let mut list = || {
+            let count = r.u32()? as usize;
+            Ok::<_, CheckpointError>(r.numbers(count)?.collect())
+        };
+        pixels.set_doublings(Doublings::from_parts(list()?, list()?));
         Ok(Self { identity, passes, pixels })
     }
 
@@ -141,6 +155,7 @@ mod tests {
     fn example() -> Checkpoint {
         let mut pixels = Pixels::new(3);
         pixels.as_mut_slice()[1][2] = 0.1 + 0.2;
+        pixels.pass_done(1);
         Checkpoint { identity: vec![("seed".into(), "7".into())], passes: 12, pixels }
     }
 

@@ -1,4 +1,4 @@
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::film::{Mean, Pixels, Radiance, Rejected, STRIDE};
 use crate::integrator::{CameraSample, Integrator, PassStats, PathTracer, PhotonMapper, Scratch};
 use crate::math::Vec2;
+use crate::photon::trace::Halt;
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Plan, Scene, Settings};
 use crate::settings::IntegratorKind;
@@ -16,6 +17,7 @@ use crate::settings::IntegratorKind;
 pub struct Budget<'a> {
     /// Passes in all, resumed ones included.
     pub passes: Option<u32>,
+    /// The first pass of a render is always made, if need be of fewer light paths.
     pub time: Option<Duration>,
     /// Relative standard error of the picture, see `Pixels::relative_error`.
     pub error: Option<f64>,
@@ -67,6 +69,8 @@ pub struct Statistics {
     pub last_caustic_radius: f32,
     /// Samples and photons that were NaN or infinite, and were left out.
     pub rejected: Rejected,
+    /// Time was up in the first pass, which was made of fewer light paths: no other pass may be added.
+    pub first_pass_cut: bool,
 }
 
 /// A finished render.
@@ -95,11 +99,25 @@ pub fn render(
             run(scene, &integrator, settings, budget, pixels, done, start, progress)
         }
         IntegratorKind::PhotonMap => {
-            let integrator = PhotonMapper::stoppable(scene, plan, settings, budget.interrupt);
+            let halt = |time: fn(Duration) -> Duration| Halt {
+                stop: budget.interrupt,
+                deadline: budget.time.and_then(|t| start.checked_add(time(t))),
+            };
+            let first = if done == 0 { halt(|t| t.mul_f64(FIRST_TRACE)) } else { halt(|t| t + 2 * GRACE) };
+            let halts = [first, halt(|t| t + 2 * GRACE)];
+            let integrator = PhotonMapper::halting(scene, plan, settings, halts);
             run(scene, &integrator, settings, budget, pixels, done, start, progress)
         }
     }
 }
+
+/// By how much a render may outlast its time. Passes that would do so are not begun, and those that take
+/// twice this in excess are given up.
+const GRACE: Duration = Duration::from_millis(250);
+
+/// Share of the time that tracing photons for the first pass may take. The rest is for the map and for
+/// the camera.
+const FIRST_TRACE: f64 = 0.6;
 
 /// Rows of a block: a unit of parallel work is a band of the picture this high, walked in squares so
 /// that neighbouring lookups share cache lines.
@@ -122,8 +140,9 @@ fn run<I: Integrator>(
         ..Statistics::default()
     };
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
-    let stopped = || budget.interrupt.is_some_and(|i| i.load(Ordering::Relaxed));
     pixels.samples_a_pass = integrator.samples_a_pass();
+    let halt =
+        Halt { stop: budget.interrupt, deadline: budget.time.and_then(|t| start.checked_add(t + 2 * GRACE)) };
     // The sums before the running pass, to take it back.
     let mut before = Vec::new();
     let mut passes = done;
@@ -133,11 +152,12 @@ fn run<I: Integrator>(
         if budget.passes.is_some_and(|n| passes >= n) {
             break Stop::Passes;
         }
-        if stopped() {
+        if halt.stopped() {
             break Stop::Interrupted;
         }
-        // A pass that would end late by more than half of itself is not begun; one is always made.
-        if budget.time.is_some_and(|t| passes > done && elapsed + longest / 2 > t) {
+        // A pass that would end late by more than half of itself is not begun.
+        let late = longest.saturating_sub(GRACE).max(longest / 2);
+        if budget.time.is_some_and(|t| passes > done && elapsed + late > t) {
             break Stop::Time;
         }
         if passes >= 8 && budget.error.is_some_and(|e| pixels.relative_error(passes) <= e) {
@@ -146,29 +166,37 @@ fn run<I: Integrator>(
         let begun = Instant::now();
         before.resize(pixels.len(), [0.0; STRIDE]);
         let (shared, pass) = integrator.begin_pass(passes);
+        count(&mut stats, &pass);
+        if pass.cut && passes > 0 {
+            break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
+        }
         let camera = Instant::now();
-        let stop = budget.interrupt;
         let whole = sample_all(
             scene,
             integrator,
             &shared,
             settings.seed,
             passes,
-            stop,
+            // The first samples of a picture are made however late it is.
+            if passes > 0 { halt } else { Halt { deadline: None, ..halt } },
             &mut pixels,
             &mut before,
             &mut stats,
         );
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
-        count(&mut stats, &pass);
         if !whole {
             if passes > 0 {
                 pixels.as_mut_slice().copy_from_slice(&before);
             }
-            break Stop::Interrupted;
+            break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
         }
         passes += 1;
+        pixels.pass_done(passes);
+        if pass.cut {
+            stats.first_pass_cut = true;
+            break Stop::Time;
+        }
         // The mean length follows passes that grow cheaper as the radius shrinks.
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         progress(&Progress { pixels: &pixels, passes, elapsed: start.elapsed(), pass });
@@ -191,7 +219,7 @@ fn count(stats: &mut Statistics, pass: &PassStats) {
     }
 }
 
-/// One sample of every pixel; false when `stop` was set before all were made. What the pixels were goes
+/// One sample of every pixel; false when halted before all were made. What the pixels were goes
 /// into `before`.
 fn sample_all<I: Integrator>(
     scene: &Scene,
@@ -199,7 +227,7 @@ fn sample_all<I: Integrator>(
     shared: &I::Pass,
     seed: u64,
     pass: u32,
-    stop: Option<&AtomicBool>,
+    halt: Halt<'_>,
     pixels: &mut Pixels,
     before: &mut [[f64; STRIDE]],
     stats: &mut Statistics,
@@ -223,7 +251,7 @@ fn sample_all<I: Integrator>(
             let mut weights = Vec::with_capacity(BLOCK * BLOCK);
             let mut places = Vec::with_capacity(BLOCK * BLOCK);
             for column in (0..width).step_by(BLOCK) {
-                if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                if halt.stopped() || halt.late() {
                     return (scratch, rejected, false);
                 }
                 samples.clear();

@@ -96,18 +96,12 @@ impl Plan {
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let yes = |b: bool| if b { "yes" } else { "no" };
-        writeln!(
-            f,
-            "global map           {} ({} light paths a pass)",
-            yes(self.global_map),
-            self.global_paths
-        )?;
-        writeln!(
-            f,
-            "caustic map          {} ({} light paths a pass)",
-            yes(self.caustic_map),
-            self.caustic_paths
-        )?;
+        let paths = |count: Count| match count {
+            Count::Stored(n) => format!("as many light paths a pass as store {n} photons"),
+            given => format!("{given} light paths a pass"),
+        };
+        writeln!(f, "global map           {} ({})", yes(self.global_map), paths(self.global_paths))?;
+        writeln!(f, "caustic map          {} ({})", yes(self.caustic_map), paths(self.caustic_paths))?;
         writeln!(f, "scattered lamp rays  {}", yes(self.direct_mis))?;
         writeln!(f, "transparent shadows  {}", yes(self.transparent_shadows))?;
         writeln!(f, "environment          {}", yes(self.environment))?;

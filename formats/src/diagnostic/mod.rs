@@ -2,6 +2,8 @@
 //!
 //! Offsets become line and column only when a message is printed.
 
+mod narrow;
+
 use std::path::{Path, PathBuf};
 
 use codespan_reporting::diagnostic::{self as codespan, LabelStyle};
@@ -171,6 +173,6 @@ impl SourceMap {
                 out.push_str(&format!("{:?}: {}\n", d.severity, d.message));
             }
         }
-        out
+        narrow::narrowed(&out)
     }
 }

@@ -7,7 +7,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::Text;
 use exr::prelude::{Compression, ReadChannels, ReadLayers};
 
-use super::{Encoding, Image, ImageError, check_size, guarded};
+use super::{Encoding, Image, ImageError, check_memory, check_size, guarded};
 
 /// Most values (pixels times channels) read from one file.
 const MAX_VALUES: u128 = 1 << 30;
@@ -87,6 +87,7 @@ fn check_headers(bytes: &[u8]) -> Result<Window, ImageError> {
             size[0], size[1]
         )));
     }
+    check_memory(size, raw_bytes + 4 * values)?;
     Ok(Window { x: min[0], y: min[1], width: size[0], height: size[1] })
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use image::codecs::hdr::{HdrDecoder, HdrEncoder};
 use image::{ColorType, ImageDecoder, Rgb};
 
-use super::{Encoding, Image, ImageError, atomic_write, check_data, check_size, guarded};
+use super::{Encoding, Image, ImageError, atomic_write, check_data, check_memory, check_size, guarded};
 
 pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     let invalid = |error: image::ImageError| ImageError::Invalid(format!("HDR: {error}"));
@@ -16,6 +16,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
         let (width, height) = (width as usize, height as usize);
         // A run of 127 equal bytes takes two.
         check_size([width, height], width as u128 * height as u128 * 4, bytes.len(), 64)?;
+        check_memory([width, height], width as u128 * height as u128 * 24)?;
         if decoder.color_type() != ColorType::Rgb32F {
             return Err(ImageError::Unsupported("this kind of HDR file".into()));
         }

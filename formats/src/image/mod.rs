@@ -169,6 +169,25 @@ fn check_size(
     Ok(())
 }
 
+/// Refuses pictures that take more than a quarter of the free memory, of which a scene has several and
+/// needs more for itself. `bytes` is what decoding holds at once.
+fn check_memory([width, height]: [usize; 2], bytes: u128) -> Result<(), ImageError> {
+    // What every machine has is not worth asking the system.
+    if bytes <= 1 << 26 {
+        return Ok(());
+    }
+    let free = crate::memory::available();
+    if bytes > free / 4 {
+        let gigabytes = |n: u128| n as f64 / 1e9;
+        return Err(ImageError::Invalid(format!(
+            "an image of {width} × {height} pixels takes {:.2} GB, more than a quarter of the {:.2} GB of free memory",
+            gigabytes(bytes),
+            gigabytes(free)
+        )));
+    }
+    Ok(())
+}
+
 /// Runs a third-party decoder; a panic inside it counts as a malformed file.
 fn guarded<T>(decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, ImageError> {
     catch_unwind(AssertUnwindSafe(decode))

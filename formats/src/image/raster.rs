@@ -6,7 +6,8 @@ use std::path::Path;
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader};
 
 use super::{
-    Encoding, Image, ImageError, MAX_PIXELS, Samples, atomic_write, check_data, check_size, guarded,
+    Encoding, Image, ImageError, MAX_PIXELS, Samples, atomic_write, check_data, check_memory, check_size,
+    guarded,
 };
 
 pub(super) fn read(bytes: &[u8], format: ImageFormat) -> Result<Image<Samples>, ImageError> {
@@ -29,6 +30,12 @@ pub(super) fn read(bytes: &[u8], format: ImageFormat) -> Result<Image<Samples>, 
             _ => (pixels, 512),
         };
         check_size(size, raw_bytes, bytes.len(), ratio)?;
+        // Integers and the floats made of them.
+        let color = decoder.color_type();
+        check_memory(
+            size,
+            pixels * u128::from(u16::from(color.bytes_per_pixel()) + 4 * u16::from(color.channel_count())),
+        )?;
         DynamicImage::from_decoder(decoder).map_err(decode_error).and_then(convert)
     })
 }

@@ -8,7 +8,8 @@ use super::tree::{Element, MAX_DEPTH};
 use super::version::Version;
 use super::xml;
 use crate::diagnostic::{Diagnostic, SourceMap, Span, nearest};
-use crate::files::{Files, Included, other_case, resolve};
+use crate::files::{Files, Included};
+use crate::missing::{find, not_found};
 use crate::read::ReadOptions;
 
 const MAX_INCLUDE_DEPTH: usize = 32;
@@ -322,38 +323,6 @@ pub(super) fn check_attributes(element: &Element, allowed: &[&str], problems: &m
             });
         }
     }
-}
-
-/// The first of `folders` with a file `name`, also when its author wrote `\` for `/`.
-pub(super) fn find(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
-    resolve(files, name, folders).or_else(|| resolve(files, &name.replace('\\', "/"), folders))
-}
-
-/// "`what` not found", with the folders that were searched.
-pub(super) fn not_found(
-    files: &dyn Files,
-    what: &str,
-    name: &str,
-    span: Span,
-    folders: &[PathBuf],
-) -> Diagnostic {
-    let problem = Diagnostic::error(format!("{what} `{name}` not found"), Some(span));
-    let name = name.replace('\\', "/");
-    if let Some(path) = other_case(files, &name, folders) {
-        return problem.help(format!("there is `{}`; upper and lower case matter", path.display()));
-    }
-    if Path::new(&name).is_absolute() {
-        return problem;
-    }
-    let mut searched: Vec<String> = Vec::new();
-    for folder in folders {
-        let shown = folder.display().to_string();
-        let shown = if shown.is_empty() { ".".to_owned() } else { shown };
-        if !searched.contains(&shown) {
-            searched.push(shown);
-        }
-    }
-    problem.help(format!("searched in: {}", searched.join(", ")))
 }
 
 fn collect_defaults(element: &Element, out: &mut Vec<(String, String)>) {

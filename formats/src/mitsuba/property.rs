@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::expand::{check_attributes, find, not_found};
+use super::expand::check_attributes;
 use super::number::{self, floats};
 use super::object::Value;
 use super::tree::Element;
@@ -10,6 +10,7 @@ use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::files::Files;
 use crate::ir::{Color, Transform};
+use crate::missing::{find, not_found};
 use crate::spectrum::parse_spd;
 
 /// Elements that are parameters rather than objects.

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::expand::{find, not_found};
 use super::object::{Class, Object, ObjectIndex, Value};
 use super::plugin::{self, Found, Plugin};
 use super::props::Props;
@@ -11,6 +10,7 @@ use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
 use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Scene, ShapeGroup, Texture};
+use crate::missing::{find, not_found};
 use crate::read::ReadOptions;
 
 pub(super) struct Reader<'a> {

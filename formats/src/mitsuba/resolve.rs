@@ -168,7 +168,7 @@ impl<'a> Resolver<'a> {
         let problem = Diagnostic::error(text, Some(element.tag_span));
         self.problems.push(match nearest(&element.tag, known) {
             Some(known) => problem.help(format!("did you mean <{known}>?")),
-            None => problem,
+            None => problem.help("leave it out; --allow-unsupported skips elements that are not known"),
         });
     }
 

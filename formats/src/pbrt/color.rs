@@ -1,11 +1,11 @@
 //! Colours, spectra and textured inputs.
 
 use super::directive::{ParamType, Values};
-use super::load::{find, not_found};
 use super::params::Params;
 use super::reader::Reader;
 use crate::diagnostic::{Diagnostic, Span, nearest};
 use crate::ir::{Color, ColorInput, FloatInput, Ior};
+use crate::missing::{find, not_found};
 use crate::spectrum::{LibrarySpectrum, library_names, library_spectrum, parse_spd, planck};
 
 use ParamType as T;

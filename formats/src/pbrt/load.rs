@@ -6,7 +6,8 @@ use super::directive::{Directive, Value};
 use super::parse::parse;
 use super::upgrade::Old;
 use crate::diagnostic::{Diagnostic, SourceMap, Span};
-use crate::files::{Files, Included, is_gzip, other_case, resolve, unpack};
+use crate::files::{Files, Included, is_gzip, unpack};
+use crate::missing::{find, not_found};
 
 /// Files may include each other so deep.
 const MAX_DEPTH: usize = 64;
@@ -140,35 +141,4 @@ impl<'a> Loader<'a> {
         // Old scenes have Latin-1 letters in comments; they harm nobody.
         Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
     }
-}
-
-/// The file `name` in one of `folders`.
-pub(super) fn find(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
-    resolve(files, name, folders).or_else(|| resolve(files, &name.replace('\\', "/"), folders))
-}
-
-/// "`what` not found", with the folders that were searched.
-pub(super) fn not_found(
-    files: &dyn Files,
-    what: &str,
-    name: &str,
-    span: Span,
-    folders: &[PathBuf],
-) -> Diagnostic {
-    let problem = Diagnostic::error(format!("{what} `{name}` not found"), Some(span));
-    if let Some(path) = other_case(files, &name.replace('\\', "/"), folders) {
-        return problem.help(format!("there is `{}`; upper and lower case matter", path.display()));
-    }
-    if Path::new(name).is_absolute() {
-        return problem;
-    }
-    let mut searched: Vec<String> = Vec::new();
-    for folder in folders {
-        let shown = folder.display().to_string();
-        let shown = if shown.is_empty() { ".".to_owned() } else { shown };
-        if !searched.contains(&shown) {
-            searched.push(shown);
-        }
-    }
-    problem.help(format!("searched in: {}", searched.join(", ")))
 }

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use super::directive::{Directive, Param, Value};
-use super::load::{find, not_found};
 use super::params::Params;
 use super::plugin::{self, Plugin, Status};
 use super::space::ColorSpace;
@@ -15,6 +14,7 @@ use crate::files::Files;
 use crate::ir::{
     Arena, Bsdf, ColorInput, FloatInput, HideEmitters, Id, Origin, Scene, ShapeGroup, SpectrumRule, Transform,
 };
+use crate::missing::{find, not_found};
 use crate::read::ReadOptions;
 
 /// Something named that may be used before it is defined.

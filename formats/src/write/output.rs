@@ -24,6 +24,8 @@ pub(crate) struct Output<'a> {
     /// Assets made from others, by a key of the writer's.
     made: HashMap<String, String>,
     taken: HashSet<String>,
+    /// Folder of the assets, named after the scene's file: scenes beside each other do not share one.
+    own: String,
 }
 
 impl<'a> Output<'a> {
@@ -45,6 +47,7 @@ impl<'a> Output<'a> {
             carried: HashMap::new(),
             made: HashMap::new(),
             taken,
+            own: format!("{}.files", plain(&path.file_name().unwrap_or_default().to_string_lossy())),
         }
     }
 
@@ -104,7 +107,7 @@ impl<'a> Output<'a> {
         self.files.read(path).map_err(fail)
     }
 
-    /// The name of an existing file relative to the scene; it is copied to `subfolder` unless it
+    /// The name of an existing file relative to the scene; it is copied to a `subfolder` of its own unless it
     /// lies below the scene's folder already.
     pub fn carry(&mut self, path: &Path, subfolder: &str) -> String {
         let source = normal(path);
@@ -146,17 +149,21 @@ impl<'a> Output<'a> {
     }
 
     fn free_name(&mut self, subfolder: &str, stem: &str, extension: &str) -> String {
-        let plain = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ') { c } else { '_' };
-        let stem: String = stem.chars().map(plain).collect();
-        let stem = if stem.is_empty() { "unnamed".to_owned() } else { stem };
+        let (own, stem) = (&self.own, plain(stem));
         let candidates = (1..).map(|n| match n {
-            1 => format!("{subfolder}/{stem}.{extension}"),
-            n => format!("{subfolder}/{stem}-{n}.{extension}"),
+            1 => format!("{own}/{subfolder}/{stem}.{extension}"),
+            n => format!("{own}/{subfolder}/{stem}-{n}.{extension}"),
         });
         // File systems may not tell upper from lower case.
         let taken = &mut self.taken;
         candidates.into_iter().find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
     }
+}
+
+/// With `_` for what file systems or scene languages may not like.
+fn plain(name: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ') { c } else { '_' };
+    if name.is_empty() { "unnamed".to_owned() } else { name.chars().map(plain).collect() }
 }
 
 fn asset_paths(scene: &Scene) -> Vec<&Path> {

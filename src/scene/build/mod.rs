@@ -24,6 +24,8 @@ use caustica_formats::spectrum::to_linear_rgb;
 use super::{Scene, emitter_distributions};
 use crate::math::Rgb;
 
+pub use sensor::MAX_PIXELS;
+
 /// How to compile.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BuildOptions {

@@ -106,7 +106,7 @@ fn projection(b: &mut Builder<'_>, s: &ir::Sensor, aspect: f64) -> Projection {
 }
 
 /// Largest film, in pixels: 2³⁰ of them need 112 GB of sums.
-const MAX_PIXELS: u64 = 1 << 30;
+pub const MAX_PIXELS: u64 = 1 << 30;
 
 fn film_size(b: &mut Builder<'_>, f: &ir::Film) -> FilmSize {
     if f.width == 0 || f.height == 0 || u64::from(f.width) * u64::from(f.height) > MAX_PIXELS {

@@ -20,6 +20,8 @@ pub enum BenchError {
          pbrt:INTEGRATOR[,KEY=VALUE...]"
     )]
     Config(String),
+    #[error("no render of this benchmark succeeded; why is said above")]
+    Nothing,
     #[error("{0}")]
     Usage(String),
     #[error("cannot write output: {0}")]

@@ -103,7 +103,7 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
     let html = page::render(&analysis, &pages, &args.output)?;
     write_file(&args.output.join("bench.html"), html.as_bytes())?;
     writeln!(out, "\nwrote {}", args.output.join("bench.html").display())?;
-    Ok(())
+    if all.is_empty() { Err(BenchError::Nothing) } else { Ok(()) }
 }
 
 struct SceneRun<'a> {

@@ -1,0 +1,60 @@
+//! Files that a scene names: where they are, or what to say when they are not there.
+
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::files::{Files, other_case, resolve};
+
+/// The first of `folders` with a file `name`, also when its author wrote `\` for `/`.
+pub(crate) fn find(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
+    resolve(files, name, folders).or_else(|| resolve(files, &name.replace('\\', "/"), folders))
+}
+
+/// "`what` not found", with the file that was probably meant or the folders that were searched.
+pub(crate) fn not_found(
+    files: &dyn Files,
+    what: &str,
+    name: &str,
+    span: Span,
+    folders: &[PathBuf],
+) -> Diagnostic {
+    let problem = Diagnostic::error(format!("{what} `{name}` not found"), Some(span));
+    let name = name.replace('\\', "/");
+    if let Some(path) = other_case(files, &name, folders) {
+        return problem.help(format!("there is `{}`; upper and lower case matter", path.display()));
+    }
+    if Path::new(&name).is_absolute() {
+        return problem;
+    }
+    let problem = match similar(files, &name, folders) {
+        Some(path) => problem.help(format!("did you mean `{}`?", path.display())),
+        None => problem,
+    };
+    let mut searched: Vec<String> = Vec::new();
+    for folder in folders {
+        let shown = folder.display().to_string();
+        let shown = if shown.is_empty() { ".".to_owned() } else { shown };
+        if !searched.contains(&shown) {
+            searched.push(shown);
+        }
+    }
+    problem.help(format!("searched in: {}", searched.join(", ")))
+}
+
+/// Entries of a folder that are compared with a name; of a folder with more, the first ones.
+const COMPARED: usize = 2000;
+
+/// The file nearest to `name` in spelling, part by part, below one of `folders`.
+fn similar(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
+    folders.iter().find_map(|folder| {
+        let mut found = folder.clone();
+        for part in Path::new(name).components() {
+            let part = part.as_os_str().to_str()?;
+            let mut names =
+                if part == "." || part == ".." { vec![part.to_owned()] } else { files.names(&found) };
+            names.sort_unstable();
+            found.push(nearest(part, names.iter().take(COMPARED).map(String::as_str))?);
+        }
+        files.is_file(&found).then_some(found)
+    })
+}
