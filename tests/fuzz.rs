@@ -9,6 +9,7 @@ mod memory;
 mod targets;
 
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 #[global_allocator]
@@ -17,9 +18,12 @@ static MEMORY: memory::Counting = memory::Counting;
 /// Far above what the slowest input takes (a hundred milliseconds), on a busy machine too.
 const LONGEST: Duration = Duration::from_secs(20);
 
-// One test: memory is counted for the whole process.
+/// Held by each test: memory is counted for the whole process.
+static MEMORY_COUNTED: Mutex<()> = Mutex::new(());
+
 #[test]
 fn the_corpus_is_harmless() {
+    let _alone = MEMORY_COUNTED.lock().unwrap();
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz-corpus");
     for target in targets::TARGETS {
         // What a target of text to picture does begins as the reader's does.
@@ -38,5 +42,45 @@ fn the_corpus_is_harmless() {
             targets::run(target.name, &bytes);
             assert!(begun.elapsed() < LONGEST, "{}: {:?}", input.display(), begun.elapsed());
         }
+    }
+}
+
+/// Inputs of the corpus with bytes changed, cut out, doubled and swapped, two or three at once.
+#[test]
+fn mutations_of_the_corpus_are_harmless() {
+    use proptest::prelude::*;
+    use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+    let _alone = MEMORY_COUNTED.lock().unwrap();
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz-corpus");
+    for target in targets::TARGETS {
+        let Ok(entries) = std::fs::read_dir(corpus.join(target.name)) else { continue };
+        let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+        files.sort();
+        let seeds: Vec<Vec<u8>> = files.iter().map(|file| std::fs::read(file).unwrap()).collect();
+        let change = (any::<prop::sample::Index>(), any::<prop::sample::Index>(), 0u8..5, any::<u8>());
+        let mutation = (any::<prop::sample::Index>(), proptest::collection::vec(change, 1..4));
+        let config = Config { cases: 150, failure_persistence: None, ..Config::default() };
+        let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+        let outcome = TestRunner::new_with_rng(config, rng).run(&mutation, |(seed, changes)| {
+            let mut bytes = seed.get(&seeds).clone();
+            for (at, other, kind, value) in changes {
+                if bytes.is_empty() {
+                    break;
+                }
+                let (i, j) = (at.index(bytes.len()), other.index(bytes.len()));
+                let (low, high) = (i.min(j), i.max(j));
+                match kind {
+                    0 => bytes[i] = value,
+                    1 => bytes[i] ^= 1 << (value % 8),
+                    2 => drop(bytes.drain(low..high)),
+                    3 => bytes.extend_from_within(low..high),
+                    _ => bytes.swap(i, j),
+                }
+            }
+            bytes.truncate(1 << 16);
+            targets::run(target.name, &bytes);
+            Ok(())
+        });
+        assert!(outcome.is_ok(), "{}: {}", target.name, outcome.unwrap_err());
     }
 }

@@ -26,6 +26,7 @@ mod layers;
 mod lights;
 mod map;
 mod nee;
+mod noise;
 mod readme;
 mod roulette;
 mod tidy;

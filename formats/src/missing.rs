@@ -50,11 +50,22 @@ fn similar(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf
         let mut found = folder.clone();
         for part in Path::new(name).components() {
             let part = part.as_os_str().to_str()?;
-            let mut names =
-                if part == "." || part == ".." { vec![part.to_owned()] } else { files.names(&found) };
+            if part == "." || part == ".." {
+                found.push(part);
+                continue;
+            }
+            let mut names = files.names(&found);
             names.sort_unstable();
-            found.push(nearest(part, names.iter().take(COMPARED).map(String::as_str))?);
+            // What is told apart by its extension is no slip of the hand.
+            let (stem, extension) = split(part);
+            let alike = names.iter().map(|n| split(n)).filter(|(_, e)| *e == extension).take(COMPARED);
+            let stem = nearest(stem, alike.map(|(stem, _)| stem))?;
+            found.push(if extension.is_empty() { stem.to_owned() } else { format!("{stem}.{extension}") });
         }
         files.is_file(&found).then_some(found)
     })
+}
+
+fn split(name: &str) -> (&str, &str) {
+    name.rsplit_once('.').unwrap_or((name, ""))
 }

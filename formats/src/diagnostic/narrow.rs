@@ -1,8 +1,8 @@
 //! Printed messages kept readable where a file has lines or names of thousands of characters.
 
 /// Characters of a source line that are shown, and how many of them stand before what is marked.
-const WIDTH: usize = 160;
-const BEFORE: usize = 60;
+const WIDTH: usize = 300;
+const BEFORE: usize = 100;
 /// Longest word of a message; of a longer one the two ends are shown.
 const WORD: usize = 200;
 const HEAD: usize = 100;
@@ -82,7 +82,7 @@ mod tests {
         let shown = sources.render(&[Diagnostic::error(message, Some(span)).help("look again")]);
         assert!(shown.contains("s.xml:1:5010") && shown.contains("<ref id='aaa"), "{shown}");
         assert!(shown.contains("^^^") && shown.contains("help: look again"), "{shown}");
-        assert!(shown.lines().all(|line| line.chars().count() <= 260), "{shown}");
+        assert!(shown.lines().all(|line| line.chars().count() <= 320), "{shown}");
         let column = |c: char| {
             let line = shown.lines().rfind(|l| l.contains(c)).expect("there");
             line.chars().position(|x| x == c).expect("there")

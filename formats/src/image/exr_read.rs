@@ -7,6 +7,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::Text;
 use exr::prelude::{Compression, ReadChannels, ReadLayers};
 
+use super::exr_dwa;
 use super::{Encoding, Image, ImageError, check_memory, check_size, guarded};
 
 /// Most values (pixels times channels) read from one file.
@@ -15,6 +16,7 @@ const MAX_VALUES: u128 = 1 << 30;
 pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     guarded(|| {
         let window = check_headers(bytes)?;
+        exr_dwa::check(bytes)?;
         let file = exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()
@@ -180,7 +182,7 @@ fn text(text: &Text) -> String {
     bytes.and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or(latin)
 }
 
-fn exr_error(error: exr::error::Error) -> ImageError {
+pub(super) fn exr_error(error: exr::error::Error) -> ImageError {
     match error {
         exr::error::Error::NotSupported(what) => ImageError::Unsupported(format!("EXR: {what}")),
         exr::error::Error::Invalid(what) => ImageError::Invalid(format!("EXR: {what}")),

@@ -362,5 +362,7 @@ fn several_problems_in_source_order() {
        │
     13 │   <teapot/>
        │    ^^^^^^
+       │
+       = help: leave it out; --allow-unsupported skips elements that are not known
     "#);
 }
