@@ -208,6 +208,14 @@ fn sizes_and_counts_beyond_sense_point_at_their_option() {
 }
 
 #[test]
+fn a_time_beyond_all_clocks_is_no_limit() {
+    let scene = whole_scene();
+    let arguments = ["render", "scene.xml", "--quiet", "--time", "1.8e19", "--spp", "1", "-o", "out.pfm"];
+    let run = run(&[("scene.xml", &scene)], &arguments);
+    assert_eq!(run.status, 0, "{}", run.text);
+}
+
+#[test]
 fn files_with_nearly_the_right_name_are_suggested() {
     let mesh = "<scene version='3.0.0'>\n  <shape type='obj'>\n    <string name='filename' value='bunnny.obj'/>\n  </shape>\n</scene>";
     assert_snapshot!(message(mesh, &[("bunny.obj", ""), ("other.obj", "")]), @r#"

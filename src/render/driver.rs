@@ -103,8 +103,12 @@ pub fn render(
                 stop: budget.interrupt,
                 deadline: budget.time.and_then(|t| start.checked_add(time(t))),
             };
-            let first = if done == 0 { halt(|t| t.mul_f64(FIRST_TRACE)) } else { halt(|t| t + 2 * GRACE) };
-            let halts = [first, halt(|t| t + 2 * GRACE)];
+            let first = if done == 0 {
+                halt(|t| t.mul_f64(FIRST_TRACE))
+            } else {
+                halt(|t| t.saturating_add(2 * GRACE))
+            };
+            let halts = [first, halt(|t| t.saturating_add(2 * GRACE))];
             let integrator = PhotonMapper::halting(scene, plan, settings, halts);
             run(scene, &integrator, settings, budget, pixels, done, start, progress)
         }
@@ -141,8 +145,10 @@ fn run<I: Integrator>(
     };
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
     pixels.samples_a_pass = integrator.samples_a_pass();
-    let halt =
-        Halt { stop: budget.interrupt, deadline: budget.time.and_then(|t| start.checked_add(t + 2 * GRACE)) };
+    let halt = Halt {
+        stop: budget.interrupt,
+        deadline: budget.time.and_then(|t| start.checked_add(t.saturating_add(2 * GRACE))),
+    };
     // The sums before the running pass, to take it back.
     let mut before = Vec::new();
     let mut passes = done;
