@@ -36,7 +36,7 @@ fn bmp(width: usize, height: usize, rgb: &[u8]) -> Vec<u8> {
     let size = padded * height;
     let mut bytes = b"BM".to_vec();
     for word in
-        [54 + size as u32, 0, 54, 40, width as u32, height as u32, 24 << 16 | 1, 0, size as u32, 0, 0, 0, 0]
+        [54 + size as u32, 0, 54, 40, width as u32, height as u32, (24 << 16) | 1, 0, size as u32, 0, 0, 0, 0]
     {
         bytes.extend(word.to_le_bytes());
     }
