@@ -95,7 +95,8 @@ fn ply(said: &Said, format: &str, float: &str, index: &str, endings: &str) -> Ve
 
 fn serialized(said: &Said, version: u16, wide: bool) -> Vec<u8> {
     let mut body = ZlibEncoder::new(Vec::new(), Compression::default());
-    let flags = if said.uvs.is_empty() { 0 } else { 0x0002 } | if wide { 0x2000 } else { 0x1000 };
+    let uvs: u32 = if said.uvs.is_empty() { 0 } else { 0x0002 };
+    let flags = uvs | if wide { 0x2000 } else { 0x1000 };
     body.write_all(&flags.to_le_bytes()).unwrap();
     if version == 4 {
         body.write_all(b"name\0").unwrap();
