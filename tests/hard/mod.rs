@@ -9,6 +9,7 @@ mod maps;
 mod numbers;
 mod optics;
 mod place;
+mod sky;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

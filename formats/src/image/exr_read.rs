@@ -7,7 +7,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::Text;
 use exr::prelude::{Compression, ReadChannels, ReadLayers};
 
-use super::exr_dwa;
+use super::exr_claims;
 use super::{Encoding, Image, ImageError, check_memory, check_size, guarded};
 
 /// Most values (pixels times channels) read from one file.
@@ -16,7 +16,7 @@ const MAX_VALUES: u128 = 1 << 30;
 pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     guarded(|| {
         let window = check_headers(bytes)?;
-        exr_dwa::check(bytes)?;
+        exr_claims::check(bytes)?;
         let file = exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()

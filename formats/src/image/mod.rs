@@ -4,7 +4,7 @@
 //! cannot hold, so a hostile file costs no more than a small honest one.
 
 mod atomic;
-mod exr_dwa;
+mod exr_claims;
 mod exr_read;
 mod exr_write;
 mod hdr;
