@@ -78,18 +78,17 @@ fn cut_and_curved_shapes_of_pbrt_are_invisible_too() {
         ),
     ] {
         let sky = "LightSource \"infinite\" \"rgb L\" [1 1 1]";
-        let mut scene = pbrt_scene(&format!("{sky}\n{body}"), vec![]);
+        let mut scene = pbrt_scene(&format!("{sky}\nScale 4 4 4\n{body}"), vec![]);
         scene.film = caustica::film::FilmSize::full(24, 16);
         check(&format!("{thing} in an even sky, pbrt"), &scene);
     }
 }
 
-/// The bound of 0.5 % is above 4.5 standard errors of the noisiest, glass seen by a path without
-/// stratified lobes.
+/// The bound of 1 % is above 4.5 standard errors of the noisiest, a path that leaves a white cube.
 fn check(case: &str, scene: &caustica::scene::Scene) {
     for (name, settings) in METHODS {
         let settings = [settings, &[("max_depth", "-1")]].concat();
         let picture = render(scene, &settings, 64);
-        agree(&format!("{case}, {name}"), "1", picture.beauty(1), Estimate::exact(1.0), 0.005);
+        agree(&format!("{case}, {name}"), "1", picture.beauty(1), Estimate::exact(1.0), 0.01);
     }
 }
