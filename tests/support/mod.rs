@@ -28,6 +28,11 @@ pub fn scene_with_bytes(body: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
     scene_of("scene.xml", &format!("<scene version='3.0.0'>{body}</scene>"), files)
 }
 
+/// Compiles `body` inside a scene of the given version.
+pub fn scene_of_version(version: &str, body: &str) -> Scene {
+    scene_of("scene.xml", &format!("<scene version='{version}'>{body}</scene>"), Vec::new())
+}
+
 /// A pbrt scene of what follows `WorldBegin`.
 pub fn pbrt_scene(world: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
     let text = format!("LookAt 0 0 9 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n{world}\n");
