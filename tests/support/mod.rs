@@ -35,8 +35,12 @@ pub fn scene_of_version(version: &str, body: &str) -> Scene {
 
 /// A pbrt scene of what follows `WorldBegin`.
 pub fn pbrt_scene(world: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
-    let text = format!("LookAt 0 0 9 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n{world}\n");
-    scene_of("scene.pbrt", &text, files)
+    pbrt_scene_seen("LookAt 0 0 9 0 0 0 0 1 0\nCamera \"perspective\"", world, files)
+}
+
+/// The same with what stands before `WorldBegin`.
+pub fn pbrt_scene_seen(view: &str, world: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
+    scene_of("scene.pbrt", &format!("{view}\nWorldBegin\n{world}\n"), files)
 }
 
 /// Compiles a file in the language of its name.
