@@ -9,6 +9,7 @@ mod support;
 mod bench;
 mod bsdf;
 mod camera;
+mod checks;
 mod cli;
 mod convergence;
 mod convert;

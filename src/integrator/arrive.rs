@@ -47,8 +47,9 @@ pub fn arrive(
 ) -> Arrival {
     let Some(hit) = hit else {
         if sight.lamps {
-            let weight = sight.weight(scene.pdf_direct_background(ray.d));
-            out.add(layer, throughput * scene.background(ray.d) * weight);
+            for (radiance, pdf) in scene.background(ray.d) {
+                out.add(layer, throughput * radiance * sight.weight(pdf));
+            }
         }
         return Arrival::Gone;
     };

@@ -102,9 +102,11 @@ pub fn scattered_lamp(
     for _ in 0..segments {
         *rays += 1;
         let Some(hit) = scene.geometry.closest(&ray) else {
-            return sample.weight
-                * scene.background(d)
-                * (through * power_heuristic(pdf, scene.pdf_direct_background(d)));
+            let mut seen = Rgb::ZERO;
+            for (radiance, direct) in scene.background(d) {
+                seen += radiance * power_heuristic(pdf, direct);
+            }
+            return sample.weight * seen * through;
         };
         let at = scene.surface(&ray, &hit);
         let emitted = scene.emitted(&at, -d);

@@ -101,8 +101,8 @@ pub struct Scene {
     pub emission: Discrete,
     /// Half uniform, half by power, for direct light: a lamp in sight may be the weakest.
     pub direct: Discrete,
-    /// The emitter at infinity, if any.
-    pub environment: Option<u32>,
+    /// Emitters that fill the sky; their light adds up.
+    pub environments: Vec<u32>,
     pub sphere: SceneSphere,
     pub origin: [f64; 3],
     pub sensor: Sensor,
@@ -232,14 +232,18 @@ impl Scene {
         self.shapes[s.shape as usize].emitter.is_some()
     }
 
-    /// Radiance from infinity, seen along the unit direction `d`.
+    /// Radiance from infinity, seen along the unit direction `d`: of each environment its radiance and the
+    /// density with which [`Scene::sample_direct`] chooses it and that direction.
     #[inline]
-    pub fn background(&self, d: Vec3) -> Rgb {
-        match self.environment.map(|e| &self.emitters[e as usize]) {
-            Some(Emitter::Constant(c)) => c.radiance,
-            Some(Emitter::Environment(e)) => e.radiance(d),
-            _ => Rgb::ZERO,
-        }
+    pub fn background(&self, d: Vec3) -> impl Iterator<Item = (Rgb, f32)> {
+        self.environments.iter().map(move |&e| {
+            let (radiance, pdf) = match &self.emitters[e as usize] {
+                Emitter::Constant(c) => (c.radiance, c.pdf_direct()),
+                Emitter::Environment(e) => (e.radiance(d), e.pdf_direct(d)),
+                _ => (Rgb::ZERO, 0.0),
+            };
+            (radiance, pdf * self.direct.probability(e as usize))
+        })
     }
 
     /// Density with which [`Scene::sample_direct`] at `p` chooses the lamp point met by a ray along `d`.
@@ -252,18 +256,6 @@ impl Scene {
             },
             None => 0.0,
         }
-    }
-
-    /// The same for a ray that leaves the scene along the unit direction `d`.
-    #[inline]
-    pub fn pdf_direct_background(&self, d: Vec3) -> f32 {
-        let Some(e) = self.environment else { return 0.0 };
-        let pdf = match &self.emitters[e as usize] {
-            Emitter::Constant(c) => c.pdf_direct(),
-            Emitter::Environment(e) => e.pdf_direct(d),
-            _ => 0.0,
-        };
-        pdf * self.direct.probability(e as usize)
     }
 
     /// Light at `p` from one emitter, with the probability of choosing it divided out.

@@ -60,7 +60,7 @@ impl Plan {
         if photons && settings.nee && deepest == 2 {
             notes.push("max_depth 2 is direct light only: no photon map".to_owned());
         }
-        let environment = scene.environment.is_some();
+        let environment = !scene.environments.is_empty();
         let large_lamp = scene.emitters.iter().any(|e| match e {
             Emitter::Area(a) => a.area() > 0.02 * scene.sphere.radius * scene.sphere.radius,
             _ => false,

@@ -243,6 +243,8 @@ fn towards(scene: &Scene, ray: &Ray) -> (f64, f64) {
             let pdf = scene.pdf_direct_surface(ray.o, ray.d, &s);
             (green(scene.emitted(&s, -ray.d)), f64::from(pdf))
         }
-        None => (green(scene.background(ray.d)), f64::from(scene.pdf_direct_background(ray.d))),
+        None => scene
+            .background(ray.d)
+            .fold((0.0, 0.0), |sum, (light, pdf)| (sum.0 + green(light), sum.1 + f64::from(pdf))),
     }
 }

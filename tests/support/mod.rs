@@ -28,10 +28,19 @@ pub fn scene_with_bytes(body: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
     scene_of("scene.xml", &format!("<scene version='3.0.0'>{body}</scene>"), files)
 }
 
+/// Compiles `body` inside a scene of the given version.
+pub fn scene_of_version(version: &str, body: &str) -> Scene {
+    scene_of("scene.xml", &format!("<scene version='{version}'>{body}</scene>"), Vec::new())
+}
+
 /// A pbrt scene of what follows `WorldBegin`.
 pub fn pbrt_scene(world: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
-    let text = format!("LookAt 0 0 9 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n{world}\n");
-    scene_of("scene.pbrt", &text, files)
+    pbrt_scene_seen("LookAt 0 0 9 0 0 0 0 1 0\nCamera \"perspective\"", world, files)
+}
+
+/// The same with what stands before `WorldBegin`.
+pub fn pbrt_scene_seen(view: &str, world: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
+    scene_of("scene.pbrt", &format!("{view}\nWorldBegin\n{world}\n"), files)
 }
 
 /// Compiles a file in the language of its name.

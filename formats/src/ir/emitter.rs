@@ -42,6 +42,13 @@ pub enum EmitterKind {
     Goniometric { to_world: Transform, intensity: Color, image: Option<LightImage>, power: Option<f64> },
 }
 
+impl EmitterKind {
+    /// Whether light comes from everywhere around the scene.
+    pub fn fills_the_sky(&self) -> bool {
+        matches!(self, Self::Constant { .. } | Self::Environment { .. })
+    }
+}
+
 /// How a spot's light falls between `beam_width` and `cutoff_angle`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SpotFalloff {

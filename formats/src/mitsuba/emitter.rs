@@ -87,9 +87,7 @@ impl<'a> Reader<'a> {
 
     /// Rules about all emitters together.
     pub fn check_emitters(&mut self) {
-        let fills =
-            |e: &&Emitter| matches!(e.kind, EmitterKind::Constant { .. } | EmitterKind::Environment { .. });
-        let environments: Vec<_> = self.scene.emitters.iter().filter(fills).collect();
+        let environments: Vec<_> = self.scene.emitters.iter().filter(|e| e.kind.fills_the_sky()).collect();
         if let [first, second, ..] = environments.as_slice() {
             let mut problem =
                 Diagnostic::error("a scene has one environment; this is a second one", second.origin.0);

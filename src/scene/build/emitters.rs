@@ -17,10 +17,10 @@ fn unit(v: [f64; 3]) -> Option<Vec3> {
     (length.is_normal()).then(|| vec3(v.map(|x| x / length)))
 }
 
-/// Appends the scene's point-like and infinite lights; returns the environment's index.
-pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>) -> Option<u32> {
+/// Appends the scene's point-like and infinite lights; returns the indices of the environments.
+pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>) -> Vec<u32> {
     let relative = |p: [f64; 3]| vec3([p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]);
-    let mut environment = None;
+    let mut environments = Vec::new();
     for e in &b.ir.emitters {
         let at = e.origin;
         let emitter = match &e.kind {
@@ -62,18 +62,12 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
                 })
             }
             EmitterKind::Constant { radiance } => {
-                if environment.is_some() {
-                    b.error("a scene may have one environment light only", at);
-                }
-                environment = Some(emitters.len() as u32);
+                environments.push(emitters.len() as u32);
                 Emitter::Constant(Constant { radiance: b.color(radiance, ColorSlot::Emission, at) })
             }
             EmitterKind::Environment { to_world, image, mapping } => {
-                if environment.is_some() {
-                    b.error("a scene may have one environment light only", at);
-                }
                 let Some(light) = picture_environment(b, to_world, image, *mapping, at) else { continue };
-                environment = Some(emitters.len() as u32);
+                environments.push(emitters.len() as u32);
                 Emitter::Environment(Box::new(light))
             }
             kind => {
@@ -84,7 +78,7 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
         };
         emitters.push(emitter);
     }
-    environment
+    environments
 }
 
 /// The turned (and perhaps mirrored) axes of a light that has directions.

@@ -118,7 +118,7 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
         shapes::build(&mut b, meshes, camera)
     });
     let mut emitters = shapes.emitters;
-    let environment = emitters::build(&mut b, shapes.origin, &mut emitters);
+    let environments = emitters::build(&mut b, shapes.origin, &mut emitters);
     let camera = sensor.map(|s| (sensor::build(&mut b, s, shapes.origin), sensor::response(&s.film)));
     let settings = integrator::settings(&mut b);
     b.settle();
@@ -136,7 +136,7 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
         emitters,
         emission,
         direct,
-        environment,
+        environments,
         sphere: shapes.sphere,
         origin: shapes.origin,
         sensor,

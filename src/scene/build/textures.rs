@@ -70,10 +70,13 @@ impl Builder<'_> {
         match input {
             FloatInput::Value(v) => Param::gray(*v as f32),
             FloatInput::Texture(id) => match &self.ir.textures[*id].kind {
-                // Mitsuba 3.9.1 exchanges the colours of a checkerboard where it wants one number; its
+                // Mitsuba 2 and 3 exchange the colours of a checkerboard where they want one number; their
                 // pictures are matched.
                 ir::TextureKind::Checkerboard { color0, color1, to_uv }
-                    if self.ir.spectrum_rule == ir::SpectrumRule::Mitsuba3 =>
+                    if matches!(
+                        self.ir.spectrum_rule,
+                        ir::SpectrumRule::Mitsuba2 | ir::SpectrumRule::Mitsuba3
+                    ) =>
                 {
                     let origin = self.ir.textures[*id].origin;
                     let colors = [color1, color0].map(|c| self.param(c, ColorSlot::Reflectance, origin));

@@ -122,7 +122,12 @@ impl<'a> Writer<'_, 'a> {
         for shape in &scene.shapes {
             root = root.children(self.commented(shape.origin, |w| w.shape(shape))?);
         }
+        let mut filled = false;
         for emitter in &scene.emitters {
+            if emitter.kind.fills_the_sky() && std::mem::replace(&mut filled, true) {
+                self.out.lose(emitter.origin, "a second environment light", "nothing: Mitsuba has one");
+                continue;
+            }
             root = root.children(self.commented(emitter.origin, |w| w.emitter(emitter))?);
         }
         Ok(print(&root))
