@@ -1,12 +1,13 @@
 //! Energy: what lamps emit is stored, absorbed or has left; nothing else happens to it.
 
+use caustica::emitter::Aim;
 use caustica::math::Rgb;
 use caustica::photon::Owner;
-use caustica::photon::trace::{TraceJob, trace};
+use caustica::photon::trace::{Halt, TraceJob, Traced, aim, trace, trace_until};
 use caustica::sampling::Sampler;
 use caustica::scene::Scene;
 
-use crate::support::{DOWN, area, camera, diffuse, rectangle, scene, sphere};
+use crate::support::{DOWN, SIGMAS, area, camera, diffuse, rectangle, scene, sphere};
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
@@ -149,4 +150,44 @@ fn a_stretched_sphere_shines_by_its_area() {
     // Seen from outside it is bright.
     let seen = crate::support::render(&scene, &[("max_depth", "1")], 4);
     assert_eq!(seen.pixel(5)[0], 3.0);
+}
+
+/// Sun and sky through a window of 1 % of the ceiling: aimed light leaves as much in the room as light that is sent
+/// everywhere, in many more photons.
+#[test]
+fn light_aimed_through_a_window_is_not_more() {
+    let wall = |to_world: &str| rectangle(1.0, to_world, &diffuse("0.5"));
+    // A ceiling of four strips around the window.
+    let strips: String =
+        [("0,0.55", "1,0.45"), ("0,-0.55", "1,0.45"), ("0.55,0", "0.45,0.1"), ("-0.55,0", "0.45,0.1")]
+            .iter()
+            .map(|(at, size)| wall(&format!("<scale value='{size},1'/><translate value='{at},1'/>")))
+            .collect();
+    let sides: String =
+        ["x='1' angle='90'", "x='1' angle='-90'", "y='1' angle='90'", "y='1' angle='-90'", "x='1' angle='0'"]
+            .iter()
+            .map(|turn| wall(&format!("<translate value='0,0,-1'/><rotate {turn}/>")))
+            .collect();
+    let lights = "<emitter type='constant'/><emitter type='directional'><vector name='direction' value='0.2,0.1,-1'/>\
+                  <rgb name='irradiance' value='5'/></emitter>";
+    let scene = scene(&format!("{}{strips}{sides}{lights}", camera("0,0,0", "0,1,0", 40.0, 4)));
+    let job = |key, paths| TraceJob { next_event: true, ..job(key, paths, u32::MAX) };
+    let aim = aim(&scene, &job(7, 1 << 17), Halt::default()).expect("few paths find the window");
+    // Mean and standard error of the stored flux over traces, and all photons.
+    let stored = |aim: Option<&Aim>, traces: u64| {
+        let traces: Vec<_> =
+            (0..traces).map(|key| trace_until(&scene, &job(key, 1 << 20), aim, Halt::default())).collect();
+        let flux = |t: &Traced| t.photons.iter().map(|p| f64::from(p.flux.y)).sum::<f64>();
+        let n = traces.len() as f64;
+        let mean = traces.iter().map(flux).sum::<f64>() / n;
+        let square = traces.iter().map(|t| (flux(t) - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        (mean, (square / n).sqrt(), traces.iter().map(|t| t.photons.len()).sum::<usize>() / traces.len())
+    };
+    let (even, even_error, few) = stored(None, 16);
+    let (aimed, aimed_error, many) = stored(Some(&aim), 4);
+    println!(
+        "even {even:.4} ± {even_error:.4} in {few} photons, aimed {aimed:.4} ± {aimed_error:.4} in {many}"
+    );
+    assert!(many > 50 * few);
+    assert!((aimed - even).abs() < SIGMAS * even_error.hypot(aimed_error));
 }

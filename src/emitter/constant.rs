@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
-use super::{DirectSample, Emission, SceneSphere};
-use crate::math::{Frame, Rgb, Vec2, Vec3};
+use super::{Arena, DirectSample, Emission, SceneSphere};
+use crate::math::{Rgb, Vec2};
 use crate::sampling::warp;
 
 /// The same radiance from every direction.
@@ -27,12 +27,11 @@ impl Constant {
         UNIFORM
     }
 
-    /// A uniform direction, and a uniform place on the disk that the scene's sphere shows to it.
-    pub fn sample_emission(&self, scene: &SceneSphere, place: Vec2, direction: Vec2) -> Option<Emission> {
+    /// A uniform direction, and a place on the disk that the scene's sphere shows to it.
+    pub fn sample_emission(&self, arena: &Arena<'_>, place: Vec2, direction: Vec2) -> Option<Emission> {
         let d = warp::sphere(direction);
-        let at = warp::disk(place) * scene.radius;
-        let o = scene.center + Frame::from_normal(d).to_world(Vec3::new(at.x, at.y, -scene.radius));
-        Some(Emission { o, d, flux: self.power(scene) })
+        let (o, weight) = arena.enter(d, place);
+        Some(Emission { o, d, flux: self.power(&arena.sphere) * weight })
     }
 
     pub fn power(&self, scene: &SceneSphere) -> Rgb {

@@ -1,8 +1,7 @@
 use std::f32::consts::PI;
 
-use super::{DirectSample, Emission, SceneSphere};
-use crate::math::{Frame, Rgb, Vec2, Vec3};
-use crate::sampling::warp;
+use super::{Arena, DirectSample, Emission, SceneSphere};
+use crate::math::{Rgb, Vec2, Vec3};
 
 /// Parallel light from infinity; `irradiance` on a plane perpendicular to it, W/m².
 #[derive(Clone, Debug)]
@@ -17,11 +16,9 @@ impl Directional {
         Some(DirectSample { dir: -self.direction, target: None, value: self.irradiance, pdf: 0.0 })
     }
 
-    pub fn sample_emission(&self, scene: &SceneSphere, place: Vec2) -> Option<Emission> {
-        let d = warp::disk(place) * scene.radius;
-        let frame = Frame::from_normal(self.direction);
-        let o = scene.center + frame.to_world(Vec3::new(d.x, d.y, -scene.radius));
-        Some(Emission { o, d: self.direction, flux: self.power(scene) })
+    pub fn sample_emission(&self, arena: &Arena<'_>, place: Vec2) -> Option<Emission> {
+        let (o, weight) = arena.enter(self.direction, place);
+        Some(Emission { o, d: self.direction, flux: self.power(&arena.sphere) * weight })
     }
 
     pub fn power(&self, scene: &SceneSphere) -> Rgb {

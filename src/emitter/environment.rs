@@ -1,9 +1,8 @@
 use std::f64::consts::PI;
 
 use super::table::{Table, linear};
-use super::{DirectSample, Emission, Picture, SceneSphere, equal_area};
+use super::{Arena, DirectSample, Emission, Picture, SceneSphere, equal_area};
 use crate::math::{Frame, Rgb, Vec2, Vec3, luminance};
-use crate::sampling::warp;
 
 /// Radiance from infinity by a picture. Directions are drawn in proportion to luminance exactly, as it
 /// is looked up, so the density needs no table.
@@ -193,12 +192,11 @@ impl Environment {
         Some(DirectSample { dir, target: None, value, pdf })
     }
 
-    /// A direction as for direct light, and a uniform place on the disk that the scene's sphere shows to it.
-    pub fn sample_emission(&self, scene: &SceneSphere, place: Vec2, direction: Vec2) -> Option<Emission> {
+    /// A direction as for direct light, and a place on the disk that the scene's sphere shows to it.
+    pub fn sample_emission(&self, arena: &Arena<'_>, place: Vec2, direction: Vec2) -> Option<Emission> {
         let (dir, value, _) = self.sample(direction)?;
-        let at = warp::disk(place) * scene.radius;
-        let o = scene.center + Frame::from_normal(-dir).to_world(Vec3::new(at.x, at.y, -scene.radius));
-        Some(Emission { o, d: -dir, flux: value * scene.disk() })
+        let (o, weight) = arena.enter(-dir, place);
+        Some(Emission { o, d: -dir, flux: value * (arena.sphere.disk() * weight) })
     }
 
     pub fn power(&self, scene: &SceneSphere) -> Rgb {

@@ -1,5 +1,6 @@
 //! Emitters: direct sampling (for next event estimation) and photon emission. One file per model.
 
+mod aim;
 mod area;
 mod collimated;
 mod constant;
@@ -15,6 +16,7 @@ mod projector;
 mod spot;
 mod table;
 
+pub use aim::{Aim, Arena, Arrow};
 pub use area::{Area, MeshTriangle, Sides, Surface};
 pub use collimated::Collimated;
 pub use constant::Constant;
@@ -111,7 +113,7 @@ impl Emitter {
     pub fn sample_emission(
         &self,
         textures: &Textures,
-        scene: &SceneSphere,
+        arena: &Arena<'_>,
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
@@ -119,14 +121,19 @@ impl Emitter {
             Self::Area(e) => e.sample_emission(textures, place, direction),
             Self::Point(e) => e.sample_emission(direction),
             Self::Spot(e) => e.sample_emission(textures, direction),
-            Self::Directional(e) => e.sample_emission(scene, place),
-            Self::Constant(e) => e.sample_emission(scene, place, direction),
-            Self::Environment(e) => e.sample_emission(scene, place, direction),
+            Self::Directional(e) => e.sample_emission(arena, place),
+            Self::Constant(e) => e.sample_emission(arena, place, direction),
+            Self::Environment(e) => e.sample_emission(arena, place, direction),
             Self::Projector(e) => e.sample_emission(textures, direction),
             Self::Projection(e) => e.sample_emission(direction),
             Self::Goniometric(e) => e.sample_emission(direction),
             Self::Collimated(e) => e.sample_emission(textures, place),
         }
+    }
+
+    /// Whether its light comes from infinity.
+    pub fn is_infinite(&self) -> bool {
+        matches!(self, Self::Directional(_) | Self::Constant(_) | Self::Environment(_))
     }
 
     /// Power in W per channel; what light from infinity sends through the scene's sphere. Exact but

@@ -33,7 +33,7 @@ fn emitted(e: &Emitter) -> Rgb {
     let mut sum = [0.0f64; 3];
     for (i, u) in square(n).enumerate() {
         let place = Vec2::new((i as f32 * 0.618_034).fract(), (i as f32 * 0.754_877_7).fract());
-        if let Some(s) = e.sample_emission(&Textures::default(), &SCENE, place, u) {
+        if let Some(s) = e.sample_emission(&Textures::default(), &Arena::even(SCENE), place, u) {
             (0..3).for_each(|c| sum[c] += f64::from(s.flux[c]));
         }
     }

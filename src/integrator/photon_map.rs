@@ -8,9 +8,10 @@ use super::arrive::{Arrival, Sight, arrive};
 use super::direct::{next_event, scattered_lamp};
 use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Range, Transport};
+use crate::emitter::Aim;
 use crate::film::{Layer, Radiance};
 use crate::math::{Ray, Rgb, Vec2, Vec3};
-use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
+use crate::photon::trace::{Halt, TraceJob, Traced, aim, trace_until};
 use crate::photon::{Boundary, Estimator, Owner, PhotonMap, radius};
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Plan, Scene, Settings, Surface};
@@ -24,6 +25,8 @@ pub struct PhotonMapper<'a> {
     settings: &'a Settings,
     /// For pass 0, and for the passes after it.
     halts: [Halt<'a>; 2],
+    /// Where light from infinity is sent.
+    aims: [Option<Aim>; 2],
     /// Light paths a pass.
     paths: [u64; 2],
     /// Search radii of the first pass.
@@ -40,6 +43,9 @@ pub struct Maps {
     global: Option<(PhotonMap, Estimator)>,
     caustic: Option<(PhotonMap, Estimator)>,
 }
+
+/// Light paths that tell where light from infinity comes in.
+const PILOT: u64 = 1 << 17;
 
 /// Which of the two maps; also the index into `paths` and `radii`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,9 +83,14 @@ impl<'a> PhotonMapper<'a> {
     /// `halts` say.
     pub fn halting(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings, halts: [Halt<'a>; 2]) -> Self {
         let (pilots, kept) = (Mutex::default(), OnceLock::new());
-        let mut mapper = Self { scene, plan, settings, halts, paths: [0; 2], radii: [0.0; 2], pilots, kept };
+        let (aims, paths, radii) = ([None, None], [0; 2], [0.0; 2]);
+        let mut mapper = Self { scene, plan, settings, halts, aims, paths, radii, pilots, kept };
         let places = if plan.global_map || plan.caustics { mapper.gather_places() } else { Vec::new() };
         for which in [Which::Global, Which::Caustic] {
+            if mapper.wanted(which) {
+                let job = mapper.job(which, u32::MAX, PILOT);
+                mapper.aims[which as usize] = aim(scene, &job, halts[0]);
+            }
             mapper.paths[which as usize] = mapper.path_count(which);
             mapper.measure(which, &places);
         }
@@ -117,7 +128,8 @@ impl<'a> PhotonMapper<'a> {
 
     fn traced(&self, which: Which, pass: u32, paths: u64) -> Traced {
         let [first, later] = self.halts;
-        trace_until(self.scene, &self.job(which, pass, paths), if pass == 0 { first } else { later })
+        let aim = self.aims[which as usize].as_ref();
+        trace_until(self.scene, &self.job(which, pass, paths), aim, if pass == 0 { first } else { later })
     }
 
     fn pilot(&self, which: Which) -> Option<Traced> {

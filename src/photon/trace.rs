@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::{LightPath, Owner, Photon};
 use crate::bsdf::{Event, Range, Transport};
+use crate::emitter::{Aim, Arrow, Emitter};
 use crate::film::Rejected;
-use crate::math::Rgb;
+use crate::math::{Rgb, Vec3};
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Scene, Surface};
 
@@ -67,11 +68,11 @@ const LEAST_CHUNKS: u64 = 32;
 
 /// Traces all paths of a job. The result does not depend on the number of threads.
 pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
-    trace_until(scene, job, Halt::default())
+    trace_until(scene, job, None, Halt::default())
 }
 
 /// The same, but with fewer paths when the deadline comes first, and none once it was stopped.
-pub fn trace_until(scene: &Scene, job: &TraceJob, halt: Halt<'_>) -> Traced {
+pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> Traced {
     let chunks: Vec<Traced> = (0..job.paths.div_ceil(CHUNK))
         .into_par_iter()
         .map(|c| {
@@ -81,7 +82,9 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, halt: Halt<'_>) -> Traced {
             }
             let paths = c * CHUNK..((c + 1) * CHUNK).min(job.paths);
             out.paths = paths.end - paths.start;
-            paths.for_each(|i| trace_path(scene, job, i, &mut out));
+            for i in paths {
+                trace_path(scene, job, aim, i, &mut out);
+            }
             out
         })
         .collect();
@@ -105,24 +108,81 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, halt: Halt<'_>) -> Traced {
     all
 }
 
+/// Share of the paths from infinity that leave photons above which they need no aim.
+const ENOUGH: f64 = 0.2;
+
+/// Where light from infinity is to be sent, by a pilot of `job` and, aimed by that, another; `None` where it comes in
+/// anyway, or nowhere.
+pub fn aim(scene: &Scene, job: &TraceJob, halt: Halt<'_>) -> Option<Aim> {
+    if !scene.emitters.iter().any(Emitter::is_infinite) {
+        return None;
+    }
+    let (met, found) = arrows(scene, job, None, halt);
+    if found.len() as f64 > ENOUGH * met as f64 {
+        return None;
+    }
+    let coarse = Aim::new(&scene.sphere, &found)?;
+    let again = TraceJob { key: mix(job.key), ..*job };
+    let (_, found) = arrows(scene, &again, Some(&coarse), halt);
+    let few: Vec<Arrow> = found.iter().step_by(found.len().div_ceil(ARROWS).max(1)).copied().collect();
+    Aim::new(&scene.sphere, &few).or(Some(coarse))
+}
+
+/// Arrows that tell enough.
+const ARROWS: usize = 2048;
+
+/// How many paths from infinity met the scene, and the ways of those that left photons.
+fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (u64, Vec<Arrow>) {
+    let chunks: Vec<(u64, Vec<Arrow>)> = (0..job.paths.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|c| {
+            let (mut met, mut found) = (0, Vec::new());
+            if halt.stopped() || (c >= LEAST_CHUNKS && halt.late()) {
+                return (met, found);
+            }
+            let mut out = Traced::default();
+            for i in c * CHUNK..((c + 1) * CHUNK).min(job.paths) {
+                out.photons.clear();
+                let Some(first) = trace_path(scene, job, aim, i, &mut out) else { continue };
+                met += 1;
+                let weight: f32 = out.photons.iter().map(|p| p.flux.max_element()).sum();
+                if weight > 0.0 {
+                    found.push(Arrow { weight, ..first });
+                }
+            }
+            (met, found)
+        })
+        .collect();
+    (chunks.iter().map(|c| c.0).sum(), chunks.into_iter().flat_map(|c| c.1).collect())
+}
+
 /// From this depth on a path survives with 95 % at most, so that light trapped between perfect mirrors ends.
 const FORCED_ROULETTE: u32 = 64;
 
-fn trace_path(scene: &Scene, job: &TraceJob, index: u64, out: &mut Traced) {
+/// The way of light from infinity to what it met first; `None` for other light, and for what missed the scene.
+fn trace_path(
+    scene: &Scene,
+    job: &TraceJob,
+    aim: Option<&Aim>,
+    index: u64,
+    out: &mut Traced,
+) -> Option<Arrow> {
     // Sobol indices have 32 bits; every further 2³² paths use a family of their own.
     let mut sampler = Sampler::new(job.key ^ mix(index >> 32), index as u32);
     let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-    let Some(start) = scene.sample_emission(pick, place, direction) else {
-        return;
-    };
+    let (start, from_infinity) = scene.sample_aimed(pick, place, direction, aim)?;
     let mut flux = start.flux / job.paths as f32;
     let mut ray = crate::math::Ray::new(start.o, start.d);
     let mut path = LightPath::Direct;
     let mut depth = 1u32;
+    let mut first = None;
     loop {
         out.rays += 1;
-        let Some(hit) = scene.geometry.closest(&ray) else { return };
+        let Some(hit) = scene.geometry.closest(&ray) else { return first };
         let surface = scene.surface(&ray, &hit);
+        if depth == 1 && from_infinity {
+            first = Some(Arrow { from: start.o, to: surface.p, weight: 0.0 });
+        }
         let to_lamp = -ray.d;
         let wi = surface.frame.to_local(to_lamp);
         let closure = scene.closure(&surface, wi);
@@ -132,15 +192,19 @@ fn trace_path(scene: &Scene, job: &TraceJob, index: u64, out: &mut Traced) {
         }
         // A photon at the next surface needs two more segments: there, and from there to the camera.
         if depth.saturating_add(2) > job.max_depth {
-            return;
+            return first;
         }
         let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-        let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Importance, job.glossy) else { return };
+        let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Importance, job.glossy) else {
+            return first;
+        };
         if sample.event == Event::Smooth && job.owner == Owner::CausticMap {
-            return;
+            return first;
         }
         let d = surface.frame.to_world(sample.wo);
-        let Some(correction) = adjoint(&surface, to_lamp, wi.z, d, sample.wo.z, sample.event) else { return };
+        let Some(correction) = adjoint(&surface, to_lamp, wi.z, d, sample.wo.z, sample.event) else {
+            return first;
+        };
         let next = flux * sample.weight * correction;
         // Survivors keep the power they had: stored photons stay alike.
         let mut survival = next.max_element() / flux.max_element();
@@ -148,7 +212,7 @@ fn trace_path(scene: &Scene, job: &TraceJob, index: u64, out: &mut Traced) {
             survival = survival.min(0.95);
         }
         if survival < 1.0 && sampler.random() >= survival {
-            return;
+            return first;
         }
         flux = next / survival.min(1.0);
         path = path.after(sample.event);
@@ -160,14 +224,7 @@ fn trace_path(scene: &Scene, job: &TraceJob, index: u64, out: &mut Traced) {
 /// Correction for scattering with a shading normal when light is traced (Veach 1997, eq. 5.19):
 /// |wi·ns||wo·ng| / (|wi·ng||wo·ns|), `wi` towards the lamp. `None` when a direction lies on different
 /// sides of the two normals. Specular events keep the flux of the ray itself.
-fn adjoint(
-    s: &Surface,
-    wi: crate::math::Vec3,
-    wi_ns: f32,
-    wo: crate::math::Vec3,
-    wo_ns: f32,
-    event: Event,
-) -> Option<f32> {
+fn adjoint(s: &Surface, wi: Vec3, wi_ns: f32, wo: Vec3, wo_ns: f32, event: Event) -> Option<f32> {
     if event == Event::Null || s.ng == s.frame.n {
         return Some(1.0);
     }
@@ -187,7 +244,7 @@ const MAX_CORRECTION: f32 = 100.0;
 fn store(
     scene: &Scene,
     s: &Surface,
-    wi: crate::math::Vec3,
+    wi: Vec3,
     wi_ns: f32,
     flux: Rgb,
     path: LightPath,

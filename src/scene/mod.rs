@@ -9,7 +9,7 @@ pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Plac
 pub use plan::Plan;
 
 use crate::bsdf::{Closure, Material, Point};
-use crate::emitter::{DirectSample, Emission, Emitter, SceneSphere, Sides};
+use crate::emitter::{Aim, Arena, DirectSample, Emission, Emitter, SceneSphere, Sides};
 use crate::film::{FilmSize, Filter, Response};
 use crate::math::{Frame, LIFT, Ray, Rgb, Vec2, Vec3, luminance};
 use crate::sampling::Discrete;
@@ -277,13 +277,26 @@ impl Scene {
 
     /// Start of a light path; the expected flux over all draws is the scene's power.
     pub fn sample_emission(&self, pick: f32, place: Vec2, direction: Vec2) -> Option<Emission> {
+        self.sample_aimed(pick, place, direction, None).map(|(e, _)| e)
+    }
+
+    /// The same, with light from infinity sent where `aim` says. Also whether it comes from there.
+    pub fn sample_aimed(
+        &self,
+        pick: f32,
+        place: Vec2,
+        direction: Vec2,
+        aim: Option<&Aim>,
+    ) -> Option<(Emission, bool)> {
         if self.emitters.is_empty() {
             return None;
         }
         let (i, _) = self.emission.sample(pick);
-        let mut e = self.emitters[i].sample_emission(&self.textures, &self.sphere, place, direction)?;
+        let emitter = &self.emitters[i];
+        let arena = Arena { sphere: self.sphere, aim };
+        let mut e = emitter.sample_emission(&self.textures, &arena, place, direction)?;
         e.flux /= self.emission.probability(i);
-        Some(e)
+        Some((e, emitter.is_infinite()))
     }
 
     /// Shadow ray to a direct sample: 1 when nothing is in the way, else what masks and index-matched

@@ -103,7 +103,8 @@ fn photons_start_where_the_scene_can_receive_them() {
         for i in 0..64 {
             let at = |k: i32| (k as f32 + 0.5) / 8.0;
             let u = Vec2::new(at(i % 8), at(i / 8));
-            let s = e.sample_emission(&scene, u, Vec2::new(u.y, u.x)).expect("the picture shines");
+            let s =
+                e.sample_emission(&Arena::even(scene), u, Vec2::new(u.y, u.x)).expect("the picture shines");
             let from = s.o - scene.center;
             assert!((from.dot(s.d) + 2.0).abs() < 1e-4);
             assert!((from + s.d * 2.0).length() <= 2.0001);
