@@ -191,3 +191,20 @@ fn light_aimed_through_a_window_is_not_more() {
     assert!(many > 50 * few);
     assert!((aimed - even).abs() < SIGMAS * even_error.hypot(aimed_error));
 }
+
+/// Half of the metal is a mirror, where photons are of no use. The density next to it would be too low without them:
+/// so each half takes as many (4.5 sigmas of a share of ½).
+#[test]
+fn a_surface_that_is_rough_in_places_takes_photons_everywhere() {
+    let alpha = "<texture type='checkerboard' name='alpha'><float name='color0' value='0.001'/><float name='color1' \
+                 value='0.5'/></texture>";
+    let metal = format!("<bsdf type='roughconductor'>{alpha}</bsdf>");
+    let sun = "<emitter type='directional'><vector name='direction' value='0,0,-1'/></emitter>";
+    let scene = scene(&format!("{}{}{sun}", camera("0,0,3", "0,0,0", 40.0, 4), rectangle(1.0, "", &metal)));
+    let photons = trace(&scene, &job(3, 1 << 16, 2)).photons;
+    let cell = |x: f32| (x > 0.0) as u32;
+    let even = photons.iter().filter(|p| (cell(p.p.x) + cell(p.p.y)).is_multiple_of(2)).count() as f64;
+    let all = photons.len() as f64;
+    assert!(all > 30_000.0, "{all}");
+    assert!((even / all - 0.5).abs() < 4.5 * 0.5 / all.sqrt(), "{even} of {all}");
+}

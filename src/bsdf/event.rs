@@ -37,6 +37,10 @@ impl Range {
         self.min <= roughness && roughness < self.max
     }
 
+    pub fn begins_below(self, roughness: f32) -> bool {
+        self.min <= roughness
+    }
+
     /// Whether Lambertian lobes are meant.
     #[inline(always)]
     pub fn diffuse(self) -> bool {

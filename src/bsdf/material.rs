@@ -1,7 +1,7 @@
 use super::closure::{Closure, Content, Lambertian};
 use super::layers::{Entry, Layers};
 use super::tilt::{Perturbation, Tilt};
-use super::{Lobe, Model, Nature, Point};
+use super::{Lobe, Model, Nature, Point, Range};
 use crate::math::{Vec2, Vec3};
 use crate::texture::{Param, Textures};
 
@@ -245,6 +245,12 @@ impl Material {
 
     pub fn nature(&self) -> Nature {
         self.nature
+    }
+
+    /// Whether a texture gives it lobes in `range` in some places only. It takes photons everywhere then: the density
+    /// that is estimated in such a place must not end where the others begin.
+    pub fn may_have(&self, range: Range) -> bool {
+        self.varies() && self.nature.smooth.is_some_and(|bounds| range.begins_below(bounds[1]))
     }
 
     /// Whether sampling has to choose: anything but an opaque diffuse surface.

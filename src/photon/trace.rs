@@ -187,7 +187,8 @@ fn trace_path(
         let wi = surface.frame.to_local(to_lamp);
         let closure = scene.closure(&surface, wi);
         let owned = path.owner(job.next_event, job.caustic_map) == job.owner;
-        if owned && closure.has_smooth(wi, Range::rough(job.glossy)) {
+        let rough = Range::rough(job.glossy);
+        if owned && (closure.has_smooth(wi, rough) || scene.material(&surface).may_have(rough)) {
             store(scene, &surface, to_lamp, wi.z, flux, path, depth, out);
         }
         // A photon at the next surface needs two more segments: there, and from there to the camera.
