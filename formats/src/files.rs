@@ -85,6 +85,17 @@ pub fn resolve(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<Pat
 
 /// The name that differs from `name` in upper and lower case only, if one of `folders` has it.
 pub fn other_case(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
+    part_by_part(files, name, folders, |names, part| names.into_iter().find(|n| n.eq_ignore_ascii_case(part)))
+}
+
+/// The file below one of `folders` to which `choose` leads: of the names in a folder the one it takes for the next
+/// part of `name`.
+pub(crate) fn part_by_part(
+    files: &dyn Files,
+    name: &str,
+    folders: &[PathBuf],
+    choose: impl Fn(Vec<String>, &str) -> Option<String>,
+) -> Option<PathBuf> {
     folders.iter().find_map(|folder| {
         let mut found = folder.clone();
         for part in Path::new(name).components() {
@@ -93,7 +104,7 @@ pub fn other_case(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<
                 found.push(part);
                 continue;
             }
-            found.push(files.names(&found).into_iter().find(|n| n.eq_ignore_ascii_case(part))?);
+            found.push(choose(files.names(&found), part)?);
         }
         files.is_file(&found).then_some(found)
     })

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Span, nearest};
-use crate::files::{Files, other_case, resolve};
+use crate::files::{Files, other_case, part_by_part, resolve};
 
 /// The first of `folders` with a file `name`, also when its author wrote `\` for `/`.
 pub(crate) fn find(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
@@ -46,23 +46,13 @@ const COMPARED: usize = 2000;
 
 /// The file nearest to `name` in spelling, part by part, below one of `folders`.
 fn similar(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
-    folders.iter().find_map(|folder| {
-        let mut found = folder.clone();
-        for part in Path::new(name).components() {
-            let part = part.as_os_str().to_str()?;
-            if part == "." || part == ".." {
-                found.push(part);
-                continue;
-            }
-            let mut names = files.names(&found);
-            names.sort_unstable();
-            // What is told apart by its extension is no slip of the hand.
-            let (stem, extension) = split(part);
-            let alike = names.iter().map(|n| split(n)).filter(|(_, e)| *e == extension).take(COMPARED);
-            let stem = nearest(stem, alike.map(|(stem, _)| stem))?;
-            found.push(if extension.is_empty() { stem.to_owned() } else { format!("{stem}.{extension}") });
-        }
-        files.is_file(&found).then_some(found)
+    part_by_part(files, name, folders, |mut names, part| {
+        names.sort_unstable();
+        // What is told apart by its extension is no slip of the hand.
+        let (stem, extension) = split(part);
+        let alike = names.iter().map(|n| split(n)).filter(|(_, e)| *e == extension).take(COMPARED);
+        let stem = nearest(stem, alike.map(|(stem, _)| stem))?;
+        Some(if extension.is_empty() { stem.to_owned() } else { format!("{stem}.{extension}") })
     })
 }
 

@@ -22,19 +22,19 @@ pub struct CoatingModel {
     pub specular: Param,
     /// A rough surface, with its transmittance; `None` is smooth.
     pub rough: Option<(Roughness, Arc<Transmittance>)>,
-    /// How light is thrown back and forth between the coat and a metal below it, if it is. Exact for a smooth
-    /// coat over a smooth metal; else every round trip takes the share of the first.
-    pub interreflection: Option<Interreflection>,
+    /// Exact for a smooth coat over a smooth metal.
+    pub interreflection: Interreflection<Roughness>,
     pub nested: Box<Node>,
 }
 
-/// What the coat sends back to the base.
+/// How light is thrown back and forth between the coat and a metal below it, of which `R` is the roughness.
 #[derive(Clone, Debug)]
-pub enum Interreflection {
-    /// What a mirror sends to it: by the angle of the light.
+pub enum Interreflection<R> {
+    /// It is not.
+    None,
+    /// At the angle of the light.
     Mirror,
-    /// By the base's roughness.
-    Rough(Roughness, Arc<Returned>),
+    Rough(R, Arc<Returned>),
 }
 
 impl Parameters for CoatingModel {
@@ -46,10 +46,13 @@ impl Parameters for CoatingModel {
             absorption: point.color(self.absorption),
             specular: point.color(self.specular),
             rough: self.rough.as_ref().map(|(r, t)| (r.at(point), t.clone())),
-            interreflection: self.interreflection.as_ref().map(|i| match i {
-                Interreflection::Mirror => None,
-                Interreflection::Rough(r, table) => Some((r.at(point).roughness(), table.clone())),
-            }),
+            interreflection: match &self.interreflection {
+                Interreflection::None => Interreflection::None,
+                Interreflection::Mirror => Interreflection::Mirror,
+                Interreflection::Rough(r, table) => {
+                    Interreflection::Rough(r.at(point).roughness(), table.clone())
+                }
+            },
             nested: [Vec3::Z, -Vec3::Z].map(|wi| flat(&self.nested, point, wi)),
         }
     }
@@ -57,8 +60,8 @@ impl Parameters for CoatingModel {
     fn params(&self) -> Vec<Param> {
         let rough = self.rough.iter().flat_map(|(r, _)| r.params());
         let base = match &self.interreflection {
-            Some(Interreflection::Rough(r, _)) => r.params(),
-            _ => Vec::new(),
+            Interreflection::Rough(r, _) => r.params(),
+            Interreflection::None | Interreflection::Mirror => Vec::new(),
         };
         rough.chain(base).chain([self.absorption, self.specular]).collect()
     }
@@ -82,8 +85,7 @@ pub struct Coating {
     absorption: Rgb,
     specular: Rgb,
     rough: Option<(Microfacet, Arc<Transmittance>)>,
-    /// α of the base with its table, unless it is a mirror.
-    interreflection: Option<Option<(f32, Arc<Returned>)>>,
+    interreflection: Interreflection<f32>,
     /// Above and below.
     nested: [Layers; 2],
 }
@@ -122,18 +124,16 @@ impl Coating {
 
     /// Sum of the round trips between coat and base.
     fn round_trips(&self, wi: Vec3, wo: Vec3) -> Rgb {
-        let Some(rough) = &self.interreflection else {
-            return Rgb::ONE;
-        };
         let base = |w: Vec3| {
             let (w, below) = (self.inside(w), self.below(wi));
             let deltas: Rgb = below.deltas(w, Transport::Importance).iter().map(|l| l.weight).sum();
             below.albedo(w, Range::ALL) + deltas
         };
-        let trips = |w: Vec3| match rough {
-            Some((alpha, table)) => table.sum(*alpha, self.inside(w).z.abs(), base(w)),
+        let trips = |w: Vec3| match &self.interreflection {
+            Interreflection::None => Rgb::ONE,
+            Interreflection::Rough(alpha, table) => table.sum(*alpha, self.inside(w).z.abs(), base(w)),
             // Equal angles have equal Fresnel reflectance on both sides of the interface.
-            None => {
+            Interreflection::Mirror => {
                 let again =
                     base(w) * self.absorbed(self.inside(w), self.inside(w)) * (1.0 - self.transmitted(w));
                 Rgb::ONE / (Rgb::ONE - again.min(Rgb::splat(0.99)))

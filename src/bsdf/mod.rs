@@ -32,6 +32,7 @@ mod roughdielectric;
 mod roughdiffuse;
 mod roughness;
 mod roughplastic;
+mod rows;
 mod special;
 mod thindielectric;
 mod tilt;

@@ -29,7 +29,7 @@ impl Parameters for PlasticModel {
         Plastic {
             eta: self.eta,
             base: self.between.base(diffuse, internal) / (self.eta * self.eta),
-            internal,
+            leaves: self.between.leaves(internal),
             between: self.between,
             specular,
             specular_weight: specular_weight(diffuse, specular),
@@ -56,7 +56,7 @@ pub struct Plastic {
     eta: f32,
     /// ρ / (1 − ρₓ·F̄) / η².
     base: Rgb,
-    internal: f32,
+    leaves: f32,
     between: Between,
     specular: Rgb,
     specular_weight: f32,
@@ -92,7 +92,7 @@ impl Scatter for Plastic {
     /// ∫(1 − F)cosθ/π over the outside, divided by η², equals 1 − F̄ inside.
     fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
         if wi.z > 0.0 && range.diffuse() {
-            self.base * (self.transmitted(wi.z) * self.between.leaves(self.internal) * self.eta * self.eta)
+            self.base * (self.transmitted(wi.z) * self.leaves * self.eta * self.eta)
         } else {
             Rgb::ZERO
         }

@@ -1,8 +1,9 @@
 //! Round trips of light between a smooth coat and a rough metal below it.
 
-use super::fresnel;
 use super::microfacet::{Microfacet, reflect};
+use super::rows::{Rows, between};
 use super::special::gauss_legendre;
+use super::{Roughness, fresnel};
 use crate::math::{Rgb, Vec3};
 
 /// Entries over cosθ from 0 to 1.
@@ -15,39 +16,34 @@ const TRIPS: usize = 4;
 /// it by the cosine inside under which light comes, half by that under which it goes. For one roughness or for a row of
 /// them.
 #[derive(Clone, Debug)]
-pub struct Returned {
-    rows: Vec<Row>,
-}
+pub struct Returned(Rows<Trips>);
 
-#[derive(Clone, Debug)]
-struct Row {
-    alpha: f32,
-    trips: [[f32; TRIPS]; ENTRIES],
-}
+/// By the entry of the cosine, and by trip.
+type Trips = [[f32; TRIPS]; ENTRIES];
+
+/// Roughnesses of a texture that are told apart.
+const ALPHAS: usize = 16;
 
 impl Returned {
-    /// `metal` at the roughnesses `alphas`, ascending; `eta` is the coat's index over that outside, `thickness` its
-    /// optical thickness straight through.
-    pub fn new(metal: &Microfacet, alphas: &[f32], eta: f32, thickness: f32) -> Self {
-        let row = |&alpha: &f32| {
+    /// `eta` is the coat's index over that outside, `thickness` its optical thickness straight through.
+    pub fn new(metal: &Roughness, eta: f32, thickness: f32) -> Self {
+        let row = |alpha: f32| {
             let metal = Microfacet::new(metal.kind, metal.shadowing, alpha, alpha);
-            Row { alpha: metal.au, trips: trips(&metal, eta, thickness) }
+            (metal.au, trips(&metal, eta, thickness))
         };
-        Self { rows: alphas.iter().map(row).collect() }
+        Self(match metal.isotropic() {
+            Some(alpha) => Rows::new([row(alpha)]),
+            None => Rows::new((0..ALPHAS).map(|i| row((i as f32 + 0.5) / (ALPHAS as f32 - 0.5)))),
+        })
     }
 
     /// Sum over all trips for a metal of reflectance `base`, of one of the two ends: 1 without any.
     pub fn sum(&self, alpha: f32, cos: f32, base: Rgb) -> Rgb {
-        let x = cos.clamp(0.0, 1.0) * (ENTRIES - 1) as f32;
-        let i = (x as usize).min(ENTRIES - 2);
-        let above = self.rows.iter().position(|r| r.alpha >= alpha).unwrap_or(self.rows.len() - 1);
-        let (a, b) = (&self.rows[above.saturating_sub(1)], &self.rows[above]);
-        let t =
-            if b.alpha > a.alpha { ((alpha - a.alpha) / (b.alpha - a.alpha)).clamp(0.0, 1.0) } else { 0.0 };
+        let (i, x) = between(cos, ENTRIES);
         // Horner's rule, longest trip first.
         (0..TRIPS).rev().fold(Rgb::ZERO, |sum, k| {
-            let at = |r: &Row| r.trips[i][k] + (r.trips[i + 1][k] - r.trips[i][k]) * (x - i as f32);
-            (sum + Rgb::splat(at(a) + (at(b) - at(a)) * t)) * base
+            let trip = self.0.at(alpha, |t| t[i][k] + (t[i + 1][k] - t[i][k]) * x);
+            (sum + Rgb::splat(trip)) * base
         }) + Rgb::ONE
     }
 }
@@ -57,7 +53,7 @@ fn cosine(i: usize) -> f32 {
 }
 
 /// Follows light between the entries: each meeting with the metal spreads it over them.
-fn trips(metal: &Microfacet, eta: f32, thickness: f32) -> [[f32; TRIPS]; ENTRIES] {
+fn trips(metal: &Microfacet, eta: f32, thickness: f32) -> Trips {
     let spread: Table = std::array::from_fn(|i| reflected(metal, cosine(i)));
     let back: [f64; ENTRIES] =
         std::array::from_fn(|i| f64::from(fresnel::dielectric(cosine(i), 1.0 / eta).reflectance));

@@ -28,17 +28,17 @@ impl Roughness {
         vec![self.u, self.v]
     }
 
-    /// At some α, the same along both axes.
-    pub fn isotropic(&self, alpha: f32) -> Microfacet {
-        Microfacet::new(self.kind, self.shadowing, alpha, alpha)
-    }
-
     /// α where it is the same everywhere.
     pub fn constant(&self) -> Option<[f32; 2]> {
         match (self.u, self.v) {
             (Param::Constant(u), Param::Constant(v)) => Some([self.alpha(u.x), self.alpha(v.x)]),
             _ => None,
         }
+    }
+
+    /// Mean of both axes' α where it is the same everywhere.
+    pub fn isotropic(&self) -> Option<f32> {
+        self.constant().map(|[u, v]| (u * v).max(0.0).sqrt())
     }
 
     /// Bounds of what [`Microfacet::roughness`] may be.

@@ -36,7 +36,7 @@ impl Parameters for RoughPlasticModel {
         RoughPlastic {
             eta: self.eta,
             base: self.between.base(diffuse, internal) / (self.eta * self.eta),
-            internal,
+            leaves: self.between.leaves(internal),
             between: self.between,
             specular,
             specular_weight: specular_weight(diffuse, specular),
@@ -63,7 +63,7 @@ impl Parameters for RoughPlasticModel {
 pub struct RoughPlastic {
     eta: f32,
     base: Rgb,
-    internal: f32,
+    leaves: f32,
     between: Between,
     specular: Rgb,
     specular_weight: f32,
@@ -151,8 +151,7 @@ impl Scatter for RoughPlastic {
             albedo += self.specular * (1.0 - t);
         }
         if range.diffuse() {
-            let leaves = self.between.leaves(self.internal);
-            albedo += self.base * (self.reaches(wi.z) * leaves * self.eta * self.eta);
+            albedo += self.base * (self.reaches(wi.z) * self.leaves * self.eta * self.eta);
         }
         albedo
     }

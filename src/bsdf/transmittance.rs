@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::fresnel;
 use super::microfacet::{Kind, Microfacet, Shadowing, reflect, refract};
+use super::rows::{Rows, between};
 use super::special::gauss_legendre;
 use crate::math::Vec3;
 
@@ -13,12 +14,11 @@ const ENTRIES: usize = 64;
 /// For one α, or for a row of them.
 #[derive(Clone, Debug)]
 pub struct Transmittance {
-    rows: Vec<Row>,
+    rows: Rows<Row>,
 }
 
 #[derive(Clone, Debug)]
 struct Row {
-    alpha: f32,
     /// For light from outside: what passes unshadowed, less than 1 − reflectance.
     external: [f32; ENTRIES],
     /// Reflectance for diffuse light from inside.
@@ -31,7 +31,7 @@ impl Transmittance {
         // The discontinuity of total reflection is what takes so many. Beckmann's slopes end sooner than
         // the long tails of the others: half as many already agree with twice as many to 5e-5.
         let inner_nodes = if kind == Kind::Beckmann { 64 } else { 128 };
-        Self { rows: vec![row(Microfacet::new(kind, shadowing, alpha, alpha), eta, inner_nodes)] }
+        Self { rows: Rows::new([row(Microfacet::new(kind, shadowing, alpha, alpha), eta, inner_nodes)]) }
     }
 
     /// For every roughness up to 1: interpolated between 24 of them.
@@ -40,35 +40,22 @@ impl Transmittance {
         // Denser where surfaces are smooth: there the table changes fastest.
         let alpha = |i: usize| ((i as f32 + 0.25) / (n as f32 - 0.75)).powi(2);
         let microfacet = |i| Microfacet::new(kind, shadowing, alpha(i), alpha(i));
-        Self { rows: (0..n).map(|i| row(microfacet(i), eta, 24)).collect() }
-    }
-
-    /// The rows around α and how far it is from the first to the second.
-    fn between(&self, alpha: f32) -> (&Row, &Row, f32) {
-        let above = self.rows.iter().position(|r| r.alpha >= alpha).unwrap_or(self.rows.len() - 1);
-        let (a, b) = (&self.rows[above.saturating_sub(1)], &self.rows[above]);
-        let t =
-            if b.alpha > a.alpha { ((alpha - a.alpha) / (b.alpha - a.alpha)).clamp(0.0, 1.0) } else { 0.0 };
-        (a, b, t)
+        Self { rows: Rows::new((0..n).map(|i| row(microfacet(i), eta, 24))) }
     }
 
     /// Into the surface at cosθ from outside.
     pub fn external(&self, alpha: f32, cos: f32) -> f32 {
-        let x = cos.clamp(0.0, 1.0) * (ENTRIES - 1) as f32;
-        let i = (x as usize).min(ENTRIES - 2);
-        let at = |r: &Row| r.external[i] + (r.external[i + 1] - r.external[i]) * (x - i as f32);
-        let (a, b, t) = self.between(alpha);
-        at(a) + (at(b) - at(a)) * t
+        let (i, x) = between(cos, ENTRIES);
+        self.rows.at(alpha, |r| r.external[i] + (r.external[i + 1] - r.external[i]) * x)
     }
 
     /// Share of diffuse light inside that is reflected back.
     pub fn internal(&self, alpha: f32) -> f32 {
-        let (a, b, t) = self.between(alpha);
-        a.internal + (b.internal - a.internal) * t
+        self.rows.at(alpha, |r| r.internal)
     }
 }
 
-fn row(microfacet: Microfacet, eta: f32, inner_nodes: usize) -> Row {
+fn row(microfacet: Microfacet, eta: f32, inner_nodes: usize) -> (f32, Row) {
     let cos = |i: usize| (i as f32 / (ENTRIES - 1) as f32).max(1e-6);
     let outer = gauss_legendre(32);
     let inner = gauss_legendre(inner_nodes);
@@ -83,7 +70,7 @@ fn row(microfacet: Microfacet, eta: f32, inner_nodes: usize) -> Row {
         // At grazing angles the share is 0.
         Shadowing::HeightCorrelated => (sum - 0.5 * shares[ENTRIES - 1]) / (ENTRIES - 1) as f64,
     };
-    Row { alpha: microfacet.au, external, internal: (2.0 * mean) as f32 }
+    (microfacet.au, Row { external, internal: (2.0 * mean) as f32 })
 }
 
 /// Which of the two shares.

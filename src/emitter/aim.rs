@@ -4,22 +4,16 @@ use std::collections::BTreeMap;
 
 use super::SceneSphere;
 use crate::math::{Frame, Vec2, Vec3};
-use crate::sampling::warp;
+use crate::sampling::{Discrete, warp};
 
 /// Spheres that are worth more of the light from infinity than the rest of the scene: what led to photons passed through
 /// them, windows for example. Light that starts towards them carries less each, so that nothing is added.
 #[derive(Clone, Debug)]
 pub struct Aim {
-    targets: Vec<Target>,
+    centers: Vec<Vec3>,
+    /// Of a centre.
+    choice: Discrete,
     radius: f32,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Target {
-    center: Vec3,
-    /// Sum of the probabilities up to this one.
-    upto: f32,
-    probability: f32,
 }
 
 /// A ray from outside of the scene to what it met first, and what it brought.
@@ -48,41 +42,32 @@ impl Aim {
         ACROSS.into_iter().find_map(|across| {
             let size = scene.radius / across;
             let found = cover(scene, arrows, size).filter(|cells| cells.len() * HITS <= arrows.len())?;
-            let all: f64 = found.iter().map(|c| c.1).sum();
-            let mut upto = 0.0;
-            let targets = found.into_iter().map(|(cell, weight)| {
-                let probability = (weight / all) as f32;
-                upto += probability;
-                let center = scene.center + (Vec3::from(cell.map(|x| x as f32)) + 0.5) * size;
-                Target { center, upto, probability }
-            });
-            // Half of a cell's diagonal.
-            Some(Self { targets: targets.collect(), radius: size * 0.75f32.sqrt() })
+            let center = |cell: Cell| scene.center + (Vec3::from(cell.map(|x| x as f32)) + 0.5) * size;
+            Some(Self {
+                centers: found.iter().map(|c| center(c.0)).collect(),
+                choice: Discrete::new(found.iter().map(|c| c.1)),
+                // Half of a cell's diagonal.
+                radius: size * 0.75f32.sqrt(),
+            })
         })
-    }
-
-    fn at(&self, scene: &SceneSphere, frame: &Frame, target: &Target) -> Vec2 {
-        let local = frame.to_local(target.center - scene.center);
-        Vec2::new(local.x, local.y)
     }
 
     /// A place on the disk that the scene shows, and the density of an even choice over the one it was chosen with.
     fn place(&self, scene: &SceneSphere, frame: &Frame, u: Vec2) -> (Vec2, f32) {
+        let at = |center: &Vec3| {
+            let local = frame.to_local(*center - scene.center);
+            Vec2::new(local.x, local.y)
+        };
         let place = if u.x < EVERYWHERE {
             warp::disk(Vec2::new(u.x / EVERYWHERE, u.y)) * scene.radius
         } else {
-            let x = (u.x - EVERYWHERE) / (1.0 - EVERYWHERE);
-            let i = self.targets.partition_point(|t| t.upto <= x).min(self.targets.len() - 1);
-            let t = &self.targets[i];
-            let within = ((x - (t.upto - t.probability)) / t.probability).clamp(0.0, 1.0);
-            self.at(scene, frame, t) + warp::disk(Vec2::new(within, u.y)) * self.radius
+            let (i, within) = self.choice.sample((u.x - EVERYWHERE) / (1.0 - EVERYWHERE));
+            at(&self.centers[i]) + warp::disk(Vec2::new(within, u.y)) * self.radius
         };
         let near = self.radius * self.radius;
-        let aimed: f32 = self
-            .targets
-            .iter()
-            .filter(|t| (self.at(scene, frame, t) - place).length_squared() <= near)
-            .map(|t| t.probability)
+        let aimed: f32 = (0..self.centers.len())
+            .filter(|&i| (at(&self.centers[i]) - place).length_squared() <= near)
+            .map(|i| self.choice.probability(i))
             .sum();
         let even = if place.length_squared() <= scene.radius * scene.radius { 1.0 } else { 0.0 };
         let relative = EVERYWHERE * even + (1.0 - EVERYWHERE) * aimed * (scene.radius * scene.radius / near);
@@ -175,7 +160,8 @@ mod tests {
         // By the first target, a quarter of the disk, all of it.
         let mut sums = [0.0f64; 3];
         let frame = Frame::from_normal(d);
-        let first = aim.at(&sphere, &frame, &aim.targets[0]);
+        let first = frame.to_local(aim.centers[0] - sphere.center);
+        let first = Vec2::new(first.x, first.y);
         for _ in 0..n {
             let (o, weight) = arena.enter(d, Vec2::from(rng.next_2d()));
             let local = frame.to_local(o - sphere.center);

@@ -42,7 +42,7 @@ impl Doublings {
         if !passes.is_power_of_two() {
             return;
         }
-        let now: Vec<f64> = sums.iter().map(luminance_sum).collect();
+        let now: Vec<f64> = sums.iter().map(|s| luminance_sum(s)).collect();
         if passes > 1 {
             let half = f64::from(passes / 2);
             let square = |(now, before): (&f64, &f64)| ((now - 2.0 * before) / half).powi(2) / 4.0;

@@ -134,14 +134,14 @@ impl Pixels {
     /// Standard error of a pixel's luminance after `passes`, root mean square over the picture, relative to
     /// the picture's mean. Honest for stratified passes, see [`Doublings`].
     pub fn relative_error(&self, passes: u32) -> f64 {
-        let sum: f64 = self.sums.iter().map(luminance_sum).sum();
+        let sum: f64 = self.sums.iter().map(|s| luminance_sum(s)).sum();
         let mean = sum / self.sums.len().max(1) as f64 / f64::from(passes.max(1));
         if mean > 0.0 { self.doublings.variance(passes).sqrt() / mean } else { f64::INFINITY }
     }
 }
 
-/// Luminance of the sum of all layers of a pixel's sums.
-pub(super) fn luminance_sum(s: &[f64; STRIDE]) -> f64 {
+/// Luminance of the sum of all layers, which come first in `s`.
+pub(super) fn luminance_sum(s: &[f64]) -> f64 {
     let channel = |c: usize| (0..LAYERS.len()).map(|l| s[3 * l + c]).sum::<f64>();
     0.212671 * channel(0) + 0.715160 * channel(1) + 0.072169 * channel(2)
 }
@@ -174,9 +174,7 @@ impl Mean {
         for (sum, value) in sums.iter_mut().zip(&self.0) {
             *sum += value;
         }
-        let channel = |c: usize| (0..LAYERS.len()).map(|l| self.0[3 * l + c]).sum::<f64>();
-        let y = 0.212671 * channel(0) + 0.715160 * channel(1) + 0.072169 * channel(2);
-        sums[SQUARE] += y * y;
+        sums[SQUARE] += luminance_sum(&self.0).powi(2);
     }
 }
 

@@ -66,6 +66,21 @@ const CHUNK: u64 = 2048;
 /// Chunks that are traced however late it is: a map of fewer paths shows nothing.
 const LEAST_CHUNKS: u64 = 32;
 
+/// What `trace` makes of each chunk of the paths, in order; of chunks that are left when it is time to halt, nothing.
+fn in_chunks<T: Default + Send>(
+    paths: u64,
+    halt: Halt<'_>,
+    trace: impl Fn(std::ops::Range<u64>) -> T + Sync,
+) -> Vec<T> {
+    let chunk = |c: u64| {
+        if halt.stopped() || (c >= LEAST_CHUNKS && halt.late()) {
+            return T::default();
+        }
+        trace(c * CHUNK..((c + 1) * CHUNK).min(paths))
+    };
+    (0..paths.div_ceil(CHUNK)).into_par_iter().map(chunk).collect()
+}
+
 /// Traces all paths of a job. The result does not depend on the number of threads.
 pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
     trace_until(scene, job, None, Halt::default())
@@ -73,21 +88,13 @@ pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
 
 /// The same, but with fewer paths when the deadline comes first, and none once it was stopped.
 pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> Traced {
-    let chunks: Vec<Traced> = (0..job.paths.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|c| {
-            let mut out = Traced::default();
-            if halt.stopped() || (c >= LEAST_CHUNKS && halt.late()) {
-                return out;
-            }
-            let paths = c * CHUNK..((c + 1) * CHUNK).min(job.paths);
-            out.paths = paths.end - paths.start;
-            for i in paths {
-                trace_path(scene, job, aim, i, &mut out);
-            }
-            out
-        })
-        .collect();
+    let chunks = in_chunks(job.paths, halt, |paths| {
+        let mut out = Traced { paths: paths.end - paths.start, ..Traced::default() };
+        for i in paths {
+            trace_path(scene, job, aim, i, &mut out);
+        }
+        out
+    });
     if halt.stopped() {
         return Traced::default();
     }
@@ -133,27 +140,21 @@ const ARROWS: usize = 2048;
 
 /// How many paths from infinity met the scene, and the ways of those that left photons.
 fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (u64, Vec<Arrow>) {
-    let chunks: Vec<(u64, Vec<Arrow>)> = (0..job.paths.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|c| {
-            let (mut met, mut found) = (0, Vec::new());
-            if halt.stopped() || (c >= LEAST_CHUNKS && halt.late()) {
-                return (met, found);
+    let chunks = in_chunks(job.paths, halt, |paths| {
+        let (mut met, mut found) = (0, Vec::new());
+        let mut out = Traced::default();
+        for i in paths {
+            out.photons.clear();
+            let Some(first) = trace_path(scene, job, aim, i, &mut out) else { continue };
+            met += 1;
+            let weight: f32 = out.photons.iter().map(|p| p.flux.max_element()).sum();
+            if weight > 0.0 {
+                found.push(Arrow { weight, ..first });
             }
-            let mut out = Traced::default();
-            for i in c * CHUNK..((c + 1) * CHUNK).min(job.paths) {
-                out.photons.clear();
-                let Some(first) = trace_path(scene, job, aim, i, &mut out) else { continue };
-                met += 1;
-                let weight: f32 = out.photons.iter().map(|p| p.flux.max_element()).sum();
-                if weight > 0.0 {
-                    found.push(Arrow { weight, ..first });
-                }
-            }
-            (met, found)
-        })
-        .collect();
-    (chunks.iter().map(|c| c.0).sum(), chunks.into_iter().flat_map(|c| c.1).collect())
+        }
+        (met, found)
+    });
+    (chunks.iter().map(|c: &(u64, _)| c.0).sum(), chunks.into_iter().flat_map(|c| c.1).collect())
 }
 
 /// From this depth on a path survives with 95 % at most, so that light trapped between perfect mirrors ends.

@@ -25,6 +25,13 @@ pub struct Budget<'a> {
     pub interrupt: Option<&'a AtomicBool>,
 }
 
+impl Budget<'_> {
+    /// Until when something may go on in a render that began at `start`, of whose time `until` makes that.
+    fn halt(&self, start: Instant, until: fn(Duration) -> Duration) -> Halt<'_> {
+        Halt { stop: self.interrupt, deadline: self.time.and_then(|t| start.checked_add(until(t))) }
+    }
+}
+
 /// Why a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Stop {
@@ -99,16 +106,9 @@ pub fn render(
             run(scene, &integrator, settings, budget, pixels, done, start, progress)
         }
         IntegratorKind::PhotonMap => {
-            let halt = |time: fn(Duration) -> Duration| Halt {
-                stop: budget.interrupt,
-                deadline: budget.time.and_then(|t| start.checked_add(time(t))),
-            };
-            let first = if done == 0 {
-                halt(|t| t.mul_f64(FIRST_TRACE))
-            } else {
-                halt(|t| t.saturating_add(2 * GRACE))
-            };
-            let halts = [first, halt(|t| t.saturating_add(2 * GRACE))];
+            let later = budget.halt(start, overdue);
+            let first = if done == 0 { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
+            let halts = [first, later];
             let integrator = PhotonMapper::halting(scene, plan, settings, halts);
             run(scene, &integrator, settings, budget, pixels, done, start, progress)
         }
@@ -118,6 +118,11 @@ pub fn render(
 /// By how much a render may outlast its time. Passes that would do so are not begun, and those that take
 /// twice this in excess are given up.
 const GRACE: Duration = Duration::from_millis(250);
+
+/// When the running pass of a render that has this time is given up.
+fn overdue(time: Duration) -> Duration {
+    time.saturating_add(2 * GRACE)
+}
 
 /// Share of the time that tracing photons for the first pass may take. The rest is for the map and for
 /// the camera.
@@ -145,10 +150,7 @@ fn run<I: Integrator>(
     };
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
     pixels.samples_a_pass = integrator.samples_a_pass();
-    let halt = Halt {
-        stop: budget.interrupt,
-        deadline: budget.time.and_then(|t| start.checked_add(t.saturating_add(2 * GRACE))),
-    };
+    let halt = budget.halt(start, overdue);
     // The sums before the running pass, to take it back.
     let mut before = Vec::new();
     let mut passes = done;

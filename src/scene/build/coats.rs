@@ -38,7 +38,7 @@ impl Builder<'_> {
         let specular = self.param(specular, ColorSlot::Reflectance, origin);
         let nested = self.node(nested);
         let rough = microfacet.and_then(|m| self.roughness(m));
-        let coat = Coat { eta, absorption, specular, rough, interreflection: None };
+        let coat = Coat { eta, absorption, specular, rough, interreflection: Interreflection::None };
         self.coating(coat, nested, origin)
     }
 
@@ -91,12 +91,7 @@ impl Builder<'_> {
         let thickness = self.thickness(coat, origin);
         let (nested, interreflection): (Node, _) = match self.roughness(microfacet) {
             Some(roughness) => {
-                let alphas = match roughness.constant() {
-                    Some([u, v]) => vec![(u * v).max(0.0).sqrt()],
-                    None => (0..16).map(|i| (i as f32 + 0.5) / 15.5).collect(),
-                };
-                let returned =
-                    Arc::new(Returned::new(&roughness.isotropic(alphas[0]), &alphas, eta, thickness));
+                let returned = Arc::new(Returned::new(&roughness, eta, thickness));
                 let rough = Interreflection::Rough(roughness, returned);
                 (RoughConductorModel { metal, reflectance, roughness }.into(), rough)
             }
@@ -104,7 +99,7 @@ impl Builder<'_> {
         };
         let rough = self.roughness(&coat.microfacet);
         let absorption = Param::gray(thickness);
-        let coat = Coat { eta, absorption, specular: WHITE, rough, interreflection: Some(interreflection) };
+        let coat = Coat { eta, absorption, specular: WHITE, rough, interreflection };
         self.coating(coat, nested, origin)
     }
 
@@ -132,5 +127,5 @@ struct Coat {
     absorption: Param,
     specular: Param,
     rough: Option<Roughness>,
-    interreflection: Option<Interreflection>,
+    interreflection: Interreflection<Roughness>,
 }

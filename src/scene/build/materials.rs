@@ -267,7 +267,7 @@ impl Builder<'_> {
     }
 
     pub(super) fn transmittance(&mut self, roughness: &Roughness, eta: f32) -> Arc<Transmittance> {
-        let alpha = roughness.constant().map(|[u, v]| (u * v).max(0.0).sqrt());
+        let alpha = roughness.isotropic();
         let (kind, shadowing) = (roughness.kind, roughness.shadowing);
         let table = self
             .materials
