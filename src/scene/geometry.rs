@@ -57,6 +57,14 @@ impl Primitive {
     pub fn corners(&self) -> &[[f32; 3]; 3] {
         &self.v
     }
+
+    pub fn corners_mut(&mut self) -> &mut [[f32; 3]; 3] {
+        &mut self.v
+    }
+
+    pub fn kind(&self) -> Kind {
+        kind(self.tag)
+    }
 }
 
 /// Most triangles of one mesh, and most meshes or instances of one scene.

@@ -220,3 +220,72 @@ fn glass_that_nearly_touches_the_walls_is_invisible_in_a_furnace() {
         agree(&case, "1/(1 − ρ)", picture.beauty(1), Estimate::exact(2.0), 0.01);
     }
 }
+
+/// Glass that stands flush on a floor, against walls, as a cylinder with lids, and round water. Its faces are
+/// drawn back by 2e-4 here, and the picture is that of glass 1e-3 away from what it touches: a gap of g moves
+/// what is seen through it by some g of the 1 that the block is wide, 0.3 % of its light at most.
+#[test]
+fn glass_that_lies_flush_is_as_glass_just_above() {
+    let glass =
+        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+    let water = glass.replace("1.5", "1.33");
+    let cube = |half: f64, place: &str, bsdf: &str| {
+        format!(
+            "<shape type='cube'><transform name='to_world'><scale value='{half}'/><translate {place}/></transform>{bsdf}</shape>"
+        )
+    };
+    let floor = rectangle(2.0, UP, &diffuse("0.7"));
+    let wall = rectangle(2.0, "<translate z='-0.5'/>", &diffuse("0.5"));
+    let disk = |place: &str, turn: f64, radius: f64, bsdf: &str| {
+        format!(
+            "<shape type='disk'><transform name='to_world'><scale value='{radius}'/><rotate x='1' angle='{turn}'/>
+             <translate {place}/></transform>{bsdf}</shape>"
+        )
+    };
+    let lids = |gap: f64| {
+        [
+            disk("y='0'", -90.0, 2.0, &diffuse("0.7")),
+            disk(&format!("y='{gap}'"), 90.0, 0.5, glass),
+            disk(&format!("y='{}'", gap + 0.8), -90.0, 0.5, glass),
+            format!(
+                "<shape type='cylinder'><point name='p0' value='0,{gap},0'/><point name='p1' value='0,{},0'/>
+                 <float name='radius' value='0.5'/>{glass}</shape>",
+                gap + 0.8
+            ),
+        ]
+        .concat()
+    };
+    type Body<'a> = Box<dyn Fn(f64) -> String + 'a>;
+    let bodies: [(&str, Body<'_>); 4] = [
+        (
+            "block on a floor",
+            Box::new(|g| [&*floor, &cube(0.5, &format!("y='{}'", 0.5 + g), glass)].concat()),
+        ),
+        (
+            "block against a wall",
+            Box::new(|g| [&*floor, &wall, &cube(0.5, &format!("y='{}' z='{g}'", 0.5 + g), glass)].concat()),
+        ),
+        ("cylinder with lids", Box::new(lids)),
+        (
+            "block of water in a corner of glass",
+            Box::new(|g| {
+                let inside = cube(0.25, &format!("x='{0}' y='{0}' z='{0}'", 0.25 + g), &water);
+                [&*floor, &cube(0.5, "y='-0.5' x='-0.5' z='0.5'", glass), &inside].concat()
+            }),
+        ),
+    ];
+    let sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+    let view = camera("0.8,1.6,2.4", "0,0.3,0", 35.0, 24);
+    for (name, body) in &bodies {
+        let picture = |gap: f64, (_, settings): super::Method, passes: u32| {
+            let settings = [settings, &[("max_depth", "-1")]].concat();
+            render(&scene(&[&*view, sky, &*body(gap)].concat()), &settings, passes)
+        };
+        // Twice the room for the noise of the photon map; its blur is the same in both.
+        for (method, passes, bound) in [(PATH, 800, 0.01), (MAPS, 200, 0.02)] {
+            let (flush, above) = (picture(0.0, method, passes), picture(1e-3, method, passes));
+            let case = format!("{name}, flush, {}", method.0);
+            agree(&case, "as 1e-3 away", flush.beauty(1), above.beauty(1), bound);
+        }
+    }
+}

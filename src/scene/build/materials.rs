@@ -101,6 +101,11 @@ impl Builder<'_> {
         self.materials.materials[material as usize].nature().oriented
     }
 
+    /// Whether light reaches the other side.
+    pub(super) fn transmits(&self, material: u32) -> bool {
+        self.materials.materials[material as usize].nature().transmits
+    }
+
     pub(super) fn node(&mut self, id: ir::Id<ir::Bsdf>) -> Node {
         let bsdf = &self.ir.bsdfs[id];
         let origin = bsdf.origin;

@@ -1,5 +1,6 @@
 //! Shapes → world-space primitives, instances and area emitters.
 
+mod contact;
 mod extent;
 mod split;
 
@@ -81,6 +82,7 @@ pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64;
     let mut instances = Vec::new();
     let mut instance_bounds = Vec::new();
     let ir = b.ir;
+    let mut authors = vec![ir.origin; records.len()];
     for shape in &ir.shapes {
         let to_world = to_ours.after(&shape.to_world);
         let group = match &shape.kind {
@@ -101,6 +103,7 @@ pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64;
             }
             _ => {
                 add_shape(b, &meshes, shape, &to_world, &mut level, &mut records, Some(&mut emitters));
+                authors.resize(records.len(), shape.origin);
                 continue;
             }
         };
@@ -115,6 +118,10 @@ pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64;
         level.primitives.push(Primitive::instance(instances.len() as u32));
         instances.push(Instance { group, placement });
         instance_bounds.push(bounds);
+    }
+    for (shape, gap) in contact::draw_back(&mut level, &records, |r| b.transmits(r.material)) {
+        let what = format!("faces of this shape coincide with another's; they are drawn back by {gap:.1e}");
+        b.warn(what, authors[shape as usize]);
     }
     let world = Level::new(&level.primitives, level.analytic, &instance_bounds);
     let bounds = world.bounds;
