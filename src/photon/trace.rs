@@ -66,14 +66,16 @@ const CHUNK: u64 = 2048;
 /// Chunks that are traced however late it is: a map of fewer paths shows nothing.
 const LEAST_CHUNKS: u64 = 32;
 
-/// What `trace` makes of each chunk of the paths, in order; of chunks that are left when it is time to halt, nothing.
+/// What `trace` makes of each chunk of the paths, in order; of chunks that are left when it is time to halt, nothing. The
+/// first `least` are made however late it is.
 fn in_chunks<T: Default + Send>(
     paths: u64,
+    least: u64,
     halt: Halt<'_>,
     trace: impl Fn(std::ops::Range<u64>) -> T + Sync,
 ) -> Vec<T> {
     let chunk = |c: u64| {
-        if halt.stopped() || (c >= LEAST_CHUNKS && halt.late()) {
+        if halt.stopped() || (c >= least && halt.late()) {
             return T::default();
         }
         trace(c * CHUNK..((c + 1) * CHUNK).min(paths))
@@ -88,9 +90,10 @@ pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
 
 /// The same, but with fewer paths when the deadline comes first, and none once it was stopped.
 pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> Traced {
-    let chunks = in_chunks(job.paths, halt, |paths| {
+    let chunks = in_chunks(job.paths, LEAST_CHUNKS, halt, |paths| {
         let mut out = Traced { paths: paths.end - paths.start, ..Traced::default() };
-        for i in paths {
+        // A path may take long: what is stopped from outside is of no use anyway.
+        for i in paths.take_while(|_| !halt.stopped()) {
             trace_path(scene, job, aim, i, &mut out);
         }
         out
@@ -140,10 +143,10 @@ const ARROWS: usize = 2048;
 
 /// How many paths from infinity met the scene, and the ways of those that left photons.
 fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (u64, Vec<Arrow>) {
-    let chunks = in_chunks(job.paths, halt, |paths| {
+    let chunks = in_chunks(job.paths, 0, halt, |paths| {
         let (mut met, mut found) = (0, Vec::new());
         let mut out = Traced::default();
-        for i in paths {
+        for i in paths.take_while(|_| !halt.stopped()) {
             out.photons.clear();
             let Some(first) = trace_path(scene, job, aim, i, &mut out) else { continue };
             met += 1;

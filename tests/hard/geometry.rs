@@ -289,3 +289,14 @@ fn glass_that_lies_flush_is_as_glass_just_above() {
         }
     }
 }
+
+/// Every ray would try all of them. Of glass, each is another surface on the way.
+#[test]
+fn instances_at_one_place_are_one() {
+    for (bsdf, left) in [(diffuse("0.5"), 1), ("<bsdf type='dielectric'/>".to_owned(), 1000)] {
+        let group = format!("<shape type='shapegroup' id='g'>{}</shape>", sphere("0,0,0", 1.0, &bsdf));
+        let instance = "<shape type='instance'><ref id='g'/></shape>".repeat(1000);
+        let scene = scene(&[camera("0,0,4", "0,0,0", 45.0, 4), group, instance].concat());
+        assert_eq!(scene.geometry.instances.len(), left);
+    }
+}

@@ -64,8 +64,10 @@ pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64;
     let mut records = Vec::new();
     let mut emitters = Vec::new();
     let mut groups = Vec::new();
+    let mut opaque = Vec::new();
     for (_, group) in b.ir.groups.iter() {
         let mut g = LevelBuilder::default();
+        let first = records.len();
         for shape in &group.shapes {
             if let Some(e) = &shape.emission {
                 b.error("a shape inside a shapegroup cannot emit light", e.origin);
@@ -77,10 +79,12 @@ pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64;
             add_shape(b, &meshes, shape, &shape.to_world, &mut g, &mut records, None);
         }
         groups.push(Level::new(&g.primitives, g.analytic, &[]));
+        opaque.push(!records[first..].iter().any(|r| b.transmits(r.material)));
     }
     let to_ours = Transform::translate(origin.map(|x| -x));
     let mut instances = Vec::new();
     let mut instance_bounds = Vec::new();
+    let mut placed = HashSet::new();
     let ir = b.ir;
     let mut authors = vec![ir.origin; records.len()];
     for shape in &ir.shapes {
@@ -112,7 +116,10 @@ pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64;
             continue;
         };
         let bounds = transform_bounds(&placement, &groups[group as usize].bounds);
-        if bounds.is_empty() {
+        let place = placement.columns.map(|c| c.to_array().map(f32::to_bits));
+        // Of an opaque group, the same once more is never seen, and every ray would have to try it.
+        let again = !placed.insert((group, place)) && opaque.get(group as usize) == Some(&true);
+        if bounds.is_empty() || again {
             continue;
         }
         level.primitives.push(Primitive::instance(instances.len() as u32));
