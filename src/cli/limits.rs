@@ -5,6 +5,7 @@ use caustica_formats::memory::available;
 use super::load::Loaded;
 use super::report::megabytes;
 use crate::film::STRIDE;
+use crate::integrator::PhotonMapper;
 use crate::settings::{Count, IntegratorKind};
 
 /// Bytes a pixel: the sums twice (a cut pass is taken back), and a checkpoint or a picture with all
@@ -30,17 +31,19 @@ fn within(loaded: &Loaded, memory: u128) -> Result<(), String> {
     if loaded.settings.integrator == IntegratorKind::Path {
         return Ok(());
     }
-    // A path to the global map leaves a photon or more; most of the others miss.
-    for (name, count, stored) in [
-        ("photons", loaded.settings.photons, PHOTON),
-        ("caustic_photons", loaded.settings.caustic_photons, 0),
-    ] {
+    let settings = &loaded.settings;
+    // What no pilot is needed for comes first: it might not fit either.
+    let counts = [("photons", settings.photons), ("caustic_photons", settings.caustic_photons)];
+    for (name, count) in counts {
         let bytes = match count {
-            Count::Auto => 0,
-            Count::Paths(n) => u128::from(n) * stored + u128::from(n) / 2048 * CHUNK,
-            Count::Stored(n) => u128::from(n) * PHOTON,
+            Count::Paths(n) => u128::from(n) / 2048 * CHUNK,
+            Count::Auto | Count::Stored(_) => 0,
         };
         refuse(&format!("setting `{name}` = {count}"), bytes, memory)?;
+    }
+    let photons = PhotonMapper::expected_photons(&loaded.scene, &loaded.plan, settings);
+    for ((name, count), photons) in counts.into_iter().zip(photons) {
+        refuse(&format!("setting `{name}` = {count}"), u128::from(photons) * PHOTON, memory)?;
     }
     Ok(())
 }

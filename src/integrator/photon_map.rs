@@ -47,6 +47,9 @@ pub struct Maps {
 /// Light paths that tell where light from infinity comes in.
 const PILOT: u64 = 1 << 17;
 
+/// Light paths from which on their photons might not fit into the memory.
+const MANY: u64 = 4 << 20;
+
 /// Which of the two maps; also the index into `paths` and `radii`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Which {
@@ -82,19 +85,44 @@ impl<'a> PhotonMapper<'a> {
     /// The same; pass 0 (with what is measured before it) and the passes after it are cut short as
     /// `halts` say.
     pub fn halting(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings, halts: [Halt<'a>; 2]) -> Self {
-        let (pilots, kept) = (Mutex::default(), OnceLock::new());
-        let (aims, paths, radii) = ([None, None], [0; 2], [0.0; 2]);
-        let mut mapper = Self { scene, plan, settings, halts, aims, paths, radii, pilots, kept };
+        let mut mapper = Self::unmeasured(scene, plan, settings, halts);
         let places = if plan.global_map || plan.caustics { mapper.gather_places() } else { Vec::new() };
         for which in [Which::Global, Which::Caustic] {
-            if mapper.wanted(which) {
-                let job = mapper.job(which, u32::MAX, PILOT);
-                mapper.aims[which as usize] = aim(scene, &job, halts[0]);
-            }
+            mapper.take_aim(which);
             mapper.paths[which as usize] = mapper.path_count(which);
             mapper.measure(which, &places);
         }
         mapper
+    }
+
+    fn unmeasured(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings, halts: [Halt<'a>; 2]) -> Self {
+        let (pilots, kept) = (Mutex::default(), OnceLock::new());
+        let (aims, paths, radii) = ([None, None], [0; 2], [0.0; 2]);
+        Self { scene, plan, settings, halts, aims, paths, radii, pilots, kept }
+    }
+
+    fn take_aim(&mut self, which: Which) {
+        if self.wanted(which) {
+            let job = self.job(which, u32::MAX, PILOT);
+            self.aims[which as usize] = aim(self.scene, &job, self.halts[0]);
+        }
+    }
+
+    /// Photons that a pass will store in the global and in the caustic map where the settings ask for many,
+    /// told from a pilot: for a look at the memory before they are traced. 0 for few.
+    pub fn expected_photons(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings) -> [u64; 2] {
+        let mut mapper = Self::unmeasured(scene, plan, settings, [Halt::default(); 2]);
+        [(Which::Global, plan.global_paths), (Which::Caustic, plan.caustic_paths)].map(|(which, count)| {
+            match count {
+                Count::Stored(n) if mapper.wanted(which) => n,
+                Count::Paths(n) if mapper.wanted(which) && n > MANY => {
+                    mapper.take_aim(which);
+                    let stored = mapper.traced(which, u32::MAX, PILOT).photons.len();
+                    (n as f64 * stored as f64 / PILOT as f64) as u64
+                }
+                _ => 0,
+            }
+        })
     }
 
     /// The lobes that photons are for.
