@@ -272,11 +272,7 @@ impl RenderArgs {
         if s.light_paths > 0 {
             rows.push((
                 "photons",
-                format!(
-                    "{} stored ({}/s traced)",
-                    count(s.photons_stored as f64),
-                    per(s.photons_stored, s.trace_seconds)
-                ),
+                format!("{} stored ({}/s)", count(s.photons_stored as f64), per(s.photons_stored, s.seconds)),
             ));
             rows.push((
                 "lookups",

@@ -48,20 +48,12 @@ pub fn draw_back(
 ) -> Vec<(u32, f32)> {
     // A lamp has its own list of the triangles that shine.
     let clear: Vec<bool> = records.iter().map(|r| r.emitter.is_none() && clear(r)).collect();
-    let faces = faces(level, records, &clear);
+    let Some(around) = around(level, &clear) else { return Vec::new() };
+    let faces = faces(level, records, &clear, &around);
     let mut sizes = vec![Bounds::EMPTY; records.len()];
-    let mut around = Bounds::EMPTY;
-    for f in faces.iter().filter(|f| f.clear) {
-        sizes[f.shape as usize].union(&f.bounds);
-        around.union(&f.bounds);
-    }
-    let near = |f: &&u32| {
-        let f = &faces[**f as usize];
-        overlap(&f.bounds, &around, NEAR * magnitude(f))
-    };
-    let all: Vec<u32> = (0..faces.len() as u32).collect();
-    let own: Vec<u32> = all.iter().copied().filter(|&f| faces[f as usize].clear).collect();
-    let others: Vec<u32> = all.iter().filter(near).copied().collect();
+    faces.iter().filter(|f| f.clear).for_each(|f| sizes[f.shape as usize].union(&f.bounds));
+    let others: Vec<u32> = (0..faces.len() as u32).collect();
+    let own: Vec<u32> = others.iter().copied().filter(|&f| faces[f as usize].clear).collect();
     let mut search = Search { faces: &faces, left: PAIRS, found: BTreeSet::new() };
     search.join(&own, &others, around, 0);
 
@@ -113,29 +105,53 @@ pub fn draw_back(
     moved
 }
 
-fn faces(level: &LevelBuilder, records: &[ShapeRecord], clear: &[bool]) -> Vec<Face> {
-    let mut faces = Vec::new();
-    if !clear.contains(&true) {
-        return faces;
+fn bounds(v: &[Vec3; 3]) -> Bounds {
+    let mut bounds = Bounds::EMPTY;
+    v.iter().for_each(|&v| bounds.add(v));
+    bounds
+}
+
+/// The box around all that light goes through; `None` without any.
+fn around(level: &LevelBuilder, clear: &[bool]) -> Option<Bounds> {
+    let mut around = Bounds::EMPTY;
+    if clear.contains(&true) {
+        for p in &level.primitives {
+            match p.kind() {
+                Kind::Triangle(_) if clear[p.shape as usize] => {
+                    around.union(&bounds(&p.corners().map(Vec3::from)));
+                }
+                Kind::Analytic(i) if clear[p.shape as usize] => {
+                    around.union(&level.analytic[i as usize].bounds());
+                }
+                _ => {}
+            }
+        }
     }
+    (!around.is_empty()).then_some(around)
+}
+
+/// The flat ones within `around`.
+fn faces(level: &LevelBuilder, records: &[ShapeRecord], clear: &[bool], around: &Bounds) -> Vec<Face> {
+    let mut faces = Vec::new();
     for (p, primitive) in level.primitives.iter().zip(0..) {
-        let mut add = |v: [Vec3; 3], n: Vec3| {
-            let mut bounds = Bounds::EMPTY;
-            v.iter().for_each(|&v| bounds.add(v));
-            let clear = clear[p.shape as usize];
-            faces.push(Face { v, n, bounds, shape: p.shape, clear, primitive });
-        };
-        match p.kind() {
-            Kind::Triangle(_) => {
-                let n = triangle::cross_product(p.corners()).normalize_or_zero();
-                let flip = if records[p.shape as usize].flip { -1.0 } else { 1.0 };
+        let mut add = |v: [Vec3; 3], normal: Option<Vec3>| {
+            let bounds = bounds(&v);
+            if overlap(&bounds, around, NEAR * bounds.magnitude()) {
+                let shape = p.shape as usize;
+                let flip = if records[shape].flip { -1.0 } else { 1.0 };
+                let n =
+                    normal.unwrap_or_else(|| triangle::cross_product(p.corners()).normalize_or_zero() * flip);
+                // Of no area it is nowhere in the way.
                 if n != Vec3::ZERO {
-                    add(p.corners().map(Vec3::from), n * flip);
+                    faces.push(Face { v, n, bounds, shape: p.shape, clear: clear[shape], primitive });
                 }
             }
+        };
+        match p.kind() {
+            Kind::Triangle(_) => add(p.corners().map(Vec3::from), None),
             Kind::Analytic(i) => {
                 if let Analytic::Disk(d) = &level.analytic[i as usize] {
-                    fan(d).for_each(|v| add(v, d.normal));
+                    fan(d).for_each(|v| add(v, Some(d.normal)));
                 }
             }
             Kind::Instance(_) => {}
