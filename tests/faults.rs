@@ -271,6 +271,111 @@ fn time_holds_in_the_first_pass_too() {
     assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
 }
 
+/// A scene, a mesh of it, and two outputs in one file: nothing is lost by a slip of the hand.
+#[test]
+fn outputs_spare_the_scene_and_each_other() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let mesh = "<shape type='obj'><string name='filename' value='m.obj'/></shape>";
+    let text = format!("<scene version='3.0.0'><sensor type='perspective'/>{mesh}</scene>");
+    std::fs::write(at("s.xml"), text).expect("writable");
+    std::fs::write(at("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("writable");
+    std::os::unix::fs::symlink(at("s.xml"), at("link")).expect("linkable");
+    let files = || ["s.xml", "m.obj"].map(|name| std::fs::read(at(name)).expect("readable"));
+    let before = files();
+    let out = at("out.exr");
+    let twice = folder.path().join(".").join("out.exr");
+    let twice = twice.to_str().expect("UTF-8");
+    for (option, target, told) in [
+        ("--checkpoint", at("s.xml"), "the scene was read from it"),
+        ("--checkpoint", at("link"), "the scene was read from it"),
+        ("--stats", at("m.obj"), "the scene was read from it"),
+        ("--stats", twice.to_owned(), "is named for two outputs"),
+        ("--checkpoint", out.clone(), "is named for two outputs"),
+    ] {
+        let args = ["render", &at("s.xml"), "--size", "8x8", "--passes", "1", "-o", &out, option, &target];
+        let (status, text) = done(&mut program(&args));
+        assert_eq!(status, Some(2), "{option} {target}: {text}");
+        assert!(text.contains(told), "{text}");
+        assert!(!Path::new(&out).exists());
+    }
+    let converted = ["convert", &at("s.xml"), &at("c.pbrt"), "--report", &at("link")];
+    assert_eq!(done(&mut program(&converted)).0, Some(1));
+    assert_eq!(
+        done(&mut program(&["convert", &at("s.xml"), &at("link.xml"), "--report", &at("m.obj")])).0,
+        Some(1)
+    );
+    assert!(files() == before);
+    // The same picture named twice is written once.
+    let args = ["render", &at("s.xml"), "--size", "8x8", "--passes", "1", "-o", &at("p.png"), "--png"];
+    let (status, text) = done(&mut program(&args));
+    assert_eq!(status, Some(0), "{text}");
+}
+
+/// While the scene is loaded there is nothing to write; the status is the one of later.
+#[test]
+fn signals_while_loading_have_the_status_that_shells_expect() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scene = folder.path().join("s.xml");
+    // Seconds of loading.
+    let sphere = "<shape type='sphere'><point name='center' x='1'/></shape>";
+    let text =
+        format!("<scene version='3.0.0'><sensor type='perspective'/>{}</scene>", sphere.repeat(400_000));
+    std::fs::write(&scene, text).expect("writable");
+    for (name, status) in [("INT", 130), ("TERM", 143)] {
+        let output = folder.path().join("out.exr");
+        let args = ["render", scene.to_str().expect("UTF-8"), "-o", output.to_str().expect("UTF-8")];
+        let mut child = spawned(&mut program(&args));
+        std::thread::sleep(Duration::from_millis(200));
+        signal(&child, name);
+        assert_eq!(child.wait().expect("waited").code(), Some(status), "after SIG{name}");
+        assert!(!output.exists());
+    }
+}
+
+/// `| head`: a reader that has seen enough is no error.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let exe = env!("CARGO_BIN_EXE_caustica");
+    for args in ["render --help-settings", "inspect --json scenes/cornell-glass.xml", "--help"] {
+        let mut shell = Command::new("sh");
+        shell.current_dir(env!("CARGO_MANIFEST_DIR"));
+        let line = format!("(sleep 0.2; '{exe}' {args}; echo status $? >&2) | true");
+        let (_, text) = done(shell.arg("-c").arg(line));
+        assert_eq!(text, "status 0\n", "{args}");
+    }
+}
+
+/// What cannot be written is said, and leaves nothing broken behind.
+#[test]
+fn compare_says_what_it_cannot_write() {
+    let (folder, output) = place();
+    assert_eq!(done(&mut render(&output, &["--passes", "1", "--size", "8x8"])).0, Some(0));
+    let picture = output.to_str().expect("UTF-8");
+    let missing = folder.path().join("no/such/file");
+    for option in ["--json", "--html"] {
+        let ended = program(&["compare", picture, picture, &format!("{option}={}", missing.display())]);
+        let Output { status, stdout, .. } = { ended }.output().expect("the program starts");
+        let text = String::from_utf8_lossy(&stdout).into_owned();
+        assert_eq!(status.code(), Some(2), "{text}");
+        assert!(text.contains("no/such/file"), "{text}");
+    }
+}
+
+/// An address space of a few hundred megabytes (`ulimit -v`): an error, not the end by the allocator.
+#[test]
+fn limits_of_the_process_count_as_its_memory() {
+    let (_folder, output) = place();
+    let render = render(&output, &["--passes", "1", "--size", "8000x8000"]);
+    let quoted = |s: &std::ffi::OsStr| format!("'{}'", s.to_string_lossy());
+    let line: Vec<String> = [render.get_program()].into_iter().chain(render.get_args()).map(quoted).collect();
+    let mut shell = Command::new("sh");
+    shell.current_dir(env!("CARGO_MANIFEST_DIR"));
+    let (status, text) = done(shell.arg("-c").arg(format!("ulimit -v 2000000; exec {}", line.join(" "))));
+    assert_eq!(status, Some(1), "{text}");
+    assert!(text.contains("(--size, --crop) needs about"), "{text}");
+}
+
 #[test]
 fn scenes_read_below_their_folder_only() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -94,6 +94,65 @@ fn problems(name: &str, text: &str) -> String {
     }
 }
 
+fn nested(version: &str, layers: usize, tag: &str) -> String {
+    let (open, close) = (tag.repeat(layers), "</bsdf>".repeat(layers));
+    let view = camera("0,0,3", "0,0,0", 40.0, 4);
+    format!(
+        "<scene version='{version}'>{view}<shape type='sphere'>{open}<bsdf type='diffuse'/>{close}</shape></scene>"
+    )
+}
+
+/// Two-sided materials hold what is below them twice, and so do coats while they are evaluated. Four
+/// coats are rendered.
+#[test]
+fn materials_nested_in_themselves_are_refused() {
+    for layers in [30, 250] {
+        let said = problems("s.xml", &nested("3.0.0", layers, "<bsdf type='twosided'>"));
+        assert!(said.contains("the material consists of more than 1024 BSDFs"), "{said}");
+    }
+    let coats = |layers| problems("s.xml", &nested("0.6.0", layers, "<bsdf type='coating'>"));
+    assert_eq!(coats(4), "");
+    for layers in [5, 200] {
+        let said = coats(layers);
+        assert!(said.contains("more than 4 coats over each other cannot be rendered"), "{said}");
+        assert_eq!(said.matches("error").count(), 1, "{said}");
+    }
+}
+
+/// Textures are walked by functions that call themselves.
+#[test]
+fn a_long_chain_of_textures_is_refused() {
+    let chain = |length: usize| {
+        let links: String = (1..length)
+            .map(|i| format!("Texture \"{i}\" \"spectrum\" \"scale\" \"texture tex\" \"{}\"\n", i - 1))
+            .collect();
+        format!(
+            "Camera \"perspective\" WorldBegin Texture \"0\" \"spectrum\" \"dots\"\n{links}Material \"diffuse\" \"texture reflectance\" \"{}\" Shape \"sphere\"\n",
+            length - 1
+        )
+    };
+    assert_eq!(problems("s.pbrt", &chain(256)), "");
+    let files = Memory([("s.pbrt".into(), chain(50_000).into_bytes())].into());
+    let failure = read_scene(&files, Path::new("s.pbrt"), &ReadOptions::default()).expect_err("too deep");
+    let said = failure.to_string();
+    assert!(said.contains("s.pbrt:257:9"), "{}", &said[..300]);
+    assert!(said.contains("textures refer to each other more than 256 deep"), "{}", &said[..300]);
+}
+
+/// A hundred thousand mistakes in one line of megabytes: some are shown, in seconds.
+#[test]
+fn mistakes_by_the_thousand_are_counted() {
+    let text = format!("<scene version='3.0.0'>{}</scene>", "<shape type='spheer'/>".repeat(100_000));
+    let files = Memory([("s.xml".into(), text.into_bytes())].into());
+    let begun = Instant::now();
+    let failure = read_scene(&files, Path::new("s.xml"), &ReadOptions::default()).expect_err("wrong");
+    let said = failure.to_string();
+    // A second on an idle machine; hours when every one is shown.
+    assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
+    assert!(said.contains("s.xml:1:") && said.len() < 200_000, "{}", said.len());
+    assert!(said.ends_with(" more like these"), "{}", &said[said.len() - 300..]);
+}
+
 /// Forty blends, and forty mixed textures, each of which holds the one before twice.
 #[test]
 fn what_doubles_itself_is_refused() {

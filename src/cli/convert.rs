@@ -57,6 +57,9 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
         WriteError::UnknownLanguage { .. } => Failure::Usage(e.to_string()),
         e => Failure::Work(e.to_string()),
     })?;
+    if let Some(path) = &args.report {
+        written.spare_inputs(path).map_err(|e| e.to_string())?;
+    }
     written.save(&files, args.force).map_err(|e| e.to_string())?;
     for loss in &written.losses {
         report::line(&describe(loss));

@@ -1,8 +1,10 @@
 //! A file source that remembers what it served, so that a render can be tied to its scene.
 
+use std::collections::BTreeSet;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use caustica_formats::files::Files;
 
@@ -13,11 +15,17 @@ use crate::sampling::mix;
 pub struct Hashing<'a> {
     inner: &'a dyn Files,
     sum: AtomicU64,
+    paths: Mutex<BTreeSet<PathBuf>>,
 }
 
 impl<'a> Hashing<'a> {
     pub fn new(inner: &'a dyn Files) -> Self {
-        Self { inner, sum: AtomicU64::new(0) }
+        Self { inner, sum: AtomicU64::new(0), paths: Mutex::default() }
+    }
+
+    /// The files read so far, links followed.
+    pub fn paths(self) -> BTreeSet<PathBuf> {
+        self.paths.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Hash of the contents of all files read so far.
@@ -41,6 +49,9 @@ impl Files for Hashing<'_> {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         let bytes = self.inner.read(path)?;
         self.sum.fetch_add(hash(&bytes), Ordering::Relaxed);
+        if let Ok(real) = std::fs::canonicalize(path) {
+            self.paths.lock().unwrap_or_else(PoisonError::into_inner).insert(real);
+        }
         Ok(bytes)
     }
 

@@ -9,14 +9,16 @@ use signal_hook::flag;
 /// What the signals set.
 #[derive(Debug)]
 pub struct Interrupt {
+    /// True while a signal ends the program at once: before there is anything to write, and after the
+    /// first signal.
     stop: Arc<AtomicBool>,
     signal: Arc<AtomicUsize>,
 }
 
 impl Interrupt {
-    /// Watches from now on. Until then signals end the program as they do by default.
-    pub fn watch() -> Result<Self, String> {
-        let watched = Self { stop: Arc::default(), signal: Arc::default() };
+    /// Signals end the program, with the status that stands for them, until [`Self::watch`].
+    pub fn begin() -> Result<Self, String> {
+        let watched = Self { stop: Arc::new(AtomicBool::new(true)), signal: Arc::default() };
         for signal in [SIGINT, SIGTERM] {
             watched.register(signal).map_err(|e| format!("cannot watch for signal {signal}: {e}"))?;
         }
@@ -33,6 +35,11 @@ impl Interrupt {
         flag::register_usize(signal, self.signal.clone(), signal as usize)?;
         flag::register(signal, self.stop.clone())?;
         Ok(())
+    }
+
+    /// From now on the first signal sets the flag only.
+    pub fn watch(&self) {
+        self.stop.store(false, Ordering::Relaxed);
     }
 
     pub fn flag(&self) -> &AtomicBool {

@@ -1,5 +1,6 @@
 //! Scene file → compiled scene, for every subcommand.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use caustica_formats::confined::Confined;
@@ -142,6 +143,8 @@ pub struct Loaded {
     pub plan: Plan,
     /// Of every file the scene was read from.
     pub hash: String,
+    /// Files the scene was read from, links followed.
+    pub inputs: BTreeSet<PathBuf>,
     /// What of the command line decides how those files are read: name and value.
     pub choices: Vec<(String, String)>,
 }
@@ -243,6 +246,7 @@ impl SceneArgs {
             settings,
             plan,
             hash: files.hash(),
+            inputs: files.paths(),
             choices: self.choices(),
         };
         Ok(Inspected { loaded, ir: scene, warnings, sources })

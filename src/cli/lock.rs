@@ -3,6 +3,8 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
+use super::output;
+
 /// Held while a render may write `path`; the system lets go of it even after kill -9.
 #[derive(Debug)]
 pub struct Lock {
@@ -14,11 +16,13 @@ pub struct Lock {
 impl Lock {
     /// `None` where files cannot be locked, as on some network folders.
     pub fn take(path: &Path) -> Result<Option<Self>, String> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let beside = path.with_file_name(format!(".{name}.lock"));
+        // Through a link the file it stands for is written.
+        let target = output::real(path);
+        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        let beside = target.with_file_name(format!(".{name}.lock"));
         loop {
             let file = File::options().create(true).truncate(false).write(true).open(&beside);
-            let file = file.map_err(|e| format!("cannot write `{}`: {e}", beside.display()))?;
+            let file = file.map_err(|e| format!("cannot write `{}`: {e}", path.display()))?;
             match file.try_lock() {
                 Ok(()) if same(&file, &beside) => return Ok(Some(Self { _file: file, beside })),
                 // The process that had it removed the file between our two steps.

@@ -50,8 +50,15 @@ const FAILED: u8 = 1;
 pub fn main() -> ExitCode {
     // clap prints usage errors itself and exits with 2.
     let arguments = Arguments::parse();
+    let interrupt = match interrupt::Interrupt::begin() {
+        Ok(interrupt) => interrupt,
+        Err(problem) => {
+            report::error(&problem);
+            return ExitCode::from(FAILED);
+        }
+    };
     let result: Result<u8, Failure> = match arguments.command {
-        Command::Render(args) => render::run(&args),
+        Command::Render(args) => render::run(&args, &interrupt),
         Command::Convert(args) => convert::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => Ok(compare::run(&args)),

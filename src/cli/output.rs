@@ -1,5 +1,6 @@
 //! Sums of passes → files.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -130,9 +131,45 @@ impl Output {
     }
 }
 
+/// Fails when two outputs are one file, or one of them is a file that the scene was read from.
+pub fn check_distinct(files: &[&Path], inputs: &BTreeSet<PathBuf>) -> Result<(), Failure> {
+    let mut taken = BTreeSet::new();
+    for file in files {
+        let real = real(file);
+        if inputs.contains(&real) {
+            let shown = file.display();
+            let text = format!("cannot write `{shown}`: the scene was read from it");
+            return Err(Failure::Usage(text));
+        }
+        if !taken.insert(real) {
+            let text = format!("`{}` is named for two outputs", file.display());
+            return Err(Failure::Usage(text));
+        }
+    }
+    Ok(())
+}
+
+/// The file that a path leads to, whether it is there yet or not.
+pub fn real(file: &Path) -> PathBuf {
+    if let Ok(real) = std::fs::canonicalize(file) {
+        return real;
+    }
+    let folder = match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    match (std::fs::canonicalize(folder), file.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => file.to_path_buf(),
+    }
+}
+
 /// Fails when nothing can be written to `file`.
 pub fn check_place(file: &Path) -> Result<(), String> {
     let fail = |why: &dyn std::fmt::Display| Err(format!("cannot write `{}`: {why}", file.display()));
+    if file.as_os_str().to_string_lossy().ends_with(std::path::is_separator) {
+        return fail(&"it names a folder");
+    }
     match std::fs::metadata(file) {
         Ok(old) if old.is_dir() => return fail(&"it is a folder"),
         Ok(old) if !old.is_file() => return fail(&"it is not a regular file"),

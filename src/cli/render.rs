@@ -1,6 +1,6 @@
 //! `caustica render`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -88,7 +88,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a positive number of seconds".to_owned())
 }
 
-pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
+pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     if args.help_settings {
         return Ok(help_settings()?);
     }
@@ -104,7 +104,9 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let mut saver = Saver::new(args.checkpoint_path(&output), &loaded);
     let saving = args.checkpoint.is_some() || args.resume;
     let written = args.stats.iter().chain(saving.then_some(&saver.path));
-    written.into_iter().try_for_each(|file| output::check_place(file))?;
+    written.clone().try_for_each(|file| output::check_place(file))?;
+    let every: Vec<&Path> = output.files.iter().chain(written).map(PathBuf::as_path).collect();
+    output::check_distinct(&every, &loaded.inputs)?;
     let _locks: Vec<_> = output
         .files
         .iter()
@@ -113,6 +115,10 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         .collect::<Result<_, _>>()?;
     let saved = if args.resume { saver.resume()? } else { None };
     let (pixels, done) = saved.unwrap_or_else(|| (Pixels::new(loaded.scene.film.pixel_count()), 0));
+    let asked = args.scene.spp.or(args.scene.passes);
+    if let Some(asked) = asked.filter(|asked| *asked < done && !args.quiet) {
+        report::line(&format!("warning: the checkpoint holds {done} passes; {asked} were asked for"));
+    }
     if args.verbose {
         report::line(&loaded.plan.to_string());
     }
@@ -121,12 +127,11 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         report::line(&format!("warning: {scene}: the scene has no light; the picture will be black"));
     }
 
-    let interrupt = Interrupt::watch()?;
+    interrupt.watch();
     let limited = args.time.is_some() || args.target_error.is_some();
     let budget = Budget {
         // A time or an error ends the render, unless a number of passes was asked for as well.
-        passes: (!limited || args.scene.spp.or(args.scene.passes).is_some())
-            .then_some(loaded.settings.passes),
+        passes: (!limited || asked.is_some()).then_some(loaded.settings.passes),
         time: args.time,
         error: args.target_error,
         interrupt: Some(interrupt.flag()),
@@ -177,7 +182,7 @@ impl RenderArgs {
             Some(None) => files.push(main.with_extension("png")),
             None => {}
         }
-        files.dedup();
+        files.dedup_by_key(|file| output::real(file));
         let mut layers = Vec::new();
         for name in self.layers.split(',').map(str::trim).filter(|n| !n.is_empty()) {
             match name {

@@ -16,9 +16,12 @@ pub fn error(message: &str) {
     }
 }
 
-/// Prints data for machines and pagers to stdout.
+/// Prints data for machines and pagers to stdout. A pager that was closed has seen enough.
 pub fn data(text: &str) -> Result<(), String> {
-    writeln!(std::io::stdout(), "{text}").map_err(|e| format!("cannot write to stdout: {e}"))
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(format!("cannot write to stdout: {e}")),
+        _ => Ok(()),
+    }
 }
 
 /// 12345678 → "12.35 M".

@@ -19,14 +19,17 @@ const FLUSH_INTERVAL: Duration = Duration::from_secs(10);
 pub struct Saver {
     pub path: PathBuf,
     identity: Vec<(String, String)>,
+    /// Pixels that a checkpoint must have.
+    pixels: usize,
     flushed: Instant,
-    /// Said once; the render goes on without checkpoints.
+    /// Said once; the render goes on, and so do the attempts, each time of a flush.
     failed: bool,
 }
 
 impl Saver {
     pub fn new(path: PathBuf, loaded: &Loaded) -> Self {
-        Self { path, identity: identity(loaded), flushed: Instant::now(), failed: false }
+        let pixels = loaded.scene.film.pixel_count();
+        Self { path, identity: identity(loaded), pixels, flushed: Instant::now(), failed: false }
     }
 
     /// The saved sums and their passes; nothing when there is no checkpoint yet.
@@ -41,21 +44,28 @@ impl Saver {
             read => read.map_err(problem)?,
         };
         saved.check(&self.identity).map_err(problem)?;
+        if saved.pixels.len() != self.pixels {
+            return Err(problem(CheckpointError::Invalid("it has another number of pixels")));
+        }
         Ok(Some((saved.pixels, saved.passes)))
     }
 
     /// After each pass, so that a killed render loses one at most.
     pub fn after_pass(&mut self, pixels: &Pixels, passes: u32) {
-        if self.failed {
-            return;
-        }
         let flush = self.flushed.elapsed() >= FLUSH_INTERVAL;
         if flush {
             self.flushed = Instant::now();
+        } else if self.failed {
+            return;
         }
-        if let Err(problem) = self.save(pixels, passes, flush) {
-            self.failed = true;
-            report::line(&format!("warning: {problem}; rendering goes on without checkpoints"));
+        match self.save(pixels, passes, flush) {
+            Ok(()) => self.failed = false,
+            Err(problem) => {
+                if !self.failed {
+                    report::line(&format!("warning: {problem}; rendering goes on, and this is tried again"));
+                }
+                self.failed = true;
+            }
         }
     }
 

@@ -57,7 +57,10 @@ impl<'a> Reader<'a> {
     }
 
     /// So many f64.
-    fn numbers(&mut self, count: usize) -> Result<impl Iterator<Item = f64> + use<'a>, CheckpointError> {
+    fn numbers(
+        &mut self,
+        count: usize,
+    ) -> Result<impl Iterator<Item = f64> + Clone + use<'a>, CheckpointError> {
         let bytes = self.take(count.checked_mul(8).ok_or(CheckpointError::Invalid("its size is absurd"))?)?;
         Ok(bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)))
     }
@@ -115,6 +118,9 @@ impl Checkpoint {
         let passes = r.u32()?;
         let count = r.u32()? as usize;
         let values = r.numbers(count.saturating_mul(STRIDE))?;
+        if !values.clone().all(f64::is_finite) {
+            return Err(CheckpointError::Invalid("a number in it is not finite"));
+        }
         let mut pixels = Pixels::new(count);
         pixels.as_mut_slice().iter_mut().flatten().zip(values).for_each(|(to, from)| *to = from);
         let mut list = || {

@@ -80,6 +80,9 @@ impl Diagnostic {
     }
 }
 
+/// Messages printed at once: a file whose every line is wrong is not told line by line.
+const SHOWN: usize = 100;
+
 /// The last boundary between characters of `text` at or before `offset`.
 pub(crate) fn char_floor(text: &str, offset: usize) -> usize {
     let mut offset = offset.min(text.len());
@@ -145,7 +148,8 @@ impl SourceMap {
         format!("{}:{line}:{column}", self.path(span.file).display())
     }
 
-    /// Human-readable text of all diagnostics, with excerpts, worst first in source order.
+    /// Human-readable text of diagnostics in their order, with excerpts, and how many there are beyond
+    /// the first [`SHOWN`].
     pub fn render(&self, diagnostics: &[Diagnostic]) -> String {
         let mut files = SimpleFiles::new();
         for (path, text) in &self.files {
@@ -153,7 +157,7 @@ impl SourceMap {
         }
         let config = term::Config::default();
         let mut out = String::new();
-        for d in diagnostics {
+        for d in diagnostics.iter().take(SHOWN) {
             let severity = match d.severity {
                 Severity::Note => codespan::Severity::Note,
                 Severity::Warning => codespan::Severity::Warning,
@@ -164,15 +168,21 @@ impl SourceMap {
             };
             let mut labels: Vec<_> = d.span.iter().map(|&s| label(LabelStyle::Primary, s)).collect();
             labels.extend(d.labels.iter().map(|(s, t)| label(LabelStyle::Secondary, *s).with_message(t)));
+            let mut text = String::new();
             let message = codespan::Diagnostic::new(severity)
                 .with_message(&d.message)
                 .with_labels(labels)
                 .with_notes(d.help.iter().map(|h| format!("help: {h}")).collect());
             // Writing to a String fails only for a label outside its file; then the bare message serves.
-            if term::emit_to_string(&mut out, &config, &files, &message).is_err() {
-                out.push_str(&format!("{:?}: {}\n", d.severity, d.message));
+            if term::emit_to_string(&mut text, &config, &files, &message).is_err() {
+                text.push_str(&format!("{:?}: {}\n", d.severity, d.message));
             }
+            // Each on its own: all excerpts of a long line would together be many times its length.
+            out.push_str(&narrow::narrowed(&text));
         }
-        narrow::narrowed(&out)
+        if let Some(more) = diagnostics.len().checked_sub(SHOWN).filter(|more| *more > 0) {
+            out.push_str(&format!("... and {more} more like these\n"));
+        }
+        out
     }
 }

@@ -5,6 +5,7 @@
 //! with its table of types.
 
 mod color;
+mod depths;
 mod directive;
 mod film;
 mod finish;

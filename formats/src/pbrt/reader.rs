@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
 
+use super::depths::Depths;
 use super::directive::{Directive, Param, Value};
 use super::params::Params;
 use super::plugin::{self, Plugin, Status};
@@ -51,6 +52,7 @@ pub(super) struct Reader<'a> {
     systems: HashMap<String, Ctm>,
     pub float_textures: HashMap<String, (FloatInput, Span)>,
     pub color_textures: HashMap<String, (ColorInput, Span)>,
+    pub texture_depths: Depths,
     pub materials: HashMap<String, Named<Bsdf>>,
     pub default_material: Option<Id<Bsdf>>,
     pub media: HashMap<String, Span>,
@@ -92,6 +94,7 @@ impl<'a> Reader<'a> {
             systems: HashMap::new(),
             float_textures: HashMap::new(),
             color_textures: HashMap::new(),
+            texture_depths: Depths::default(),
             materials: HashMap::new(),
             default_material: None,
             media: HashMap::new(),

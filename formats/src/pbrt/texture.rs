@@ -1,6 +1,7 @@
 //! Textures. A `constant` one is its value; the others enter the scene.
 
 use super::color::Use;
+use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param, ParamType};
 use super::params::Params;
 use super::plugin::{Plugin, read, unsupported};
@@ -91,8 +92,14 @@ impl Reader<'_> {
         self.done(p);
         let input = match made {
             Some(Made::Input(input)) => input,
-            Some(Made::Texture(kind)) => {
+            Some(Made::Texture(mut kind)) => {
                 let origin = crate::ir::Origin(Some(name_span));
+                let below = self.texture_depths.below(&mut kind);
+                if below == MAX_DEPTH {
+                    let text = format!("textures refer to each other more than {MAX_DEPTH} deep");
+                    return self.error(text, name_span);
+                }
+                self.texture_depths.set(self.scene.textures.len(), below + 1);
                 ColorInput::Texture(self.scene.textures.push(Texture {
                     name: Some(name.clone()),
                     origin,

@@ -124,10 +124,19 @@ impl Written {
         atomic_write(&self.path, self.text.as_bytes()).map_err(io(&self.path))
     }
 
-    fn check(&self, target: &Path, replace: bool) -> Result<(), WriteError> {
-        if self.inputs.contains(&output::normal(target)) {
+    /// # Errors
+    /// When the scene was read from `target`, be it through a link.
+    pub fn spare_inputs(&self, target: &Path) -> Result<(), WriteError> {
+        let linked = std::fs::canonicalize(target).ok();
+        let same = |input: &PathBuf| linked.is_some() && std::fs::canonicalize(input).ok() == linked;
+        if self.inputs.contains(&output::normal(target)) || self.inputs.iter().any(same) {
             return Err(WriteError::OverInput(target.to_path_buf()));
         }
+        Ok(())
+    }
+
+    fn check(&self, target: &Path, replace: bool) -> Result<(), WriteError> {
+        self.spare_inputs(target)?;
         if target.exists() && !replace {
             return Err(WriteError::Exists(target.to_path_buf()));
         }

@@ -6,14 +6,17 @@ use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
 use super::Builder;
 use crate::bsdf::{
-    Between, CoatingModel, ConductorModel, Interreflection, Metal, Node, PlasticModel, Returned,
-    RoughConductorModel, Roughness, Walk,
+    Between, CoatingModel, ConductorModel, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
+    Returned, RoughConductorModel, Roughness, Walk,
 };
 use crate::math::Rgb;
 use crate::texture::Param;
 
 const BLACK: Param = Param::Constant(Rgb::ZERO);
 const WHITE: Param = Param::Constant(Rgb::ONE);
+
+/// Each coat takes twice the time of what lies below it.
+const MAX_COATS: u32 = 4;
 
 impl Builder<'_> {
     pub(super) fn coat(
@@ -36,7 +39,13 @@ impl Builder<'_> {
             }
         };
         let specular = self.param(specular, ColorSlot::Reflectance, origin);
+        if self.materials.coats == MAX_COATS {
+            self.error(format!("more than {MAX_COATS} coats over each other cannot be rendered"), origin);
+            return DiffuseModel { reflectance: BLACK }.into();
+        }
+        self.materials.coats += 1;
         let nested = self.node(nested);
+        self.materials.coats -= 1;
         let rough = microfacet.and_then(|m| self.roughness(m));
         let coat = Coat { eta, absorption, specular, rough, interreflection: Interreflection::None };
         self.coating(coat, nested, origin)

@@ -21,7 +21,7 @@ use crate::texture::Param;
 /// α below which pbrt-v4 drops the microfacets.
 const PBRT_SMOOTH: f32 = 1e-3;
 
-/// Blends that double each other thirty times would fill the memory.
+/// Blends or two-sided materials that double each other thirty times would fill the memory.
 const MAX_PARTS: u32 = 1024;
 
 #[derive(Default)]
@@ -32,6 +32,8 @@ pub struct MaterialTable {
     black: Option<u32>,
     /// BSDFs of the material that is being built.
     parts: u32,
+    /// Coats around what is being built.
+    pub(super) coats: u32,
     /// By distribution, bits of α (none: any α) and of the relative index.
     transmittances: HashMap<(Kind, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
 }
@@ -109,7 +111,7 @@ impl Builder<'_> {
     pub(super) fn node(&mut self, id: ir::Id<ir::Bsdf>) -> Node {
         let bsdf = &self.ir.bsdfs[id];
         let origin = bsdf.origin;
-        self.materials.parts += 1;
+        self.materials.parts = self.materials.parts.saturating_add(1);
         if self.materials.parts > MAX_PARTS {
             return diffuse(Param::Constant(DEFAULT_REFLECTANCE));
         }
@@ -150,8 +152,12 @@ impl Builder<'_> {
                 }
             }
             BsdfKind::TwoSided { front, back } => {
+                let before = self.materials.parts;
                 let f = self.node(*front);
-                let b = back.map_or_else(|| f.clone(), |b| self.node(b));
+                let b = match back {
+                    Some(back) => self.node(*back),
+                    None => self.twin(&f, self.materials.parts - before),
+                };
                 if f.nature().transmits || b.nature().transmits {
                     self.error("only materials that let no light through can be made two-sided", origin);
                 }
@@ -236,6 +242,15 @@ impl Builder<'_> {
                 self.coated_conductor(conductor, microfacet, coat, origin)
             }
         }
+    }
+
+    /// The same once more, which counts as so many parts again.
+    fn twin(&mut self, node: &Node, parts: u32) -> Node {
+        self.materials.parts = self.materials.parts.saturating_add(parts);
+        if self.materials.parts > MAX_PARTS {
+            return diffuse(Param::Constant(DEFAULT_REFLECTANCE));
+        }
+        node.clone()
     }
 
     fn tilted(&mut self, relief: Relief, shading: ir::PerturbedShading, nested: ir::Id<ir::Bsdf>) -> Node {

@@ -48,7 +48,8 @@ pub fn load_sized(path: &Path, reference: &Path, size: [usize; 2]) -> Result<Pix
 
 /// A file of the run's folder, written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), BenchError> {
-    std::fs::write(path, bytes).map_err(|source| BenchError::Io { path: path.to_path_buf(), source })
+    caustica_formats::image::atomic_write(path, bytes)
+        .map_err(|source| BenchError::Io { path: path.to_path_buf(), source })
 }
 
 /// Creates a folder and those above it.

@@ -7,8 +7,8 @@ use super::{
 use crate::metrics::{Variance, VarianceKind};
 use crate::pixels::Pixels;
 use crate::report::Page;
+use caustica_formats::image::atomic_write;
 use serde::Serialize;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -72,18 +72,34 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write) -> Status {
         Status::FallsShort
     };
     report.status = status.code();
-    if let (Some(page), Some(path)) = (page, &args.html)
-        && let Err(source) = fs::write(path, page.render(&report))
-    {
-        let error = CompareError::Io { path: path.clone(), source };
-        report.failures.push(failure(&args.image, &args.reference, &error));
-        status = Status::CouldNotCompare;
-        report.status = status.code();
+    let mut written = |path: &Path, bytes: &[u8], report: &mut Report| {
+        if let Err(source) = atomic_write(path, bytes) {
+            let error = CompareError::Io { path: path.to_path_buf(), source };
+            report.failures.push(failure(&args.image, &args.reference, &error));
+            status = Status::CouldNotCompare;
+            report.status = status.code();
+        }
+    };
+    if let (Some(page), Some(path)) = (page, &args.html) {
+        let page = page.render(&report);
+        written(path, page.as_bytes(), &mut report);
+    }
+    if let Some(Some(path)) = &args.json {
+        let json = to_json(&report);
+        written(path, json.as_bytes(), &mut report);
     }
     match write_report(args, folder, &report, out) {
-        Ok(()) => status,
-        Err(_) => Status::CouldNotCompare,
+        // Whoever reads may stop before the end.
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            let _closed = writeln!(io::stderr(), "error: cannot write to stdout: {e}");
+            Status::CouldNotCompare
+        }
+        _ => status,
     }
+}
+
+fn to_json(report: &Report) -> String {
+    serde_json::to_string_pretty(report).expect("plain numbers and texts")
 }
 
 fn compare_all(
@@ -230,13 +246,8 @@ fn failure(image: &Path, reference: &Path, error: &CompareError) -> Failure {
 }
 
 fn write_report(args: &CompareArgs, folder: bool, report: &Report, out: &mut dyn Write) -> io::Result<()> {
-    match &args.json {
-        Some(None) => {
-            serde_json::to_writer_pretty(&mut *out, report)?;
-            return writeln!(out);
-        }
-        Some(Some(path)) => fs::write(path, serde_json::to_vec_pretty(report)?)?,
-        None => {}
+    if args.json == Some(None) {
+        return writeln!(out, "{}", to_json(report));
     }
     if folder {
         write_rows(&report.comparisons, out)?;
