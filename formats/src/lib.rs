@@ -5,6 +5,7 @@
 
 pub mod confined;
 pub mod diagnostic;
+mod encoding;
 pub mod files;
 pub mod image;
 pub mod ir;

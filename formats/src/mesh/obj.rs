@@ -3,6 +3,7 @@
 //! All objects and groups become one mesh. A vertex is a distinct (position, uv, normal) triple.
 //! Faces of fewer than three corners have no area and are left out.
 
+use crate::encoding::to_utf8;
 use std::collections::HashMap;
 
 use super::{Mesh, MeshError, MeshOptions, finish};
@@ -10,7 +11,7 @@ use super::{Mesh, MeshError, MeshOptions, finish};
 /// Reads an OBJ file. Indices may be relative (negative) and may precede what they refer to;
 /// `\` at the end of a line continues it.
 pub fn read_obj(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> {
-    let file = parse(bytes)?;
+    let file = parse(&to_utf8(bytes))?;
     file.check_indices()?;
     Ok(finish(file.index(), options))
 }

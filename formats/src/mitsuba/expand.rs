@@ -8,6 +8,7 @@ use super::tree::{Element, MAX_DEPTH};
 use super::version::Version;
 use super::xml;
 use crate::diagnostic::{Diagnostic, SourceMap, Span, nearest};
+use crate::encoding::into_utf8;
 use crate::files::{Files, Included};
 use crate::missing::{find, not_found};
 use crate::read::ReadOptions;
@@ -131,9 +132,8 @@ impl<'a> Expander<'a> {
         if u32::try_from(bytes.len()).is_err() {
             return Err("a scene file must be smaller than 4 GiB".to_owned());
         }
-        let text = String::from_utf8(bytes)
-            .map_err(|e| format!("not UTF-8 text at byte {}", e.utf8_error().valid_up_to()))?;
-        Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+        String::from_utf8(into_utf8(bytes))
+            .map_err(|e| format!("not UTF-8 text at byte {}", e.utf8_error().valid_up_to()))
     }
 
     fn version(&mut self, root: &Element, inherited: Option<Version>) -> Version {

@@ -6,6 +6,7 @@ use super::directive::{Directive, Value};
 use super::parse::parse;
 use super::upgrade::Old;
 use crate::diagnostic::{Diagnostic, SourceMap, Span};
+use crate::encoding::into_utf8;
 use crate::files::{Files, Included, is_gzip, unpack};
 use crate::missing::{find, not_found};
 
@@ -132,13 +133,11 @@ impl<'a> Loader<'a> {
     fn text(&self, path: &Path) -> Result<String, String> {
         let bytes = self.files.read(path).map_err(|e| e.to_string())?;
         let bytes = if is_gzip(&bytes) { unpack(&bytes, MAX_TEXT)? } else { bytes };
-        if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-            return Err("it is UTF-16; save it as UTF-8".to_owned());
-        }
         if bytes.len() as u64 > MAX_TEXT {
             return Err("it is over 4 GiB".to_owned());
         }
         // Old scenes have Latin-1 letters in comments; they harm nobody.
-        Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+        let text = String::from_utf8(into_utf8(bytes));
+        Ok(text.unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
     }
 }
