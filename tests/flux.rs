@@ -172,7 +172,8 @@ fn light_aimed_through_a_window_is_not_more() {
                   <rgb name='irradiance' value='5'/></emitter>";
     let scene = scene(&format!("{}{strips}{sides}{lights}", camera("0,0,0", "0,1,0", 40.0, 4)));
     let job = |key, paths| TraceJob { next_event: true, ..job(key, paths, u32::MAX) };
-    let aim = aim(&scene, &job(7, 1 << 17), Halt::default()).expect("few paths find the window");
+    let aim =
+        aim(&scene, &job(7, 1 << 17), &scene.sphere, Halt::default()).expect("few paths find the window");
     // Mean and standard error of the stored flux over traces, and all photons.
     let stored = |aim: Option<&Aim>, traces: u64| {
         let traces: Vec<_> =

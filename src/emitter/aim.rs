@@ -7,13 +7,14 @@ use crate::math::{Frame, Vec2, Vec3};
 use crate::sampling::{Discrete, warp};
 
 /// Spheres that are worth more of the light from infinity than the rest of the scene: what led to photons passed through
-/// them, windows for example. Light that starts towards them carries less each, so that nothing is added.
+/// them, windows for example, or they are where the camera looks. Light that starts towards them carries less each, so
+/// that nothing is added.
 #[derive(Clone, Debug)]
 pub struct Aim {
-    centers: Vec<Vec3>,
-    /// Of a centre.
+    /// The whole scene is one of them: no light is left out.
+    targets: Vec<SceneSphere>,
+    /// Of a target.
     choice: Discrete,
-    radius: f32,
 }
 
 /// A ray from outside of the scene to what it met first, and what it brought.
@@ -34,7 +35,16 @@ const ACROSS: [f32; 4] = [16.0, 8.0, 4.0, 2.0];
 const HITS: usize = 4;
 
 /// Share that goes everywhere as before: what the pilot missed is not lost, and weighs four times as much at most.
-const EVERYWHERE: f32 = 0.25;
+const EVERYWHERE: f64 = 0.25;
+
+/// A scene this many times larger than what the camera sees of it gets hardly any light there.
+const VAST: f32 = 8.0;
+
+/// Radius of each of the spheres around what the camera sees, against that of the next smaller.
+const WIDER: f32 = 2.0;
+
+/// Radius of the smallest of them against the scene's: single precision puts light on the disk as finely as 2⁻²⁴ of it.
+const FINEST: f32 = 1.0 / 16384.0;
 
 impl Aim {
     /// From what reached places that matter. `None` where few targets do not tell its way.
@@ -43,35 +53,51 @@ impl Aim {
             let size = scene.radius / across;
             let found = cover(scene, arrows, size).filter(|cells| cells.len() * HITS <= arrows.len())?;
             let center = |cell: Cell| scene.center + (Vec3::from(cell.map(|x| x as f32)) + 0.5) * size;
+            // Half of a cell's diagonal.
+            let radius = size * 0.75f32.sqrt();
+            let all: f64 = found.iter().map(|c| c.1).sum();
+            let shares = found.iter().map(|c| (1.0 - EVERYWHERE) * c.1 / all);
+            let cells = found.iter().map(|c| SceneSphere { center: center(c.0), radius });
             Some(Self {
-                centers: found.iter().map(|c| center(c.0)).collect(),
-                choice: Discrete::new(found.iter().map(|c| c.1)),
-                // Half of a cell's diagonal.
-                radius: size * 0.75f32.sqrt(),
+                targets: std::iter::once(*scene).chain(cells).collect(),
+                choice: Discrete::new(std::iter::once(EVERYWHERE).chain(shares)),
             })
         })
     }
 
+    /// As much to `seen` as to a sphere around it twice as wide, to the next, and to the whole scene: on a vast
+    /// floor, no other light comes near the camera. `None` where the scene is not vast.
+    pub fn around(scene: &SceneSphere, seen: &SceneSphere) -> Option<Self> {
+        if seen.radius.is_nan() || seen.radius <= 0.0 || scene.radius <= VAST * seen.radius {
+            return None;
+        }
+        let radii = std::iter::successors(Some(seen.radius.max(FINEST * scene.radius)), |r| Some(r * WIDER));
+        let near = radii
+            .take_while(|r| *r < 0.5 * scene.radius)
+            .map(|radius| SceneSphere { center: seen.center, radius });
+        let targets: Vec<SceneSphere> = near.chain([*scene]).collect();
+        let choice = Discrete::new(targets.iter().map(|_| 1.0));
+        Some(Self { targets, choice })
+    }
+
     /// A place on the disk that the scene shows, and the density of an even choice over the one it was chosen with.
     fn place(&self, scene: &SceneSphere, frame: &Frame, u: Vec2) -> (Vec2, f32) {
-        let at = |center: &Vec3| {
-            let local = frame.to_local(*center - scene.center);
+        let at = |target: &SceneSphere| {
+            let local = frame.to_local(target.center - scene.center);
             Vec2::new(local.x, local.y)
         };
-        let place = if u.x < EVERYWHERE {
-            warp::disk(Vec2::new(u.x / EVERYWHERE, u.y)) * scene.radius
-        } else {
-            let (i, within) = self.choice.sample((u.x - EVERYWHERE) / (1.0 - EVERYWHERE));
-            at(&self.centers[i]) + warp::disk(Vec2::new(within, u.y)) * self.radius
-        };
-        let near = self.radius * self.radius;
-        let aimed: f32 = (0..self.centers.len())
-            .filter(|&i| (at(&self.centers[i]) - place).length_squared() <= near)
-            .map(|i| self.choice.probability(i))
+        let (i, within) = self.choice.sample(u.x);
+        let target = &self.targets[i];
+        let place = at(target) + warp::disk(Vec2::new(within, u.y)) * target.radius;
+        let relative: f32 = self
+            .targets
+            .iter()
+            .zip(0..)
+            .filter(|(t, _)| (at(t) - place).length_squared() <= t.radius * t.radius)
+            .map(|(t, i)| self.choice.probability(i) * (scene.radius / t.radius).powi(2))
             .sum();
-        let even = if place.length_squared() <= scene.radius * scene.radius { 1.0 } else { 0.0 };
-        let relative = EVERYWHERE * even + (1.0 - EVERYWHERE) * aimed * (scene.radius * scene.radius / near);
-        (place, 1.0 / relative)
+        // Rounding may put a place just outside of the target that it was chosen in.
+        (place, if relative > 0.0 { 1.0 / relative } else { 0.0 })
     }
 }
 
@@ -160,7 +186,7 @@ mod tests {
         // By the first target, a quarter of the disk, all of it.
         let mut sums = [0.0f64; 3];
         let frame = Frame::from_normal(d);
-        let first = frame.to_local(aim.centers[0] - sphere.center);
+        let first = frame.to_local(aim.targets[1].center - sphere.center);
         let first = Vec2::new(first.x, first.y);
         for _ in 0..n {
             let (o, weight) = arena.enter(d, Vec2::from(rng.next_2d()));

@@ -8,7 +8,7 @@ use super::arrive::{Arrival, Sight, arrive};
 use super::direct::{next_event, scattered_lamp};
 use super::{CameraSample, Integrator, PassStats, Scratch};
 use crate::bsdf::{Closure, Range, Transport};
-use crate::emitter::Aim;
+use crate::emitter::{Aim, SceneSphere};
 use crate::film::{Layer, Radiance};
 use crate::math::{Ray, Rgb, Vec2, Vec3};
 use crate::photon::trace::{Halt, TraceJob, Traced, aim, trace_until};
@@ -87,8 +87,9 @@ impl<'a> PhotonMapper<'a> {
     pub fn halting(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings, halts: [Halt<'a>; 2]) -> Self {
         let mut mapper = Self::unmeasured(scene, plan, settings, halts);
         let places = if plan.global_map || plan.caustics { mapper.gather_places() } else { Vec::new() };
+        let seen = radius::around(&places);
         for which in [Which::Global, Which::Caustic] {
-            mapper.take_aim(which);
+            mapper.take_aim(which, &seen);
             mapper.paths[which as usize] = mapper.path_count(which);
             mapper.measure(which, &places);
         }
@@ -101,10 +102,10 @@ impl<'a> PhotonMapper<'a> {
         Self { scene, plan, settings, halts, aims, paths, radii, pilots, kept }
     }
 
-    fn take_aim(&mut self, which: Which) {
+    fn take_aim(&mut self, which: Which, seen: &SceneSphere) {
         if self.wanted(which) {
             let job = self.job(which, u32::MAX, PILOT);
-            self.aims[which as usize] = aim(self.scene, &job, self.halts[0]);
+            self.aims[which as usize] = aim(self.scene, &job, seen, self.halts[0]);
         }
     }
 
@@ -116,7 +117,8 @@ impl<'a> PhotonMapper<'a> {
             match count {
                 Count::Stored(n) if mapper.wanted(which) => n,
                 Count::Paths(n) if mapper.wanted(which) && n > MANY => {
-                    mapper.take_aim(which);
+                    let seen = radius::around(&mapper.gather_places());
+                    mapper.take_aim(which, &seen);
                     let stored = mapper.traced(which, u32::MAX, PILOT).photons.len();
                     (n as f64 * stored as f64 / PILOT as f64) as u64
                 }

@@ -1,6 +1,7 @@
 //! Search radii: the first from the measured density of photons, the later by a fixed schedule.
 
 use super::store::{Photon, PhotonMap, Query};
+use crate::emitter::SceneSphere;
 use crate::math::Vec3;
 
 /// A place where the density is measured.
@@ -64,6 +65,17 @@ fn largest(scene_radius: f32) -> f32 {
 pub fn pixel(places: &[Place]) -> f32 {
     let mut footprints: Vec<f32> = places.iter().map(|p| p.footprint).collect();
     quantile(&mut footprints, 0.5).unwrap_or(0.0)
+}
+
+/// A sphere around most of the places, three in four; its radius is 0 without any.
+pub fn around(places: &[Place]) -> SceneSphere {
+    let middle = |axis: usize| {
+        let mut along: Vec<f32> = places.iter().map(|at| at.p[axis]).collect();
+        quantile(&mut along, 0.5).unwrap_or(0.0)
+    };
+    let center = Vec3::new(middle(0), middle(1), middle(2));
+    let mut distances: Vec<f32> = places.iter().map(|at| at.p.distance(center)).collect();
+    SceneSphere { center, radius: quantile(&mut distances, 0.75).unwrap_or(0.0) }
 }
 
 /// The radius between half a pixel and [`MOST_PIXELS`], and no larger than a tenth of the scene.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{LightPath, Owner, Photon};
 use crate::bsdf::{Event, Range, Transport};
-use crate::emitter::{Aim, Arrow, Emitter};
+use crate::emitter::{Aim, Arrow, Emitter, SceneSphere};
 use crate::film::Rejected;
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Sampler, mix};
@@ -121,11 +121,14 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<
 /// Share of the paths from infinity that leave photons above which they need no aim.
 const ENOUGH: f64 = 0.2;
 
-/// Where light from infinity is to be sent, by a pilot of `job` and, aimed by that, another; `None` where it comes in
-/// anyway, or nowhere.
-pub fn aim(scene: &Scene, job: &TraceJob, halt: Halt<'_>) -> Option<Aim> {
+/// Where light from infinity is to be sent: around what the camera sees (`seen`) of a scene that is much larger, else
+/// by a pilot of `job` and, aimed by that, another; `None` where it comes in anyway, or nowhere.
+pub fn aim(scene: &Scene, job: &TraceJob, seen: &SceneSphere, halt: Halt<'_>) -> Option<Aim> {
     if !scene.emitters.iter().any(Emitter::is_infinite) {
         return None;
+    }
+    if let Some(aim) = Aim::around(&scene.sphere, seen) {
+        return Some(aim);
     }
     let (met, found) = arrows(scene, job, None, halt);
     if found.len() as f64 > ENOUGH * met as f64 {

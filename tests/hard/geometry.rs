@@ -176,6 +176,24 @@ fn balls_of_1e_minus_5_and_1e5_meet() {
     agree("balls of 1e-5 and 1e5, direct light, photon map", "as path", direct(&maps), direct(&path), 0.02);
 }
 
+/// On a vast floor nearly all light of the sky falls where nobody looks. What a ball gets from the floor is
+/// a fifth of its light, and was missing when all places were alike.
+#[test]
+fn light_finds_what_stands_on_a_vast_floor() {
+    let body = [
+        "<sensor type='perspective'><float name='fov' value='30'/>
+         <transform name='to_world'><lookat origin='0,4,8' target='0,1,0' up='0,1,0'/></transform>",
+        &crate::support::film(24, 24),
+        "</sensor><emitter type='constant'><rgb name='radiance' value='1'/></emitter>",
+        &rectangle(1e4, UP, &diffuse("0.5")),
+        &sphere("0,1,0", 1.0, &diffuse("0.5")),
+    ];
+    let scene = scene(&body.concat());
+    let path = render(&scene, PATH.1, 512);
+    let maps = render(&scene, &[("photons", "65536")], 256);
+    agree("ball on a floor of 1e4, photon map", "as path", maps.beauty(1), path.beauty(1), 0.02);
+}
+
 #[test]
 fn glass_that_overlaps_touches_and_shares_walls_is_invisible_in_a_furnace() {
     let scene = hard_scene("nested-glass", &[("size", "20")]);
