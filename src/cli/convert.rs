@@ -9,6 +9,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::load::{SpectralRule, pair};
+use super::output::check_place;
 use super::{check, report};
 
 #[derive(Debug, Args)]
@@ -60,6 +61,7 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     if let Some(path) = &args.report {
         written.spare_inputs(path).map_err(|e| e.to_string())?;
     }
+    check_place(&args.output)?;
     written.save(&files, args.force).map_err(|e| e.to_string())?;
     for loss in &written.losses {
         report::line(&describe(loss));

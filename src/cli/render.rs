@@ -257,6 +257,13 @@ impl RenderArgs {
         for (cause, n) in s.rejected.causes().into_iter().filter(|(_, n)| *n > 0) {
             report::line(&format!("warning: left out {n} {cause}"));
         }
+        if s.light_paths > 0 && s.photons_stored == 0 {
+            let paths = count(s.light_paths as f64);
+            report::line(&format!(
+                "warning: none of {paths} light paths left a photon: what lamps do not light directly is missing, \
+                 if there is any (--integrator path tells)"
+            ));
+        }
         if !self.quiet {
             report::line(&self.table(outcome, load_seconds));
             for file in written {

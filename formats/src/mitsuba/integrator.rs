@@ -133,11 +133,17 @@ impl<'a> Reader<'a> {
                 self.as_path(props)
             }
             Found::Unknown => {
-                let text = format!("unknown integrator plugin `{}`: `path` is used", object.plugin);
-                let problem = Diagnostic::warning(text, Some(object.span));
-                self.problems.push(match nearest(&object.plugin, INTEGRATORS.iter().map(|row| row.name)) {
-                    Some(known) => problem.help(format!("did you mean `{known}`?")),
-                    None => problem,
+                let name = &object.plugin;
+                // Integrators of other renderers are made up for; a slip of the pen would lose their parameters.
+                self.problems.push(match nearest(name, INTEGRATORS.iter().map(|row| row.name)) {
+                    Some(known) => {
+                        let text = format!("unknown integrator plugin `{name}`");
+                        Diagnostic::error(text, Some(object.span)).help(format!("did you mean `{known}`?"))
+                    }
+                    None => {
+                        let text = format!("unknown integrator plugin `{name}`: `path` is used");
+                        Diagnostic::warning(text, Some(object.span))
+                    }
                 });
                 self.as_path(props)
             }

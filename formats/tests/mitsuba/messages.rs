@@ -296,6 +296,15 @@ fn unsupported_plugin() {
 
 #[test]
 fn unknown_integrators_become_path() {
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <integrator type='photonmaper'/>\n</scene>"), @r#"
+    error: unknown integrator plugin `photonmaper`
+      ┌─ scene.xml:2:21
+      │
+    2 │   <integrator type='photonmaper'/>
+      │                     ^^^^^^^^^^^
+      │
+      = help: did you mean `photonmapper`?
+    "#);
     assert_snapshot!(warnings("<scene version='2.0.0'>\n  <integrator type='path_sms_ss'/>\n</scene>", false), @r#"
     warning: unknown integrator plugin `path_sms_ss`: `path` is used
       ┌─ scene.xml:2:21

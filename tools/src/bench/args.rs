@@ -12,7 +12,8 @@ pub struct BenchArgs {
     /// output
     #[arg(value_name = "SCENE|BENCH.json", required_unless_present = "study")]
     pub scenes: Vec<PathBuf>,
-    /// True picture of each scene, in their order; its size is the size of every render
+    /// True picture of each scene, in their order; its size is the size of every render. All render with a
+    /// box filter, and so must it have been (`--filter box`)
     #[arg(long = "reference", value_name = "REF.exr")]
     pub references: Vec<PathBuf>,
     /// Configurations: caustica[:KEY=VALUE,...], caustica:path, mitsuba:VARIANT:INTEGRATOR,
