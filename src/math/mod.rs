@@ -52,6 +52,13 @@ pub struct Bounds {
 impl Bounds {
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
+    /// The smallest around all points; empty without any.
+    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+        let mut bounds = Self::EMPTY;
+        points.into_iter().for_each(|p| bounds.add(p));
+        bounds
+    }
+
     pub fn add(&mut self, p: Vec3) {
         self.min = self.min.min(p);
         self.max = self.max.max(p);

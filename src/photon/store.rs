@@ -73,8 +73,7 @@ impl PhotonMap {
     /// Sorts photons into cells of about `cell`, which for a fixed-radius query is best twice the radius.
     /// The result depends on the order of `photons` only through ties of position.
     pub fn build(photons: &[Photon], cell: f32) -> Self {
-        let mut bounds = Bounds::EMPTY;
-        photons.iter().for_each(|p| bounds.add(p.p));
+        let bounds = Bounds::of(photons.iter().map(|p| p.p));
         if photons.is_empty() {
             return Self { starts: vec![0, 0], dims: [1; 3], inverse_cell: 0.0, ..Self::default() };
         }
@@ -149,8 +148,7 @@ impl PhotonMap {
     /// Cell size for k-nearest queries: about as large as the disc that holds `k` photons, found from
     /// how many photons share an occupied cell of a trial grid.
     pub fn build_for_nearest(photons: &[Photon], k: usize, max_radius: f32) -> Self {
-        let mut bounds = Bounds::EMPTY;
-        photons.iter().for_each(|p| bounds.add(p.p));
+        let bounds = Bounds::of(photons.iter().map(|p| p.p));
         if photons.is_empty() {
             return Self::build(photons, max_radius);
         }

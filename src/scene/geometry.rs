@@ -65,6 +65,15 @@ impl Primitive {
     pub fn kind(&self) -> Kind {
         kind(self.tag)
     }
+
+    /// With the lists that its number is an index into.
+    pub fn bounds(&self, analytic: &[Analytic], instance_bounds: &[Bounds]) -> Bounds {
+        match self.kind() {
+            Kind::Triangle(_) => Bounds::of(self.v.map(Vec3::from)),
+            Kind::Analytic(i) => analytic[i as usize].bounds(),
+            Kind::Instance(i) => instance_bounds[i as usize],
+        }
+    }
 }
 
 /// Most triangles of one mesh, and most meshes or instances of one scene.
@@ -167,18 +176,7 @@ pub struct Level {
 
 impl Level {
     pub fn new(primitives: &[Primitive], analytic: Vec<Analytic>, instance_bounds: &[Bounds]) -> Self {
-        let boxes: Vec<Bounds> = primitives
-            .iter()
-            .map(|p| match kind(p.tag) {
-                Kind::Triangle(_) => {
-                    let mut b = Bounds::EMPTY;
-                    p.v.iter().for_each(|&v| b.add(Vec3::from(v)));
-                    b
-                }
-                Kind::Analytic(i) => analytic[i as usize].bounds(),
-                Kind::Instance(i) => instance_bounds[i as usize],
-            })
-            .collect();
+        let boxes: Vec<Bounds> = primitives.iter().map(|p| p.bounds(&analytic, instance_bounds)).collect();
         let mut bounds = Bounds::EMPTY;
         boxes.iter().for_each(|b| bounds.union(b));
         let (bvh, packets) = Bvh::build(&boxes, |items, packets: &mut Vec<Packet>| {

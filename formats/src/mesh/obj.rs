@@ -3,10 +3,10 @@
 //! All objects and groups become one mesh. A vertex is a distinct (position, uv, normal) triple.
 //! Faces of fewer than three corners have no area and are left out.
 
-use crate::encoding::to_utf8;
 use std::collections::HashMap;
 
 use super::{Mesh, MeshError, MeshOptions, finish};
+use crate::encoding::to_utf8;
 
 /// Reads an OBJ file. Indices may be relative (negative) and may precede what they refer to;
 /// `\` at the end of a line continues it.

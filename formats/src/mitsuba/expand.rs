@@ -128,11 +128,11 @@ impl<'a> Expander<'a> {
     }
 
     fn text(&self, path: &Path) -> Result<String, String> {
-        let bytes = self.files.read(path).map_err(|e| e.to_string())?;
+        let bytes = into_utf8(self.files.read(path).map_err(|e| e.to_string())?);
         if u32::try_from(bytes.len()).is_err() {
             return Err("a scene file must be smaller than 4 GiB".to_owned());
         }
-        String::from_utf8(into_utf8(bytes))
+        String::from_utf8(bytes)
             .map_err(|e| format!("not UTF-8 text at byte {}", e.utf8_error().valid_up_to()))
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::object::{Class, ObjectIndex, Value};
-use super::plugin::{Found, Plugin, approximated, find, read, unsupported};
+use super::plugin::{Found, Plugin, approximated, find, read, unknown, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::{Diagnostic, Severity, Span, nearest};
@@ -133,17 +133,13 @@ impl<'a> Reader<'a> {
                 self.as_path(props)
             }
             Found::Unknown => {
-                let name = &object.plugin;
                 // Integrators of other renderers are made up for; a slip of the pen would lose their parameters.
-                self.problems.push(match nearest(name, INTEGRATORS.iter().map(|row| row.name)) {
-                    Some(known) => {
-                        let text = format!("unknown integrator plugin `{name}`");
-                        Diagnostic::error(text, Some(object.span)).help(format!("did you mean `{known}`?"))
-                    }
-                    None => {
-                        let text = format!("unknown integrator plugin `{name}`: `path` is used");
-                        Diagnostic::warning(text, Some(object.span))
-                    }
+                let slip = nearest(&object.plugin, INTEGRATORS.iter().map(|row| row.name)).is_some();
+                self.problems.push(if slip {
+                    unknown(INTEGRATORS, object)
+                } else {
+                    let text = format!("unknown integrator plugin `{}`: `path` is used", object.plugin);
+                    Diagnostic::warning(text, Some(object.span))
                 });
                 self.as_path(props)
             }

@@ -133,11 +133,11 @@ impl<'a> Loader<'a> {
     fn text(&self, path: &Path) -> Result<String, String> {
         let bytes = self.files.read(path).map_err(|e| e.to_string())?;
         let bytes = if is_gzip(&bytes) { unpack(&bytes, MAX_TEXT)? } else { bytes };
+        let bytes = into_utf8(bytes);
         if bytes.len() as u64 > MAX_TEXT {
             return Err("it is over 4 GiB".to_owned());
         }
         // Old scenes have Latin-1 letters in comments; they harm nobody.
-        let text = String::from_utf8(into_utf8(bytes));
-        Ok(text.unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+        Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
     }
 }

@@ -5,6 +5,7 @@ mod mesh;
 mod output;
 mod slide;
 
+use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +53,7 @@ pub struct Written {
     pub assets: Vec<Asset>,
     pub losses: Vec<Loss>,
     /// Files the scene was read from, which must survive.
-    inputs: Vec<PathBuf>,
+    inputs: HashSet<PathBuf>,
 }
 
 #[derive(Debug, Error)]
@@ -127,9 +128,8 @@ impl Written {
     /// # Errors
     /// When the scene was read from `target`, be it through a link.
     pub fn spare_inputs(&self, target: &Path) -> Result<(), WriteError> {
-        let linked = std::fs::canonicalize(target).ok();
-        let same = |input: &PathBuf| linked.is_some() && std::fs::canonicalize(input).ok() == linked;
-        if self.inputs.contains(&output::normal(target)) || self.inputs.iter().any(same) {
+        let linked = || std::fs::canonicalize(target).is_ok_and(|real| self.inputs.contains(&real));
+        if self.inputs.contains(&output::normal(target)) || linked() {
             return Err(WriteError::OverInput(target.to_path_buf()));
         }
         Ok(())

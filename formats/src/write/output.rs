@@ -16,7 +16,7 @@ pub(crate) struct Output<'a> {
     files: &'a dyn Files,
     /// Of the scene to write.
     folder: PathBuf,
-    inputs: Vec<PathBuf>,
+    inputs: HashSet<PathBuf>,
     assets: Vec<Asset>,
     losses: Vec<Loss>,
     /// Source → name in the written scene.
@@ -31,11 +31,15 @@ pub(crate) struct Output<'a> {
 impl<'a> Output<'a> {
     pub fn new(read: &'a Read, files: &'a dyn Files, path: &Path) -> Self {
         let folder = normal(path.parent().unwrap_or(Path::new("")));
-        let mut inputs: Vec<PathBuf> = read.sources.paths().map(normal).collect();
+        let mut inputs: HashSet<PathBuf> = read.sources.paths().map(normal).collect();
         inputs.extend(asset_paths(&read.scene).into_iter().map(normal));
         // No new asset may take the name of a file that is read.
         let below = inputs.iter().filter_map(|path| path.strip_prefix(&folder).ok());
         let taken = below.map(|path| slashed(path).to_lowercase()).collect();
+        // A file has the names of its links, too.
+        let linked: Vec<PathBuf> =
+            inputs.iter().filter_map(|path| std::fs::canonicalize(path).ok()).collect();
+        inputs.extend(linked);
         Self {
             scene: &read.scene,
             sources: &read.sources,
@@ -51,7 +55,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    pub fn finish(self) -> (Vec<Asset>, Vec<Loss>, Vec<PathBuf>) {
+    pub fn finish(self) -> (Vec<Asset>, Vec<Loss>, HashSet<PathBuf>) {
         (self.assets, self.losses, self.inputs)
     }
 

@@ -3,12 +3,12 @@
 //! the integrator. Drawn back into its own body by a few roundings, such a face leaves a gap, which is what
 //! the author means, and every ray finds both.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::LevelBuilder;
 use crate::math::{Bounds, LIFT, Vec3};
 use crate::scene::ShapeRecord;
-use crate::scene::geometry::Kind;
+use crate::scene::geometry::{Kind, Primitive};
 use crate::shape::{Analytic, Disk, triangle};
 
 /// Faces nearer than this are at one place: rays that leave the one are lifted past the other. In units of
@@ -23,7 +23,7 @@ const MOST: f32 = 1e-3;
 /// thousand faces at one place take.
 const PAIRS: usize = 1 << 27;
 
-/// Corners of the polygon that stands for a disk.
+/// Corners of the polygon that stands for a disk, in triangles that meet at its centre.
 const SIDES: usize = 12;
 
 /// What may lie on something else.
@@ -35,8 +35,6 @@ struct Face {
     bounds: Bounds,
     shape: u32,
     clear: bool,
-    /// What is moved: a primitive's number.
-    primitive: u32,
 }
 
 /// Draws back every face of a shape for which `clear` says that light goes through it, where it coincides
@@ -57,74 +55,61 @@ pub fn draw_back(
     let mut search = Search { faces: &faces, left: PAIRS, found: BTreeSet::new() };
     search.join(&own, &others, around, 0);
 
-    let mut moves: HashMap<(u32, [u32; 3]), Vec<Vec3>> = HashMap::new();
-    let mut moved: HashMap<u32, f32> = HashMap::new();
+    // By shape and place: corners that are one must stay one, and a disk goes with its centre.
+    let mut steps: HashMap<(u32, [u32; 3]), Vec<Vec3>> = HashMap::new();
+    let mut moved: BTreeMap<u32, f32> = BTreeMap::new();
+    let mut sheets: HashMap<u32, bool> = HashMap::new();
     for &(a, o) in &search.found {
         let (a, o) = (&faces[a as usize], &faces[o as usize]);
-        if a.n.dot(o.n) > 0.0 && is_sheet(&faces, a) {
+        if a.n.dot(o.n) > 0.0 && *sheets.entry(a.shape).or_insert_with(|| is_sheet(&faces, a)) {
             continue;
         }
-        let size = sizes[a.shape as usize];
-        let gap = (GAP * magnitude(a).max(magnitude(o))).min(MOST * (size.max - size.min).length());
+        let most = MOST * sizes[a.shape as usize].extent().length();
+        let gap = (GAP * a.bounds.magnitude().max(o.bounds.magnitude())).min(most);
         let step = -a.n * gap;
         let farthest = moved.entry(a.shape).or_default();
         *farthest = farthest.max(gap);
-        match level.primitives[a.primitive as usize].kind() {
+        for v in a.v {
+            let steps = steps.entry((a.shape, bits(v))).or_default();
+            // A corner of a room moves a corner of glass three ways, a floor of many faces but once.
+            match steps.iter_mut().find(|s| s.normalize_or_zero().dot(-a.n) > 0.99) {
+                Some(s) if s.length() >= gap => {}
+                Some(s) => *s = step,
+                None => steps.push(step),
+            }
+        }
+    }
+    let step = |shape, place| -> Vec3 { steps.get(&(shape, bits(place))).into_iter().flatten().sum() };
+    for p in level.primitives.iter_mut().filter(|p| moved.contains_key(&p.shape)) {
+        let shape = p.shape;
+        match p.kind() {
+            Kind::Triangle(_) => p.corners_mut().iter_mut().for_each(|v| {
+                let place = Vec3::from(*v);
+                *v = (place + step(shape, place)).to_array();
+            }),
             Kind::Analytic(i) => {
                 if let Analytic::Disk(d) = &mut level.analytic[i as usize] {
-                    d.center += step.as_dvec3();
+                    d.center += step(shape, d.center.as_vec3a()).as_dvec3();
                 }
             }
-            _ => {
-                for v in a.v {
-                    let steps = moves.entry((a.shape, v.to_array().map(f32::to_bits))).or_default();
-                    // A corner of a room moves a corner of glass three ways, a floor of many faces but once.
-                    match steps.iter_mut().find(|s| s.normalize_or_zero().dot(-a.n) > 0.99) {
-                        Some(s) if s.length() >= gap => {}
-                        Some(s) => *s = step,
-                        None => steps.push(step),
-                    }
-                }
-            }
+            Kind::Instance(_) => {}
         }
     }
-    if !moves.is_empty() {
-        for p in level.primitives.iter_mut().filter(|p| matches!(p.kind(), Kind::Triangle(_))) {
-            let shape = p.shape;
-            if moved.contains_key(&shape) {
-                for v in p.corners_mut() {
-                    if let Some(steps) = moves.get(&(shape, v.map(f32::to_bits))) {
-                        *v = (Vec3::from(*v) + steps.iter().sum::<Vec3>()).to_array();
-                    }
-                }
-            }
-        }
-    }
-    let mut moved: Vec<(u32, f32)> = moved.into_iter().collect();
-    moved.sort_by_key(|m| m.0);
-    moved
+    moved.into_iter().collect()
 }
 
-fn bounds(v: &[Vec3; 3]) -> Bounds {
-    let mut bounds = Bounds::EMPTY;
-    v.iter().for_each(|&v| bounds.add(v));
-    bounds
+fn bits(place: Vec3) -> [u32; 3] {
+    place.to_array().map(f32::to_bits)
 }
 
 /// The box around all that light goes through; `None` without any.
 fn around(level: &LevelBuilder, clear: &[bool]) -> Option<Bounds> {
     let mut around = Bounds::EMPTY;
     if clear.contains(&true) {
-        for p in &level.primitives {
-            match p.kind() {
-                Kind::Triangle(_) if clear[p.shape as usize] => {
-                    around.union(&bounds(&p.corners().map(Vec3::from)));
-                }
-                Kind::Analytic(i) if clear[p.shape as usize] => {
-                    around.union(&level.analytic[i as usize].bounds());
-                }
-                _ => {}
-            }
+        // Instances are of no shape here.
+        let of_clear = |p: &&Primitive| clear.get(p.shape as usize) == Some(&true);
+        for p in level.primitives.iter().filter(of_clear) {
+            around.union(&p.bounds(&level.analytic, &[]));
         }
     }
     (!around.is_empty()).then_some(around)
@@ -133,9 +118,9 @@ fn around(level: &LevelBuilder, clear: &[bool]) -> Option<Bounds> {
 /// The flat ones within `around`.
 fn faces(level: &LevelBuilder, records: &[ShapeRecord], clear: &[bool], around: &Bounds) -> Vec<Face> {
     let mut faces = Vec::new();
-    for (p, primitive) in level.primitives.iter().zip(0..) {
+    for p in &level.primitives {
         let mut add = |v: [Vec3; 3], normal: Option<Vec3>| {
-            let bounds = bounds(&v);
+            let bounds = Bounds::of(v);
             if overlap(&bounds, around, NEAR * bounds.magnitude()) {
                 let shape = p.shape as usize;
                 let flip = if records[shape].flip { -1.0 } else { 1.0 };
@@ -143,7 +128,7 @@ fn faces(level: &LevelBuilder, records: &[ShapeRecord], clear: &[bool], around: 
                     normal.unwrap_or_else(|| triangle::cross_product(p.corners()).normalize_or_zero() * flip);
                 // Of no area it is nowhere in the way.
                 if n != Vec3::ZERO {
-                    faces.push(Face { v, n, bounds, shape: p.shape, clear: clear[shape], primitive });
+                    faces.push(Face { v, n, bounds, shape: p.shape, clear: clear[shape] });
                 }
             }
         };
@@ -169,13 +154,9 @@ fn fan(d: &Disk) -> impl Iterator<Item = [Vec3; 3]> {
     (0..SIDES).map(move |i| [center, rim(i), rim((i + 1) % SIDES)])
 }
 
-fn magnitude(f: &Face) -> f32 {
-    f.bounds.magnitude()
-}
-
-/// Whether the shape has nothing but what lies in the plane of `f`.
+/// Whether the shape has nothing but what lies in the plane of `f`, whichever of its faces that is.
 fn is_sheet(faces: &[Face], f: &Face) -> bool {
-    let off = |v: Vec3| f.n.dot(v - f.v[0]).abs() > NEAR * magnitude(f);
+    let off = |v: Vec3| f.n.dot(v - f.v[0]).abs() > NEAR * f.bounds.magnitude();
     !faces.iter().any(|g| g.shape == f.shape && g.v.into_iter().any(off))
 }
 
@@ -194,7 +175,7 @@ impl Search<'_> {
     fn join(&mut self, own: &[u32], others: &[u32], within: Bounds, depth: u32) {
         let pairs = own.len() * others.len();
         if pairs > 256 && depth < 40 {
-            let extent = within.max - within.min;
+            let extent = within.extent();
             let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
             let middle = 0.5 * (within.min[axis] + within.max[axis]);
             let (mut low, mut high) = (within, within);
@@ -203,7 +184,7 @@ impl Search<'_> {
             let halves = [low, high].map(|half| {
                 let inside = |&&f: &&u32| {
                     let f = &self.faces[f as usize];
-                    overlap(&f.bounds, &half, NEAR * magnitude(f))
+                    overlap(&f.bounds, &half, NEAR * f.bounds.magnitude())
                 };
                 let own: Vec<u32> = own.iter().filter(inside).copied().collect();
                 let others: Vec<u32> = others.iter().filter(inside).copied().collect();
@@ -237,11 +218,11 @@ fn meet(a: &Face, o: &Face) -> bool {
     if a.shape == o.shape || o.clear && a.shape < o.shape || a.n.dot(o.n).abs() < 1.0 - 1e-4 {
         return false;
     }
-    let near = NEAR * magnitude(a).max(magnitude(o));
+    let near = NEAR * a.bounds.magnitude().max(o.bounds.magnitude());
     if !overlap(&a.bounds, &o.bounds, near) {
         return false;
     }
-    let size = |f: &Face| (f.bounds.max - f.bounds.min).length_squared();
+    let size = |f: &Face| f.bounds.extent().length_squared();
     let (large, small) = if size(a) > size(o) { (a, o) } else { (o, a) };
     small.v.into_iter().all(|v| large.n.dot(v - large.v[0]).abs() <= near) && cover(a, o, near)
 }
