@@ -242,6 +242,12 @@ fn arguments_that_do_not_parse() {
 
     For more information, try '--help'.
     "#);
+    // FLIP's filters would have been as wide as that.
+    for ppd in ["1e400", "18446744073709551616", "nan", "0"] {
+        let flip = run(&files, &["compare", "a.exr", "b.exr", &format!("--ppd={ppd}")]);
+        assert_eq!(flip.status, 2);
+        assert!(flip.text.contains("expected a number from 1 to 10000"), "{}", flip.text);
+    }
     let option = run(&files, &["render", "scene.xml", "--sise", "6x4"]);
     assert_eq!(option.status, 2);
     assert_snapshot!(option.text, @r#"

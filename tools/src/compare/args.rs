@@ -55,8 +55,8 @@ pub struct CompareArgs {
     /// Stops by which both pictures are exposed for LDR-FLIP
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f64,
-    /// Pixels per degree for FLIP
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_PPD)]
+    /// Pixels per degree for FLIP, from 1 to 10000
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_PPD, value_parser = pixels_per_degree)]
     pub ppd: f64,
     /// Tonemapper of HDR-FLIP
     #[arg(long, value_name = "NAME", default_value = "aces")]
@@ -94,6 +94,12 @@ impl From<VarianceOf> for VarianceKind {
             VarianceOf::Mean => Self::OfMean,
         }
     }
+}
+
+/// FLIP's filters reach a seventh of a degree: with more pixels they take minutes and memory.
+fn pixels_per_degree(text: &str) -> Result<f64, String> {
+    let ppd = text.parse().ok().filter(|ppd| (1.0..=1e4).contains(ppd));
+    ppd.ok_or_else(|| "expected a number from 1 to 10000".to_owned())
 }
 
 impl CompareArgs {
