@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::failure::Failure;
 use super::load::{Inspected, SceneArgs};
 use super::report::{self, count, megabytes};
-use crate::scene::Plan;
+use crate::session::Plan;
 
 #[derive(Debug, Args)]
 pub struct InspectArgs {

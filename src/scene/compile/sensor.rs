@@ -4,7 +4,7 @@ use caustica_formats::diagnostic::Diagnostic;
 use caustica_formats::ir;
 use caustica_formats::spectrum::white_balance;
 
-use super::Builder;
+use super::Compiler;
 use crate::film::filter::{Box, Cubic, Gaussian, Lanczos, Shape, Sinc, Stretched, Tent, Truncated};
 use crate::film::{FilmSize, Filter, Response};
 use crate::math::{Rgb, Vec2, Vec3};
@@ -14,7 +14,7 @@ use crate::sensor::{Axis, Orthographic, Perspective, Projection, Sensor, ThinLen
 const FRAME_DIAGONAL: f64 = 43.266_615_305_567_87;
 
 /// The sensor to render.
-pub fn choose<'a>(b: &mut Builder<'a>) -> Option<&'a ir::Sensor> {
+pub fn choose<'a>(b: &mut Compiler<'a>) -> Option<&'a ir::Sensor> {
     let ir: &'a ir::Scene = b.ir;
     let index = b.options.sensor.unwrap_or(ir.default_sensor);
     let sensor = ir.sensors.get(index);
@@ -32,7 +32,7 @@ pub fn choose<'a>(b: &mut Builder<'a>) -> Option<&'a ir::Sensor> {
     sensor
 }
 
-pub fn build(b: &mut Builder<'_>, s: &ir::Sensor, origin: [f64; 3]) -> (Sensor, FilmSize, Filter) {
+pub fn build(b: &mut Compiler<'_>, s: &ir::Sensor, origin: [f64; 3]) -> (Sensor, FilmSize, Filter) {
     let film = film_size(b, &s.film);
     let aspect = f64::from(film.width) / f64::from(film.height);
     let projection = projection(b, s, aspect);
@@ -82,7 +82,7 @@ pub fn response(film: &ir::Film) -> Response {
     Response::Colors([image(0), image(1), image(2)])
 }
 
-fn projection(b: &mut Builder<'_>, s: &ir::Sensor, aspect: f64) -> Projection {
+fn projection(b: &mut Compiler<'_>, s: &ir::Sensor, aspect: f64) -> Projection {
     if let Some([x0, x1, y0, y1]) = s.screen_window
         && !(x0 < x1 && y0 < y1)
     {
@@ -108,7 +108,7 @@ fn projection(b: &mut Builder<'_>, s: &ir::Sensor, aspect: f64) -> Projection {
 /// Largest film, in pixels: 2³⁰ of them need 112 GB of sums.
 pub const MAX_PIXELS: u64 = 1 << 30;
 
-fn film_size(b: &mut Builder<'_>, f: &ir::Film) -> FilmSize {
+fn film_size(b: &mut Compiler<'_>, f: &ir::Film) -> FilmSize {
     if f.width == 0 || f.height == 0 || u64::from(f.width) * u64::from(f.height) > MAX_PIXELS {
         b.error(format!("a film of {}×{} pixels cannot be rendered", f.width, f.height), f.origin);
         return FilmSize::full(1, 1);

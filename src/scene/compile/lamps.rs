@@ -2,11 +2,11 @@
 
 use caustica_formats::ir::{self, ColorSlot};
 
-use super::Builder;
+use super::Compiler;
 use crate::emitter::{Area, Collimated, Emitter, Sides, Surface};
 use crate::math::luminance;
 
-impl Builder<'_> {
+impl Compiler<'_> {
     /// The light of a shape with the given surface.
     pub(super) fn lamp(&mut self, e: &ir::AreaEmission, surface: Surface, lift: f32) -> Option<Emitter> {
         let radiance = self.param(&e.radiance, ColorSlot::Emission, e.origin);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
-use super::Builder;
+use super::Compiler;
 use crate::bsdf::{
     Between, CoatingModel, ConductorModel, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
     Returned, RoughConductorModel, Roughness, Walk,
@@ -18,7 +18,7 @@ const WHITE: Param = Param::Constant(Rgb::ONE);
 /// Each coat takes twice the time of what lies below it.
 const MAX_COATS: u32 = 4;
 
-impl Builder<'_> {
+impl Compiler<'_> {
     pub(super) fn coat(
         &mut self,
         int_ior: &ir::Ior,

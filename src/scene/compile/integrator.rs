@@ -2,13 +2,13 @@
 
 use caustica_formats::ir::{Scalar, Setting};
 
-use super::Builder;
+use super::Compiler;
 
 use crate::photon::kernel::KernelKind;
 use crate::settings::{Count, Limit, Lookup, Mode, Radius, SettingError, Settings};
 
 /// Names of Mitsuba's integrators and of ours → settings. The reader has checked names and types.
-pub fn settings(b: &mut Builder<'_>) -> Settings {
+pub fn settings(b: &mut Compiler<'_>) -> Settings {
     let scene = b.ir;
     let mut s = Settings::default();
     if let Some(sensor) = scene.sensors.get(b.options.sensor.unwrap_or(scene.default_sensor)) {
@@ -84,7 +84,7 @@ const WITHOUT_EFFECT: &[&str] = &[
     "use_spectral_mis",
 ];
 
-fn apply(b: &mut Builder<'_>, s: &mut Settings, plugin: &str, name: &str, setting: &Setting) {
+fn apply(b: &mut Compiler<'_>, s: &mut Settings, plugin: &str, name: &str, setting: &Setting) {
     let text = match &setting.value {
         Scalar::Boolean(v) => v.to_string(),
         Scalar::Integer(v) => v.to_string(),

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
-use super::Builder;
+use super::Compiler;
 use crate::math::{Rgb, Vec3};
 use crate::texture::{
     Bilerp, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, SolidChecks, Texture,
@@ -58,7 +58,7 @@ impl TextureTable {
     }
 }
 
-impl Builder<'_> {
+impl Compiler<'_> {
     pub(super) fn param(&mut self, input: &ColorInput, slot: ColorSlot, origin: ir::Origin) -> Param {
         match input {
             ColorInput::Color(c) => Param::Constant(self.color(c, slot, origin)),

@@ -21,14 +21,16 @@ use caustica_formats::files::Files;
 use caustica_formats::ir;
 use caustica_formats::spectrum::to_linear_rgb;
 
-use super::{Scene, emitter_distributions};
+use super::lamps::emitter_distributions;
+use super::{Facts, Scene, View};
 use crate::math::Rgb;
+use crate::settings::Settings;
 
 pub use sensor::MAX_PIXELS;
 
 /// How to compile.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct BuildOptions {
+pub struct CompileOptions {
     /// Which sensor; `None` is the scene's default.
     pub sensor: Option<usize>,
     /// Replace what cannot be rendered by something near, with a warning.
@@ -37,18 +39,26 @@ pub struct BuildOptions {
     pub spectrum_rule: Option<ir::SpectrumRule>,
 }
 
-/// A compiled scene and what to say about it.
+/// A compiled scene, how it is seen, and what to say about it.
 #[derive(Debug)]
-pub struct Built {
+pub struct Compiled {
+    /// What rays meet and what shines.
     pub scene: Scene,
+    /// What rendering the scene needs.
+    pub facts: Facts,
+    /// The camera and the film.
+    pub view: View,
+    /// The defaults with what the scene asks for.
+    pub settings: Settings,
+    /// Sorted as they were found.
     pub warnings: Vec<Diagnostic>,
 }
 
 /// Collects problems while the scene is put together.
-struct Builder<'a> {
+struct Compiler<'a> {
     ir: &'a ir::Scene,
     files: &'a dyn Files,
-    options: BuildOptions,
+    options: CompileOptions,
     diagnostics: Vec<Diagnostic>,
     textures: textures::TextureTable,
     materials: materials::MaterialTable,
@@ -56,7 +66,7 @@ struct Builder<'a> {
     origin: [f64; 3],
 }
 
-impl Builder<'_> {
+impl Compiler<'_> {
     fn error(&mut self, message: impl Into<String>, origin: ir::Origin) {
         self.diagnostics.push(Diagnostic::error(message, origin.0));
     }
@@ -94,10 +104,14 @@ impl Builder<'_> {
 ///
 /// # Errors
 /// Every problem found: missing or broken meshes and textures, unsupported features, no sensor.
-pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result<Built, Vec<Diagnostic>> {
+pub fn compile(
+    ir: &ir::Scene,
+    files: &dyn Files,
+    options: CompileOptions,
+) -> Result<Compiled, Vec<Diagnostic>> {
     let masked = alpha::into_masks(ir);
     let ir = masked.as_ref();
-    let mut b = Builder {
+    let mut b = Compiler {
         ir,
         files,
         options,
@@ -139,12 +153,9 @@ pub fn build(ir: &ir::Scene, files: &dyn Files, options: BuildOptions) -> Result
         environments,
         sphere: shapes.sphere,
         origin: shapes.origin,
-        sensor,
-        film,
-        filter,
-        response,
-        hidden_lamps_are_transparent: ir.hide_emitters == ir::HideEmitters::Surface,
-        settings,
     };
-    Ok(Built { scene, warnings: b.diagnostics })
+    let hidden_lamps_are_transparent = ir.hide_emitters == ir::HideEmitters::Surface;
+    let view = View { sensor, film, filter, response, hidden_lamps_are_transparent };
+    let facts = Facts::of(&scene);
+    Ok(Compiled { scene, facts, view, settings, warnings: b.diagnostics })
 }

@@ -1,7 +1,7 @@
 //! Bounding volume hierarchy of eight boxes a node, which one instruction tests together. Primitive tests are
 //! the caller's (obvhs's own lose rays aimed at shared edges).
 
-mod build;
+mod construct;
 
 use std::mem::MaybeUninit;
 use std::ops::Range;

@@ -1,12 +1,14 @@
 //! Photon mapping: camera paths end at the first rough surface, where direct light is sampled and
 //! everything else is read from the photon maps.
 
+mod plan;
+
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
 
 use super::arrive::{Arrival, Sight, arrive};
 use super::direct::{next_event, scattered_lamp};
-use super::{CameraSample, Integrator, PassStats, Scratch};
+use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::emitter::{Aim, SceneSphere};
 use crate::film::{Layer, Radiance};
@@ -14,15 +16,19 @@ use crate::math::{Ray, Rgb, Vec2, Vec3};
 use crate::photon::trace::{Halt, TraceJob, Traced, aim, trace_until};
 use crate::photon::{Boundary, Estimator, Owner, PhotonMap, radius};
 use crate::sampling::{Sampler, mix};
-use crate::scene::{Plan, Scene, Settings, Surface};
-use crate::settings::{Count, Lookup, Mode, Radius, Roulette};
+use crate::scene::{Facts, Scene, Surface, View};
+use crate::settings::{Count, Lookup, Mode, Radius, Roulette, Settings};
+
+pub use plan::Plan;
 
 /// Numbers that every pass uses.
 #[derive(Debug)]
 pub struct PhotonMapper<'a> {
     scene: &'a Scene,
-    plan: &'a Plan,
+    facts: &'a Facts,
+    view: &'a View,
     settings: &'a Settings,
+    plan: Plan,
     /// For pass 0, and for the passes after it.
     halts: [Halt<'a>; 2],
     /// Where light from infinity is sent.
@@ -78,14 +84,15 @@ enum Density {
 impl<'a> PhotonMapper<'a> {
     /// Measures what the settings leave open: path counts from a pilot, radii from the density of the
     /// first pass. Deterministic: a resumed render measures the same.
-    pub fn new(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings) -> Self {
-        Self::halting(scene, plan, settings, [Halt::default(); 2])
+    pub fn new(task: Task<'a>) -> Self {
+        Self::halting(task, [Halt::default(); 2])
     }
 
     /// The same; pass 0 (with what is measured before it) and the passes after it are cut short as
     /// `halts` say.
-    pub fn halting(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings, halts: [Halt<'a>; 2]) -> Self {
-        let mut mapper = Self::unmeasured(scene, plan, settings, halts);
+    pub fn halting(task: Task<'a>, halts: [Halt<'a>; 2]) -> Self {
+        let mut mapper = Self::unmeasured(task, halts);
+        let plan = mapper.plan;
         let places = if plan.global_map || plan.caustics { mapper.gather_places() } else { Vec::new() };
         let seen = radius::around(&places);
         for which in [Which::Global, Which::Caustic] {
@@ -96,10 +103,12 @@ impl<'a> PhotonMapper<'a> {
         mapper
     }
 
-    fn unmeasured(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings, halts: [Halt<'a>; 2]) -> Self {
+    fn unmeasured(task: Task<'a>, halts: [Halt<'a>; 2]) -> Self {
+        let Task { scene, facts, view, settings } = task;
+        let plan = Plan::new(facts, settings, view.film.pixel_count());
         let (pilots, kept) = (Mutex::default(), OnceLock::new());
         let (aims, paths, radii) = ([None, None], [0; 2], [0.0; 2]);
-        Self { scene, plan, settings, halts, aims, paths, radii, pilots, kept }
+        Self { scene, facts, view, settings, plan, halts, aims, paths, radii, pilots, kept }
     }
 
     fn take_aim(&mut self, which: Which, seen: &SceneSphere) {
@@ -111,8 +120,9 @@ impl<'a> PhotonMapper<'a> {
 
     /// Photons that a pass will store in the global and in the caustic map where the settings ask for many,
     /// told from a pilot: for a look at the memory before they are traced. 0 for few.
-    pub fn expected_photons(scene: &'a Scene, plan: &'a Plan, settings: &'a Settings) -> [u64; 2] {
-        let mut mapper = Self::unmeasured(scene, plan, settings, [Halt::default(); 2]);
+    pub fn expected_photons(task: Task<'a>) -> [u64; 2] {
+        let mut mapper = Self::unmeasured(task, [Halt::default(); 2]);
+        let plan = mapper.plan;
         [(Which::Global, plan.global_paths), (Which::Caustic, plan.caustic_paths)].map(|(which, count)| {
             match count {
                 Count::Stored(n) if mapper.wanted(which) => n,
@@ -223,16 +233,16 @@ impl<'a> PhotonMapper<'a> {
     /// Where camera rays through a regular grid of the film gather.
     fn gather_places(&self) -> Vec<radius::Place> {
         let side = (radius::PLACES as f32).sqrt() as u32;
-        let [x0, y0, w, h] = self.scene.film.crop.map(|v| v as f32);
-        let full = Vec2::new(self.scene.film.width as f32, self.scene.film.height as f32);
-        let footprint = |length| self.scene.sensor.pixel_footprint(self.scene.film.height, length);
+        let [x0, y0, w, h] = self.view.film.crop.map(|v| v as f32);
+        let full = Vec2::new(self.view.film.width as f32, self.view.film.height as f32);
+        let footprint = |length| self.view.sensor.pixel_footprint(self.view.film.height, length);
         let at = |i: u32| (i as f32 + 0.5) / side as f32;
         (0..side * side)
             .filter_map(|i| {
                 let mut sampler = Sampler::new(mix(self.settings.seed ^ 0x007a_d105), i);
                 let film = Vec2::new(x0 + at(i % side) * w, y0 + at(i / side) * h) / full;
-                let mut ray = self.scene.sensor.ray(film, sampler.next_2d());
-                let mut length = self.scene.sensor.near;
+                let mut ray = self.view.sensor.ray(film, sampler.next_2d());
+                let mut length = self.view.sensor.near;
                 for _ in 0..16 {
                     let hit = self.scene.geometry.closest(&ray)?;
                     length += hit.t * ray.d.length();
@@ -324,10 +334,10 @@ impl<'a> PhotonMapper<'a> {
         let wi = s.frame.to_local(back);
         let left = self.settings.max_depth.0 - depth;
         if self.settings.nee {
-            let mis = self.plan.direct_mis;
+            let mis = self.facts.large_lamps;
             let (lobes, rays) = (self.rough(), &mut scratch.rays);
             let mut direct =
-                next_event(self.scene, self.plan, s, closure, lobes, wi, mis, left, sampler, rays);
+                next_event(self.scene, self.facts, s, closure, lobes, wi, mis, left, sampler, rays);
             if mis {
                 direct += scattered_lamp(self.scene, s, closure, lobes, wi, left, sampler, rays);
             }
@@ -338,7 +348,7 @@ impl<'a> PhotonMapper<'a> {
         for (map, estimator) in maps.into_iter().flatten() {
             let boundary = self.settings.boundary.then_some(Boundary {
                 scene: self.scene,
-                plan: self.plan,
+                facts: self.facts,
                 sampler,
                 rays: &mut scratch.rays,
             });
@@ -419,7 +429,7 @@ impl Integrator for PhotonMapper<'_> {
     }
 
     fn samples_a_pass(&self) -> u32 {
-        let film = &self.scene.film;
+        let film = &self.view.film;
         let pixels = film.width.saturating_mul(film.height).max(1);
         self.settings.camera_samples.0.unwrap_or((SMALL_PICTURE / pixels).clamp(1, 64))
     }
@@ -461,7 +471,8 @@ impl PhotonMapper<'_> {
             depth += 1;
             scratch.rays += 1;
             let hit = scene.geometry.closest(&ray);
-            let sight = Sight { lamps: seen || !self.settings.hide_emitters, pdf, from };
+            let lamps = seen || !self.settings.hide_emitters;
+            let sight = Sight { lamps, through: self.view.hidden_lamps_are_transparent, pdf, from };
             let s = match arrive(scene, &mut ray, hit.as_ref(), sight, throughput, Layer::Emission, &mut out)
             {
                 Arrival::Gone => break,
@@ -482,7 +493,7 @@ impl PhotonMapper<'_> {
                 // Photons tell nothing about such lobes, so a lamp is looked for with `nee` or without.
                 let (left, rays) = (max_depth - depth, &mut scratch.rays);
                 let lobes = self.glossy();
-                let light = next_event(scene, self.plan, &s, &closure, lobes, wi, true, left, sampler, rays);
+                let light = next_event(scene, self.facts, &s, &closure, lobes, wi, true, left, sampler, rays);
                 out.add(Layer::Emission, throughput * light);
             }
             match self.step(&closure, wi, sampler) {

@@ -2,12 +2,12 @@
 
 use caustica_formats::ir::{PartialQuadric, ShapeKind};
 
-use super::super::Builder;
+use super::super::Compiler;
 use super::{Meshes, cache_key};
 
 /// The point of the scene's bounds that is nearest to `camera`, or their middle without one, in the
 /// author's coordinates and f64: single precision is finest there.
-pub fn origin(b: &Builder<'_>, meshes: &Meshes, camera: Option<[f64; 3]>) -> [f64; 3] {
+pub fn origin(b: &Compiler<'_>, meshes: &Meshes, camera: Option<[f64; 3]>) -> [f64; 3] {
     let mut min = [f64::INFINITY; 3];
     let mut max = [f64::NEG_INFINITY; 3];
     let mut add = |p: [f64; 3]| {

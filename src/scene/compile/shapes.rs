@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use caustica_formats::mesh::builtin;
 
 use super::attributes::with_default_uvs;
-use super::{Builder, analytic, partial};
+use super::{Compiler, analytic, partial};
 use crate::emitter::{Emitter, MeshTriangle, SceneSphere, Surface};
 use crate::math::{Bounds, LIFT, Vec2, Vec3};
 use crate::scene::ShapeRecord;
@@ -50,23 +50,23 @@ fn cache_key(m: &ir::MeshFile) -> (PathBuf, String) {
 }
 
 /// The materials of all shapes, so that what they want to read is known before anything is.
-pub fn build_materials(b: &mut Builder<'_>) {
+pub fn build_materials(b: &mut Compiler<'_>) {
     for shape in every_shape(b.ir) {
         b.material(shape.bsdf, shape.emission.is_some());
     }
 }
 
-pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64; 3]>) -> Shapes {
+pub fn build(b: &mut Compiler<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64; 3]>) -> Shapes {
     let meshes = loaded.checked(b);
     let origin = origin(b, &meshes, camera);
     b.origin = origin;
-    let mut level = LevelBuilder::default();
+    let mut level = LevelParts::default();
     let mut records = Vec::new();
     let mut emitters = Vec::new();
     let mut groups = Vec::new();
     let mut opaque = Vec::new();
     for (_, group) in b.ir.groups.iter() {
-        let mut g = LevelBuilder::default();
+        let mut g = LevelParts::default();
         let first = records.len();
         for shape in &group.shapes {
             if let Some(e) = &shape.emission {
@@ -100,7 +100,7 @@ pub fn build(b: &mut Builder<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64;
                 if let Some(e) = &shape.emission {
                     b.error("a cylinder that is not scaled evenly cannot emit light", e.origin);
                 }
-                let mut g = LevelBuilder::default();
+                let mut g = LevelParts::default();
                 add_shape(b, &meshes, shape, &Transform::IDENTITY, &mut g, &mut records, None);
                 groups.push(Level::new(&g.primitives, g.analytic, &[]));
                 groups.len() as u32 - 1
@@ -181,7 +181,7 @@ pub fn load_meshes<'a>(ir: &'a ir::Scene, files: &dyn Files) -> LoadedMeshes<'a>
 
 impl LoadedMeshes<'_> {
     /// Problems are reported at the first shape that uses the file.
-    fn checked(self, b: &mut Builder<'_>) -> Meshes {
+    fn checked(self, b: &mut Compiler<'_>) -> Meshes {
         let mut meshes = Meshes::new();
         for (m, origin, result) in self.0 {
             let mesh = match result {
@@ -203,18 +203,18 @@ impl LoadedMeshes<'_> {
 }
 
 #[derive(Default)]
-struct LevelBuilder {
+struct LevelParts {
     primitives: Vec<Primitive>,
     analytic: Vec<Analytic>,
 }
 
 /// Adds a shape that is not an instance, placed by `to_level`.
 fn add_shape(
-    b: &mut Builder<'_>,
+    b: &mut Compiler<'_>,
     meshes: &Meshes,
     shape: &ir::Shape,
     to_level: &Transform,
-    level: &mut LevelBuilder,
+    level: &mut LevelParts,
     records: &mut Vec<ShapeRecord>,
     emitters: Option<&mut Vec<Emitter>>,
 ) {
@@ -366,7 +366,7 @@ fn add_mesh(
     to_level: &Transform,
     index: u32,
     uvs_matter: bool,
-    level: &mut LevelBuilder,
+    level: &mut LevelParts,
     record: &mut ShapeRecord,
 ) {
     // In f64 and rounded once, so that meshes which share an edge in the file share it here.

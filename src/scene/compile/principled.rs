@@ -2,10 +2,10 @@
 
 use caustica_formats::ir::{self, ColorSlot, PrincipledIndex};
 
-use super::Builder;
+use super::Compiler;
 use crate::bsdf::{PrincipledModel, PrincipledThinModel};
 
-impl Builder<'_> {
+impl Compiler<'_> {
     pub(super) fn principled(&mut self, p: &ir::Principled, origin: ir::Origin) -> PrincipledModel {
         PrincipledModel {
             base_color: self.param(&p.base_color, ColorSlot::Reflectance, origin),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use caustica_formats::ir::{self, BsdfKind, ColorSlot, ConductorMaterial, Ior};
 use caustica_formats::spectrum;
 
-use super::Builder;
+use super::Compiler;
 use super::textures::DEFAULT_REFLECTANCE;
 use crate::bsdf::microfacet::{Kind, Shadowing};
 use crate::bsdf::{
@@ -58,7 +58,7 @@ fn diffuse(reflectance: Param) -> Node {
     DiffuseModel { reflectance }.into()
 }
 
-impl Builder<'_> {
+impl Compiler<'_> {
     /// Material of a shape: its BSDF, or the format's default (black under an area light).
     pub(super) fn material(&mut self, bsdf: Option<ir::Id<ir::Bsdf>>, emits: bool) -> u32 {
         let Some(id) = bsdf else {

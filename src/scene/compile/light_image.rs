@@ -3,11 +3,11 @@
 use caustica_formats::image;
 use caustica_formats::ir;
 
-use super::Builder;
+use super::Compiler;
 use super::textures::{channels, decoder};
 use crate::emitter::Picture;
 
-impl Builder<'_> {
+impl Compiler<'_> {
     /// Decoded and scaled; `illuminance` is the caller's matter.
     pub(super) fn light_image(&mut self, l: &ir::LightImage, origin: ir::Origin) -> Option<Picture> {
         let name = l.path.display();

@@ -3,10 +3,10 @@
 use caustica_formats::ir;
 use caustica_formats::mesh::Mesh;
 
-use super::Builder;
+use super::Compiler;
 use crate::texture::{Texture, Values};
 
-impl Builder<'_> {
+impl Compiler<'_> {
     /// Hands the attributes of `mesh` to the textures of the material of shape `index`.
     pub(super) fn attach_attributes(
         &mut self,

@@ -9,7 +9,7 @@ use caustica_formats::ir;
 use caustica_formats::spectrum::SrgbTable;
 use rayon::prelude::*;
 
-use super::super::Builder;
+use super::super::Compiler;
 use crate::texture::{Bitmap, Bytes, Param, Texels, Texture, Textures, Wrap};
 
 /// A texture whose picture is not there yet.
@@ -60,7 +60,7 @@ pub fn decode_all(pictures: &[Arc<Picture>], ir: &ir::Scene, files: &dyn Files) 
     pictures.par_iter().for_each(|p| p.decode(ir, files));
 }
 
-impl Builder<'_> {
+impl Compiler<'_> {
     /// The texture of a picture, which is gray until [`Self::settle`].
     pub(super) fn bitmap(&mut self, of: ir::Id<ir::Texture>, b: &ir::Bitmap) -> Option<Param> {
         let mapping = self.mapping(&b.mapping, self.ir.textures[of].origin)?;

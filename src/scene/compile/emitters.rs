@@ -4,7 +4,7 @@ mod pictured;
 
 use caustica_formats::ir::{self, ColorSlot, EmitterKind};
 
-use super::{Builder, analytic};
+use super::{Compiler, analytic};
 use crate::emitter::{Constant, Directional, Emitter, Environment, EnvironmentMapping, Falloff, Point, Spot};
 use crate::math::{Frame, Vec3};
 
@@ -18,7 +18,7 @@ fn unit(v: [f64; 3]) -> Option<Vec3> {
 }
 
 /// Appends the scene's point-like and infinite lights; returns the indices of the environments.
-pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>) -> Vec<u32> {
+pub fn build(b: &mut Compiler<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>) -> Vec<u32> {
     let relative = |p: [f64; 3]| vec3([p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]);
     let mut environments = Vec::new();
     for e in &b.ir.emitters {
@@ -82,7 +82,7 @@ pub fn build(b: &mut Builder<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>)
 }
 
 /// The turned (and perhaps mirrored) axes of a light that has directions.
-fn axes(b: &mut Builder<'_>, to_world: &ir::Transform, what: &str, at: ir::Origin) -> Option<Frame> {
+fn axes(b: &mut Compiler<'_>, to_world: &ir::Transform, what: &str, at: ir::Origin) -> Option<Frame> {
     if !analytic::is_similarity(to_world) {
         b.error(format!("the to_world of {what} may turn and mirror it, but not stretch it"), at);
         return None;
@@ -96,7 +96,7 @@ fn axes(b: &mut Builder<'_>, to_world: &ir::Transform, what: &str, at: ir::Origi
 }
 
 fn picture_environment(
-    b: &mut Builder<'_>,
+    b: &mut Compiler<'_>,
     to_world: &ir::Transform,
     image: &ir::LightImage,
     mapping: ir::EnvironmentMapping,

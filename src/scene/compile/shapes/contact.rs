@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::LevelBuilder;
+use super::LevelParts;
 use crate::math::{Bounds, LIFT, Vec3};
 use crate::scene::ShapeRecord;
 use crate::scene::geometry::{Kind, Primitive};
@@ -40,7 +40,7 @@ struct Face {
 /// Draws back every face of a shape for which `clear` says that light goes through it, where it coincides
 /// with a face of another shape. Returns the shapes and the farthest that one of their faces moved.
 pub fn draw_back(
-    level: &mut LevelBuilder,
+    level: &mut LevelParts,
     records: &[ShapeRecord],
     clear: impl Fn(&ShapeRecord) -> bool,
 ) -> Vec<(u32, f32)> {
@@ -103,7 +103,7 @@ fn bits(place: Vec3) -> [u32; 3] {
 }
 
 /// The box around all that light goes through; `None` without any.
-fn around(level: &LevelBuilder, clear: &[bool]) -> Option<Bounds> {
+fn around(level: &LevelParts, clear: &[bool]) -> Option<Bounds> {
     let mut around = Bounds::EMPTY;
     if clear.contains(&true) {
         // Instances are of no shape here.
@@ -116,7 +116,7 @@ fn around(level: &LevelBuilder, clear: &[bool]) -> Option<Bounds> {
 }
 
 /// The flat ones within `around`.
-fn faces(level: &LevelBuilder, records: &[ShapeRecord], clear: &[bool], around: &Bounds) -> Vec<Face> {
+fn faces(level: &LevelParts, records: &[ShapeRecord], clear: &[bool], around: &Bounds) -> Vec<Face> {
     let mut faces = Vec::new();
     for p in &level.primitives {
         let mut add = |v: [Vec3; 3], normal: Option<Vec3>| {

@@ -2,10 +2,10 @@
 
 use caustica_formats::ir;
 
-use super::Builder;
+use super::Compiler;
 use crate::texture::{Mapping, NoiseKind, ToTexture, UvTransform};
 
-impl Builder<'_> {
+impl Compiler<'_> {
     /// World → texture, for points of the compiled scene.
     pub fn to_texture(&self, world_to_texture: &ir::Transform) -> ToTexture {
         let m = world_to_texture.after(&ir::Transform::translate(self.origin)).0;

@@ -2,7 +2,7 @@
 
 use caustica_formats::ir::{self, ColorSlot, EmitterKind};
 
-use super::super::Builder;
+use super::super::Compiler;
 use super::super::sensor::field_of_view;
 use super::axes;
 use crate::emitter::{Emitter, Frustum, Goniometric, Picture, Projection, Projector};
@@ -11,7 +11,7 @@ use crate::sensor::{Axis, Perspective};
 use crate::texture::Texture;
 
 pub fn build(
-    b: &mut Builder<'_>,
+    b: &mut Compiler<'_>,
     kind: &EmitterKind,
     position: impl Fn(&ir::Transform) -> Vec3,
     at: ir::Origin,
