@@ -4,8 +4,8 @@
 mod support;
 
 use caustica::film::Radiance;
+use caustica::math::kernel::KernelKind;
 use caustica::math::{Rgb, Vec2, Vec3};
-use caustica::photon::kernel::KernelKind;
 use caustica::photon::{Estimator, Gather, PhotonMap, Query};
 use caustica::sampling::Sampler;
 use caustica::scene::Surface;

@@ -357,7 +357,7 @@ fn help_settings() -> Result<u8, String> {
         .zip(defaults.values())
         .map(|(row, (_, default))| format!("{:<20} {} [{}; default {default}]", row.name, row.doc, row.wants))
         .collect();
-    let kernels: Vec<&str> = crate::photon::kernel::KernelKind::ALL.iter().map(|k| k.name()).collect();
+    let kernels: Vec<&str> = crate::math::kernel::KernelKind::ALL.iter().map(|k| k.name()).collect();
     report::data(&format!("{}\n\nkernels: {}", rows.join("\n"), kernels.join(", ")))?;
     Ok(0)
 }

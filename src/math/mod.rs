@@ -1,6 +1,7 @@
 //! Vectors, frames and small numeric helpers shared by every layer above.
 
 mod frame;
+pub mod kernel;
 mod octahedral;
 pub mod simd;
 

@@ -9,8 +9,8 @@
 //! Photons lie on the surface even where the query cannot see it, behind a thin wall or across a corner:
 //! where a trial met an obstacle, only photons in sight may be counted, by the same test.
 
-use super::kernel::KernelKind;
 use super::store::HEIGHT;
+use crate::math::kernel::KernelKind;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Scene, Surface};

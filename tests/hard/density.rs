@@ -1,7 +1,7 @@
 //! What density estimation does to even light: nothing away from edges, and at edges what theory says.
 
+use caustica::math::kernel::KernelKind;
 use caustica::math::{Rgb, Vec3};
-use caustica::photon::kernel::KernelKind;
 use caustica::photon::{LightPath, Photon, PhotonMap, Query};
 
 use super::{agree, record};

@@ -1,8 +1,8 @@
 //! Photon maps at their limits.
 
 use caustica::film::Pixels;
+use caustica::math::kernel::KernelKind;
 use caustica::math::{Rgb, Vec3};
-use caustica::photon::kernel::KernelKind;
 use caustica::photon::radius::shrinkage;
 use caustica::photon::{LightPath, Photon, PhotonMap, Query};
 use caustica::render::Outcome;

@@ -4,7 +4,7 @@ use caustica_formats::ir::{Scalar, Setting};
 
 use super::Compiler;
 
-use crate::photon::kernel::KernelKind;
+use crate::math::kernel::KernelKind;
 use crate::settings::{Count, Limit, Lookup, Mode, Radius, SettingError, Settings};
 
 /// Names of Mitsuba's integrators and of ours → settings. The reader has checked names and types.

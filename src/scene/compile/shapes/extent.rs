@@ -3,7 +3,7 @@
 use caustica_formats::ir::{PartialQuadric, ShapeKind};
 
 use super::super::Compiler;
-use super::{Meshes, cache_key};
+use super::meshes::{Meshes, cache_key};
 
 /// The point of the scene's bounds that is nearest to `camera`, or their middle without one, in the
 /// author's coordinates and f64: single precision is finest there.

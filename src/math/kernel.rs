@@ -122,8 +122,8 @@ macro_rules! table {
         /// Calls `$body` with the type `$k` of the kernel: the choice is made once, not per photon.
         macro_rules! with_kernel {
             ($kind:expr, $k:ident => $body:expr) => {
-                match $kind { $($crate::photon::kernel::KernelKind::$name => {
-                    type $k = $crate::photon::kernel::$name;
+                match $kind { $($crate::math::kernel::KernelKind::$name => {
+                    type $k = $crate::math::kernel::$name;
                     $body
                 }),+ }
             };
