@@ -153,6 +153,7 @@ impl Scene {
         PhotonSide { n: if both || s.ng.dot(w) >= 0.0 { s.ng } else { -s.ng }, both }
     }
 
+    #[inline]
     pub fn material(&self, s: &Surface) -> &Material {
         &self.materials[self.shapes[s.shape as usize].material as usize]
     }
