@@ -430,7 +430,7 @@ fn exchanged_textures_are_another_scene() {
     let body = texture("a.pfm") + &texture("b.pfm");
     let text = format!("<scene version='3.0.0'><sensor type='perspective'/>{body}</scene>");
     std::fs::write(at("s.xml"), text).expect("writable");
-    let picture = |value: f32| encode_pfm(1, 1, &[value; 3]).expect("a picture");
+    let picture = |value: f32| image::encode_pfm(1, 1, &[value; 3]).expect("a picture");
     let write = |a, b| {
         std::fs::write(at("a.pfm"), picture(a)).expect("writable");
         std::fs::write(at("b.pfm"), picture(b)).expect("writable");
