@@ -4,7 +4,7 @@
 mod support;
 
 use caustica::film::Radiance;
-use caustica::math::{Rgb, Vec2, Vec3};
+use caustica::math::{Color, Vec2, Vec3};
 use caustica::photon::kernel::KernelKind;
 use caustica::photon::{Estimator, Gather, PhotonMap, Query};
 use caustica::sampling::Sampler;
@@ -72,7 +72,7 @@ fn lookup(c: &mut Criterion) {
                         side,
                         &closure,
                         *wi,
-                        Rgb::ONE,
+                        Color::ONE,
                         u32::MAX,
                         None,
                         &mut out,

@@ -1,6 +1,6 @@
 //! caustica: photon mapping for Mitsuba and pbrt scenes.
 //!
-//! Code map, upwards: `math`, `sampling` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
+//! Code map, upwards: `math`, `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
 //! `film` ← `scene` ← `photon` ← `integrator` ← `render` ← `cli`. Imports point downwards only;
 //! `tests/tidy.rs` checks it. The renderer knows no file format: `scene::build` (and `cli`) alone read
 //! the scene representation of `caustica-formats`.
@@ -19,4 +19,5 @@ pub mod scene;
 pub mod sensor;
 pub mod settings;
 pub mod shape;
+pub mod spectrum;
 pub mod texture;

@@ -66,6 +66,7 @@ fn imports<'a>(text: &'a str, root: &str) -> Vec<&'a str> {
 const LEVELS: &[&[&str]] = &[
     &["math"],
     &["sampling"],
+    &["spectrum"],
     &["shape", "texture", "accel"],
     &["bsdf", "emitter", "sensor", "film"],
     &["settings"],

@@ -1,6 +1,6 @@
 //! What density estimation does to even light: nothing away from edges, and at edges what theory says.
 
-use caustica::math::{Rgb, Vec3};
+use caustica::math::{Color, Vec3};
 use caustica::photon::kernel::KernelKind;
 use caustica::photon::{LightPath, Photon, PhotonMap, Query};
 use caustica::scene::Scene;
@@ -19,7 +19,7 @@ fn every_kernel_is_exact_for_even_light() {
     let photons: Vec<Photon> = (0..n * n)
         .map(|i| Photon {
             p: Vec3::new((i % n - n / 2) as f32 * h, (i / n - n / 2) as f32 * h, 0.0),
-            flux: Rgb::splat(h * h),
+            flux: Color::splat(h * h),
             wi: Vec3::Z,
             n: Vec3::Z,
             path: LightPath::Direct,

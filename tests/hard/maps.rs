@@ -1,7 +1,7 @@
 //! Photon maps at their limits.
 
 use caustica::film::Pixels;
-use caustica::math::{Rgb, Vec3};
+use caustica::math::{Color, Vec3};
 use caustica::photon::kernel::KernelKind;
 use caustica::photon::radius::shrinkage;
 use caustica::photon::{LightPath, Photon, PhotonMap, Query};
@@ -12,7 +12,7 @@ use super::{agree, record};
 use crate::support::{Estimate, UP, area, budget, camera, diffuse, rectangle, scene, settings, sphere};
 
 fn photon(p: Vec3) -> Photon {
-    Photon { p, flux: Rgb::ONE, wi: Vec3::Z, n: Vec3::Z, path: LightPath::Direct, depth: 1 }
+    Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, path: LightPath::Direct, depth: 1 }
 }
 
 fn found(map: &PhotonMap, p: Vec3, radius: f32) -> usize {

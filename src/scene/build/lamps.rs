@@ -4,7 +4,7 @@ use caustica_formats::ir::{self, ColorSlot};
 
 use super::Builder;
 use crate::emitter::{Area, Collimated, Emitter, Sides, Surface};
-use crate::math::luminance;
+use crate::spectrum::luminance;
 
 impl Builder<'_> {
     /// The light of a shape with the given surface.

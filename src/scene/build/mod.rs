@@ -22,7 +22,8 @@ use caustica_formats::ir;
 use caustica_formats::spectrum::to_linear_rgb;
 
 use super::{Scene, emitter_distributions};
-use crate::math::Rgb;
+use crate::math::Color;
+use crate::spectrum::rgb;
 
 pub use sensor::MAX_PIXELS;
 
@@ -76,15 +77,15 @@ impl Builder<'_> {
         self.diagnostics.push(problem.unsupported());
     }
 
-    fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Rgb {
+    fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Color {
         // The rules differ in spectra only; what range a plain RGB may have is the file's own matter.
         let spectral = !matches!(color, ir::Color::Gray(_) | ir::Color::Rgb(_) | ir::Color::Srgb(_));
         let rule = self.options.spectrum_rule.filter(|_| spectral).unwrap_or(self.ir.spectrum_rule);
         match to_linear_rgb(color, slot, rule) {
-            Ok(c) => Rgb::new(c[0] as f32, c[1] as f32, c[2] as f32),
+            Ok(c) => rgb(c.map(|v| v as f32)),
             Err(e) => {
                 self.error(e.to_string(), origin);
-                Rgb::ZERO
+                Color::ZERO
             }
         }
     }

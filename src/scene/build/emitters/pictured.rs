@@ -6,8 +6,9 @@ use super::super::Builder;
 use super::super::sensor::field_of_view;
 use super::axes;
 use crate::emitter::{Emitter, Frustum, Goniometric, Picture, Projection, Projector};
-use crate::math::{Vec3, luminance};
+use crate::math::Vec3;
 use crate::sensor::{Axis, Perspective};
+use crate::spectrum::luminance;
 use crate::texture::Texture;
 
 pub fn build(
