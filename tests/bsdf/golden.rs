@@ -1,7 +1,6 @@
 //! Values and densities against Mitsuba's.
 
 use caustica::bsdf::{Range, Transport};
-use caustica::math::Vec3;
 
 use super::{NONLINEAR, RHO, bsdf, closure, direction, float, ggx, ggx_uv, material, plastic, rgb, string};
 
