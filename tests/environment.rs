@@ -3,14 +3,13 @@
 use std::f64::consts::PI;
 
 use caustica::math::{Color, Vec3};
-use caustica::scene::Scene;
 
 use crate::support::{
-    ALL, Estimate, UP, assert_agree, camera, diffuse, pbrt_scene_seen, picture, rectangle, render,
+    ALL, Estimate, Stage, UP, assert_agree, camera, diffuse, pbrt_scene_seen, picture, rectangle, render,
     scene_with_bytes, sphere,
 };
 
-fn lit(picture: Vec<u8>, turn: &str, body: &str) -> Scene {
+fn lit(picture: Vec<u8>, turn: &str, body: &str) -> Stage {
     let light = format!(
         "<emitter type='envmap'><string name='filename' value='sky.pfm'/>
          <transform name='to_world'>{turn}</transform></emitter>"

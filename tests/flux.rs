@@ -8,7 +8,7 @@ use caustica::sampling::Sampler;
 use caustica::scene::Scene;
 use caustica::spectrum::rgb;
 
-use crate::support::{DOWN, SIGMAS, area, camera, diffuse, rectangle, scene, sphere};
+use crate::support::{DOWN, SIGMAS, Stage, area, camera, diffuse, rectangle, scene, sphere};
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
@@ -30,7 +30,7 @@ fn stored(scene: &Scene, jobs: u64, paths: u64, max_depth: u32) -> f64 {
     (0..jobs).map(flux).sum::<f64>() / jobs as f64
 }
 
-fn closed(albedo: &str, lamp: &str) -> Scene {
+fn closed(albedo: &str, lamp: &str) -> Stage {
     let room =
         format!("<shape type='cube'><boolean name='flip_normals' value='true'/>{}</shape>", diffuse(albedo));
     scene(&format!("{}{room}{lamp}", camera("0,0,0", "0,0,1", 40.0, 4)))

@@ -3,8 +3,8 @@
 use std::sync::LazyLock;
 
 use caustica::film::Radiance;
+use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Frame, Vec2, Vec3};
-use caustica::photon::kernel::KernelKind;
 use caustica::photon::store::{HEIGHT, NORMAL_AGREEMENT};
 use caustica::photon::{Estimator, Gather, LightPath, Photon, PhotonMap, Query};
 use caustica::sampling::CounterRng;

@@ -5,7 +5,7 @@ use crate::bsdf::{Closure, Range, Transport};
 use crate::emitter::DirectSample;
 use crate::math::{Color, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Plan, Scene, Surface};
+use crate::scene::{Facts, Scene, Surface};
 
 /// β = 2.
 #[inline]
@@ -30,7 +30,7 @@ pub struct Proposal {
 #[inline(always)]
 pub fn propose(
     scene: &Scene,
-    plan: &Plan,
+    facts: &Facts,
     s: &Surface,
     closure: &Closure<'_>,
     lobes: Range,
@@ -39,7 +39,7 @@ pub fn propose(
     segments: u32,
     sampler: &mut Sampler,
 ) -> Option<Proposal> {
-    let pick = if plan.many_lamps { sampler.next_1d() } else { 0.0 };
+    let pick = if facts.many_lamps { sampler.next_1d() } else { 0.0 };
     let u = sampler.next_2d();
     if segments == 0 || !closure.has_smooth(wi, lobes) {
         return None;
@@ -59,7 +59,7 @@ pub fn propose(
 #[inline(always)]
 pub fn next_event(
     scene: &Scene,
-    plan: &Plan,
+    facts: &Facts,
     s: &Surface,
     closure: &Closure<'_>,
     lobes: Range,
@@ -69,11 +69,11 @@ pub fn next_event(
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Color {
-    let Some(p) = propose(scene, plan, s, closure, lobes, wi, mis, segments, sampler) else {
+    let Some(p) = propose(scene, facts, s, closure, lobes, wi, mis, segments, sampler) else {
         return Color::ZERO;
     };
     *rays += 1;
-    p.value * scene.visibility(s, &p.light, plan.transparent_shadows, segments)
+    p.value * scene.visibility(s, &p.light, facts.transparent_shadows, segments)
 }
 
 /// The other half of multiple importance sampling: a direction from `lobes` of the BSDF, and the lamp it

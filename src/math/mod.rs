@@ -2,6 +2,7 @@
 
 mod color;
 mod frame;
+pub mod kernel;
 mod octahedral;
 pub mod simd;
 

@@ -4,11 +4,11 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::boundary::Boundary;
-use super::kernel::{Kernel, KernelKind, with_kernel};
 use super::store::{PhotonMap, Query};
 use super::{LightPath, scan};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::film::Radiance;
+use crate::math::kernel::{Kernel, KernelKind, with_kernel};
 use crate::math::{Color, Vec3, decode_direction};
 use crate::scene::{PhotonSide, Surface};
 use crate::settings::Lookup;

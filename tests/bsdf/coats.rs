@@ -6,12 +6,12 @@ use caustica::sampling::CounterRng;
 use caustica::scene::Scene;
 
 use super::{closure, direction};
-use crate::support::{SIGMAS, pbrt_scene};
+use crate::support::{SIGMAS, Stage, pbrt_scene};
 
 const THICKNESS: f32 = 0.01;
 const MAX_DEPTH: u32 = 10;
 
-fn sphere(material: &str) -> Scene {
+fn sphere(material: &str) -> Stage {
     pbrt_scene(&format!("LightSource \"infinite\"\nMaterial {material}\nShape \"sphere\""), vec![])
 }
 

@@ -8,7 +8,7 @@ use caustica::math::{Color, Frame, Ray, Vec3};
 use caustica::sampling::{CounterRng, warp};
 use caustica::scene::{Scene, Surface};
 
-use crate::support::{camera, pbrt_scene, picture, scene_with_bytes};
+use crate::support::{Stage, camera, pbrt_scene, picture, scene_with_bytes};
 
 /// What the cases refer to.
 fn files() -> Vec<(&'static str, Vec<u8>)> {
@@ -19,11 +19,11 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
     vec![("sky.pfm", sky), ("square.pfm", square), ("mesh.obj", mesh.as_bytes().to_vec())]
 }
 
-fn mitsuba(body: &str) -> Scene {
+fn mitsuba(body: &str) -> Stage {
     scene_with_bytes(&format!("{}{body}", camera("0,0,9", "0,0,0", 40.0, 4)), files())
 }
 
-fn pbrt(world: &str) -> Scene {
+fn pbrt(world: &str) -> Stage {
     pbrt_scene(world, files())
 }
 
