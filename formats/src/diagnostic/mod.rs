@@ -4,6 +4,7 @@
 
 mod narrow;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use codespan_reporting::diagnostic::{self as codespan, LabelStyle};
@@ -78,6 +79,38 @@ impl Diagnostic {
         self.help.push(text.into());
         self
     }
+
+    /// With the name in `known` that was probably meant by `name`, if there is one.
+    #[must_use]
+    pub fn suggest<'a>(self, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        match nearest(name, known) {
+            Some(near) => self.help(format!("did you mean `{near}`?")),
+            None => self,
+        }
+    }
+
+    /// As [`Self::suggest`], with `otherwise` as help where no name is near.
+    #[must_use]
+    pub fn suggest_or<'a>(
+        self,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+        otherwise: impl FnOnce() -> String,
+    ) -> Self {
+        match nearest(name, known) {
+            Some(near) => self.help(format!("did you mean `{near}`?")),
+            None => self.help(otherwise()),
+        }
+    }
+}
+
+/// Sorts messages by severity, worst first, then by place; one without a place comes last. What was said
+/// of the same place before is dropped: an object that several others refer to may be read more than once.
+pub(crate) fn in_source_order(problems: &mut Vec<Diagnostic>) {
+    let place = |p: &Diagnostic| p.span.map_or((u32::MAX, 0), |s| (s.file, s.start));
+    problems.sort_by_key(|p| (std::cmp::Reverse(p.severity), place(p)));
+    let mut said = HashSet::new();
+    problems.retain(|p| p.span.is_none() || said.insert((p.span, p.message.clone())));
 }
 
 /// Messages printed at once: a file whose every line is wrong is not told line by line.

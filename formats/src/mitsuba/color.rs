@@ -2,12 +2,12 @@
 
 use super::number;
 use super::object::{Class, Entry, Object, ObjectIndex, Value};
-use super::plugin::{Plugin, read};
 use super::props::Props;
 use super::reader::Reader;
 use super::texture::is_texture_plugin;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
+use crate::plugin::{Plugin, read};
 
 type ReadSpectrum = fn(&mut Props<'_>) -> Option<Color>;
 

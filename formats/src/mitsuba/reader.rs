@@ -4,13 +4,13 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::object::{Class, Object, ObjectIndex, Value};
-use super::plugin::{self, Found, Plugin};
 use super::props::Props;
 use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
 use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Scene, ShapeGroup, Texture};
 use crate::missing::{find, not_found};
+use crate::plugin::{self, Plugin, Status};
 use crate::read::ReadOptions;
 
 pub(super) struct Reader<'a> {
@@ -120,14 +120,14 @@ impl<'a> Reader<'a> {
         if object.plugin.is_empty() {
             return None;
         }
-        match plugin::find(table, object) {
-            Found::Reader(reader) => Some(reader),
-            Found::Unsupported(advice) => {
+        match plugin::find(table, &object.plugin) {
+            Some(Status::Read(reader)) => Some(reader),
+            Some(Status::Unsupported(advice)) => {
                 self.unsupported(index, advice, instead);
                 None
             }
-            Found::Unknown => {
-                self.problems.push(plugin::unknown(table, object));
+            None => {
+                self.problems.push(unknown(table, object));
                 None
             }
         }
@@ -176,4 +176,9 @@ impl<'a> Reader<'a> {
     pub fn strict(&self) -> Severity {
         if self.dialect == Dialect::Old { Severity::Warning } else { Severity::Error }
     }
+}
+
+/// The error for a plugin that no version of Mitsuba has.
+pub(super) fn unknown<F>(table: &[Plugin<F>], object: &Object) -> Diagnostic {
+    plugin::unknown(table, &format!("{} plugin", object.class.name()), &object.plugin, object.span)
 }

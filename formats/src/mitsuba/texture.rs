@@ -3,7 +3,6 @@
 use super::color::is_texture;
 use super::emitter::gamma;
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use super::version::Dialect;
@@ -11,6 +10,7 @@ use crate::ir::{
     Bitmap, Color, ColorInput, ColorSlot, Id, Mapping, Texture, TextureEncoding, TextureFilter, TextureKind,
     Transform, WrapMode,
 };
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadTexture = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<TextureKind>;
 

@@ -3,15 +3,15 @@
 use super::color::Use;
 use super::directive::{Directive, Param};
 use super::params::Params;
-use super::plugin::{Plugin, approximated, read, unsupported};
 use super::reader::{Named, Reader, text};
 use super::texture::upside_down;
-use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
     Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, PerturbedShading, RoughnessRemap,
     Shadowing, Texture, TextureKind, Transform,
 };
+use crate::plugin::{Plugin, approximated, read, unsupported};
 
 type ReadMaterial = fn(&mut Reader<'_>, &mut Params) -> Option<BsdfKind>;
 
@@ -167,10 +167,9 @@ impl Reader<'_> {
         for (name, span) in missing {
             let defined = self.materials.iter().filter(|(_, named)| named.defined.is_some());
             let problem = Diagnostic::error(format!("no material is called `{name}`"), Some(span));
-            self.problems.push(match nearest(&name, defined.map(|(name, _)| name.as_str())) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem.help("MakeNamedMaterial defines one"),
-            });
+            self.problems.push(problem.suggest_or(&name, defined.map(|(name, _)| name.as_str()), || {
+                "MakeNamedMaterial defines one".to_owned()
+            }));
         }
     }
 
@@ -346,10 +345,7 @@ impl Reader<'_> {
         }
         let known = self.materials.iter().filter(|(_, named)| named.defined.is_some());
         let problem = Diagnostic::error(format!("no material called `{name}` is defined above"), Some(span));
-        p.problems.push(match nearest(name, known.map(|(name, _)| name.as_str())) {
-            Some(known) => problem.help(format!("did you mean `{known}`?")),
-            None => problem,
-        });
+        p.problems.push(problem.suggest(name, known.map(|(name, _)| name.as_str())));
         None
     }
 }

@@ -6,7 +6,7 @@ use super::directive::{Argument, DIRECTIVES, Directive, Follows, Param, ParamTyp
 use super::number::{self, BadNumber, Number};
 use super::token::{Cursor, Token};
 use super::upgrade::Old;
-use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::diagnostic::{Diagnostic, Span};
 
 /// Point lists longer than this are kept in the precision of a mesh.
 const PRECISE: usize = 64;
@@ -38,10 +38,7 @@ pub(super) fn parse(text: &str, file: u32, old: &mut Old, problems: &mut Vec<Dia
 fn unknown_directive(name: &str, span: Span) -> Diagnostic {
     let shown: String = name.chars().take(40).collect();
     let problem = Diagnostic::error(format!("unknown directive `{shown}`"), Some(span));
-    match nearest(&shown, DIRECTIVES.iter().map(|row| row.0)) {
-        Some(known) => problem.help(format!("did you mean `{known}`?")),
-        None => problem,
-    }
+    problem.suggest(&shown, DIRECTIVES.iter().map(|row| row.0))
 }
 
 struct Parser<'a, 'p> {
@@ -219,13 +216,10 @@ impl Parser<'_, '_> {
         let kind = ParamType::of_keyword(keyword).filter(|kind| *kind != ParamType::Xyz);
         let Some(kind) = kind.or_else(|| self.old.param_type(keyword, span)) else {
             let problem = Diagnostic::error(format!("unknown parameter type `{keyword}`"), Some(span));
-            self.problems.push(match nearest(keyword, ParamType::keywords()) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => {
-                    let all: Vec<_> = ParamType::keywords().collect();
-                    problem.help(format!("known: {}", all.join(", ")))
-                }
-            });
+            self.problems.push(problem.suggest_or(keyword, ParamType::keywords(), || {
+                let all: Vec<_> = ParamType::keywords().collect();
+                format!("known: {}", all.join(", "))
+            }));
             self.skip_value();
             return None;
         };

@@ -7,7 +7,6 @@ use std::rc::Rc;
 use super::depths::Depths;
 use super::directive::{Directive, Param, Value};
 use super::params::Params;
-use super::plugin::{self, Plugin, Status};
 use super::space::ColorSpace;
 use super::state::{Ctm, Graphics, Saved, Scope};
 use crate::diagnostic::{Diagnostic, Span, nearest};
@@ -16,6 +15,7 @@ use crate::ir::{
     Arena, Bsdf, ColorInput, FloatInput, HideEmitters, Id, Origin, Scene, ShapeGroup, SpectrumRule, Transform,
 };
 use crate::missing::{find, not_found};
+use crate::plugin::{self, Plugin, Status};
 use crate::read::ReadOptions;
 
 /// Something named that may be used before it is defined.
@@ -311,14 +311,14 @@ impl<'a> Reader<'a> {
     pub fn plugin<F: Copy>(&mut self, table: &[Plugin<F>], p: &mut Params, instead: &str) -> Option<F> {
         match plugin::find(table, &p.kind) {
             Some(Status::Read(reader)) => Some(reader),
-            Some(Status::Unsupported) => {
+            Some(Status::Unsupported(_)) => {
                 let what = p.what();
                 self.unsupported(&what, instead, p.span);
                 p.ignore_rest();
                 None
             }
             None => {
-                self.problems.push(plugin::unknown(table, p));
+                self.problems.push(plugin::unknown(table, &format!("{} type", p.class), &p.kind, p.span));
                 p.ignore_rest();
                 None
             }

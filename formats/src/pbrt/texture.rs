@@ -4,13 +4,13 @@ use super::color::Use;
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param, ParamType};
 use super::params::Params;
-use super::plugin::{Plugin, read, unsupported};
 use super::reader::{Reader, text};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Color, ColorInput, FloatInput, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding,
     TextureFilter, TextureKind, Transform, WrapMode,
 };
+use crate::plugin::{Plugin, read, unsupported};
 
 use ParamType as T;
 

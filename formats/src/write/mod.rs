@@ -1,4 +1,4 @@
-//! Writing a scene in any language: the choice of the writer by extension, and what comes of it.
+//! What a writer of any scene language gives, and what the writers share.
 
 mod image;
 mod mesh;
@@ -15,10 +15,8 @@ use thiserror::Error;
 pub(crate) use image::Tone;
 pub(crate) use output::Output;
 
-use crate::diagnostic::nearest;
 use crate::files::Files;
 use crate::image::atomic_write;
-use crate::{Read, mitsuba, pbrt};
 
 /// Something the scene says that the written one does not.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -70,31 +68,13 @@ pub enum WriteError {
     Asset { path: PathBuf, reason: String },
 }
 
-type Writer = fn(&mut Output<'_>) -> Result<String, WriteError>;
-
-/// One row per scene language.
-const LANGUAGES: &[(&str, Writer)] = &[("xml", mitsuba::write::write), ("pbrt", pbrt::write::write)];
-
-/// The scene of `read` in the language that the extension of `path` names. Meshes and textures
-/// below the folder of `path` stay where they are; others are carried along.
-pub fn write_scene(read: &Read, files: &dyn Files, path: &Path) -> Result<Written, WriteError> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let Some((_, writer)) = LANGUAGES.iter().find(|(name, _)| *name == extension) else {
-        let names: Vec<_> = LANGUAGES.iter().map(|(name, _)| *name).collect();
-        let hint = nearest(&extension, names.iter().copied());
-        return Err(WriteError::UnknownLanguage {
-            path: path.display().to_string(),
-            known: names.iter().map(|name| format!(".{name}")).collect::<Vec<_>>().join(", "),
-            hint: hint.map_or(String::new(), |name| format!("; did you mean .{name}?")),
-        });
-    };
-    let mut output = Output::new(read, files, path);
-    let text = writer(&mut output)?;
-    let (assets, losses, inputs) = output.finish();
-    Ok(Written { path: path.to_path_buf(), text, assets, losses, inputs })
-}
-
 impl Written {
+    /// The scene of `output` as `text` in the file `path`.
+    pub(crate) fn new(path: &Path, text: String, output: Output<'_>) -> Self {
+        let (assets, losses, inputs) = output.finish();
+        Self { path: path.to_path_buf(), text, assets, losses, inputs }
+    }
+
     /// Writes scene and assets, each in one step. Nothing is written when a file is in the way,
     /// unless `replace`; an asset that is there already with the same bytes is not in the way.
     pub fn save(&self, files: &dyn Files, replace: bool) -> Result<(), WriteError> {
