@@ -8,7 +8,7 @@ use super::props::Props;
 use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
-use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Scene, ShapeGroup, Texture};
+use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Query, Scene, ShapeGroup, Texture};
 use crate::missing::{find, not_found};
 use crate::plugin::{self, Plugin, Status};
 use crate::read::ReadOptions;
@@ -18,6 +18,8 @@ pub(super) struct Reader<'a> {
     pub dialect: Dialect,
     pub scene: Scene,
     pub problems: Vec<Diagnostic>,
+    /// What the BSDFs that were read are.
+    pub query: Query,
     files: &'a dyn Files,
     sources: &'a SourceMap,
     folders: &'a [PathBuf],
@@ -56,6 +58,7 @@ impl<'a> Reader<'a> {
             dialect,
             scene,
             problems: Vec::new(),
+            query: Query::default(),
             files,
             sources,
             folders,

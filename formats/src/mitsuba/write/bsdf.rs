@@ -2,7 +2,7 @@
 
 use super::Writer;
 use super::element::Element;
-use super::substitute::{self, is_smooth};
+use super::substitute;
 use crate::ir::{
     Bsdf, BsdfKind, ColorInput, ColorSlot, Conductor, ConductorMaterial, Dielectric, FloatInput, Id, Ior,
     Microfacet, MicrofacetDistribution, Origin, PerturbedShading, Plastic, PrincipledIndex, RoughnessRemap,
@@ -43,10 +43,10 @@ impl Writer<'_, '_> {
             BsdfKind::Dielectric(d) => self.dielectric(bsdf("dielectric"), d, origin)?,
             BsdfKind::ThinDielectric(d) => self.dielectric(bsdf("thindielectric"), d, origin)?,
             // pbrt's roughness 0 is a smooth surface; Mitsuba's rough models want alpha above it.
-            BsdfKind::RoughDielectric { interface, microfacet } if is_smooth(microfacet) => {
+            BsdfKind::RoughDielectric { interface, microfacet } if microfacet.is_smooth() => {
                 self.dielectric(bsdf("dielectric"), interface, origin)?
             }
-            BsdfKind::RoughConductor { conductor, microfacet } if is_smooth(microfacet) => {
+            BsdfKind::RoughConductor { conductor, microfacet } if microfacet.is_smooth() => {
                 self.conductor(bsdf("conductor"), conductor, origin)?
             }
             BsdfKind::RoughDielectric { interface, microfacet } => {
@@ -65,9 +65,10 @@ impl Writer<'_, '_> {
                 self.microfacet(element, &microfacet, origin)?
             }
             BsdfKind::TwoSided { front, back } => {
-                let passes = [Some(*front), *back].into_iter().flatten().any(|id| self.transmits(id));
+                let sides = [Some(*front), *back].into_iter().flatten();
+                let passes = sides.clone().any(|id| self.query.bsdf(&scene.bsdfs, id).transmits);
                 let mut element = bsdf("twosided").boolean_unless("allow_transmission", passes, false);
-                for side in [Some(*front), *back].into_iter().flatten() {
+                for side in sides {
                     element = element.child(self.bsdf(side)?);
                 }
                 element
@@ -156,29 +157,6 @@ impl Writer<'_, '_> {
             element = element.children(self.float_input(name, input, Some(*default))?);
         }
         Ok(element)
-    }
-
-    /// Whether what is written for a material lets light through.
-    fn transmits(&self, id: Id<Bsdf>) -> bool {
-        match &self.scene.bsdfs[id].kind {
-            BsdfKind::Dielectric(_)
-            | BsdfKind::ThinDielectric(_)
-            | BsdfKind::RoughDielectric { .. }
-            | BsdfKind::Mask { .. }
-            | BsdfKind::Null
-            | BsdfKind::Principled(_)
-            | BsdfKind::PrincipledThin(_)
-            | BsdfKind::DiffuseTransmission { .. } => true,
-            BsdfKind::BumpMap { nested, .. }
-            | BsdfKind::NormalMap { nested, .. }
-            | BsdfKind::Coating { nested, .. } => self.transmits(*nested),
-            BsdfKind::TwoSided { front, back } => {
-                self.transmits(*front) || back.is_some_and(|back| self.transmits(back))
-            }
-            BsdfKind::Blend { first, second, .. } => self.transmits(*first) || self.transmits(*second),
-            BsdfKind::Mixture { parts } => parts.iter().any(|(_, part)| self.transmits(*part)),
-            _ => false,
-        }
     }
 
     pub fn dielectric(
