@@ -34,6 +34,15 @@ pub(super) fn is_texture(object: &Object) -> bool {
 }
 
 impl<'a> Reader<'a> {
+    /// Reads a texture or spectrum for its problems; it counts only where something refers to it.
+    pub fn top_level_texture(&mut self, index: ObjectIndex) {
+        if is_texture(&self.objects[index]) {
+            self.texture(index);
+        } else {
+            self.spectrum(index);
+        }
+    }
+
     /// A colour or texture; `default` when it is not given or was reported.
     pub fn color_input(
         &mut self,

@@ -1,6 +1,5 @@
 //! Textures.
 
-use super::color::is_texture;
 use super::emitter::gamma;
 use super::object::{Class, ObjectIndex};
 use super::props::Props;
@@ -54,15 +53,6 @@ impl<'a> Reader<'a> {
         let id = self.scene.textures.push(Texture { name, origin, kind: kind? });
         self.textures.insert(index, id);
         Some(id)
-    }
-
-    /// Reads it for its problems; it counts only where something refers to it.
-    pub fn top_level_texture(&mut self, index: ObjectIndex) {
-        if is_texture(&self.objects[index]) {
-            self.texture(index);
-        } else {
-            self.spectrum(index);
-        }
     }
 }
 
