@@ -3,6 +3,8 @@
 //! Invariants (checked by `tests/tidy.rs`): `ir` depends on `diagnostic` only; the scene
 //! languages never import each other; nothing here knows of rendering.
 
+#![warn(missing_docs)]
+
 pub mod confined;
 pub mod diagnostic;
 mod encoding;

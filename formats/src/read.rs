@@ -23,6 +23,7 @@ pub struct ReadOptions {
 /// A scene and what its author should know about it.
 #[derive(Clone, Debug)]
 pub struct Read {
+    /// What was read.
     pub scene: ir::Scene,
     /// Warnings and notes in source order.
     pub warnings: Vec<Diagnostic>,
@@ -33,7 +34,9 @@ pub struct Read {
 /// All problems of a scene that could not be read, errors first, in source order.
 #[derive(Clone, Debug)]
 pub struct Failure {
+    /// At least one error.
     pub diagnostics: Vec<Diagnostic>,
+    /// The files the spans point into.
     pub sources: SourceMap,
 }
 

@@ -15,23 +15,33 @@ use serde::{Deserialize, Serialize};
 /// Byte range in a file of a [`SourceMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Span {
+    /// Index in the map.
     pub file: u32,
+    /// Offset of the first byte.
     pub start: u32,
+    /// Offset after the last byte.
     pub end: u32,
 }
 
+/// How bad a message is, mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Severity {
+    /// Worth knowing.
     Note,
+    /// The scene is used, though not as written.
     Warning,
+    /// The scene cannot be used.
     Error,
 }
 
 /// One message about one place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
+    /// How bad it is.
     pub severity: Severity,
+    /// What is wrong, in one line.
     pub message: String,
+    /// Where; `None` for what stands in no file.
     pub span: Option<Span>,
     /// Further places, each with its own words ("first defined here").
     pub labels: Vec<(Span, String)>,
@@ -42,6 +52,7 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
+    /// A message without labels and help.
     pub fn new(severity: Severity, message: impl Into<String>, span: Option<Span>) -> Self {
         Self {
             severity,
@@ -53,10 +64,12 @@ impl Diagnostic {
         }
     }
 
+    /// An error.
     pub fn error(message: impl Into<String>, span: Option<Span>) -> Self {
         Self::new(Severity::Error, message, span)
     }
 
+    /// A warning.
     pub fn warning(message: impl Into<String>, span: Option<Span>) -> Self {
         Self::new(Severity::Warning, message, span)
     }
@@ -68,12 +81,14 @@ impl Diagnostic {
         self
     }
 
+    /// With a further place.
     #[must_use]
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push((span, text.into()));
         self
     }
 
+    /// With advice.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help.push(text.into());
@@ -142,6 +157,7 @@ pub struct SourceMap {
 }
 
 impl SourceMap {
+    /// Adds a file and returns its index.
     pub fn add(&mut self, path: PathBuf, text: String) -> u32 {
         let id = u32::try_from(self.files.len()).expect("include depth and count are limited");
         self.files.push((path, text));
@@ -153,6 +169,7 @@ impl SourceMap {
         self.files[file as usize].1 = text;
     }
 
+    /// The path of a file as it was opened.
     pub fn path(&self, file: u32) -> &Path {
         &self.files[file as usize].0
     }
@@ -162,6 +179,7 @@ impl SourceMap {
         self.files.iter().map(|(path, _)| path.as_path())
     }
 
+    /// The text of a file.
     pub fn text(&self, file: u32) -> &str {
         &self.files[file as usize].1
     }

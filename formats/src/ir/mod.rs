@@ -51,17 +51,27 @@ use crate::diagnostic::Span;
 /// A whole scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
+    /// The root of the scene.
     pub origin: Origin,
+    /// How its spectra become RGB.
     pub spectrum_rule: SpectrumRule,
+    /// What hiding emitters means to its renderer.
     pub hide_emitters: HideEmitters,
+    /// `None` where the scene asks for none.
     pub integrator: Option<Integrator>,
     /// In file order; which one renders is `default_sensor`.
     pub sensors: Vec<Sensor>,
+    /// Index in `sensors`.
     pub default_sensor: usize,
+    /// Outside of groups, in file order.
     pub shapes: Vec<Shape>,
+    /// What instances refer to.
     pub groups: Arena<ShapeGroup>,
+    /// What shapes refer to.
     pub bsdfs: Arena<Bsdf>,
+    /// What BSDFs and emitters refer to.
     pub textures: Arena<Texture>,
+    /// Without area lamps, in file order.
     pub emitters: Vec<Emitter>,
 }
 

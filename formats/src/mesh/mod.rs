@@ -27,11 +27,13 @@ pub use serialized::{read_serialized, serialized_count};
 /// Indexed triangles in object space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
+    /// One for each vertex.
     pub positions: Vec<[f32; 3]>,
     /// Unit shading normals per vertex; empty when the mesh is flat-shaded.
     pub normals: Vec<[f32; 3]>,
     /// Per vertex; empty when absent.
     pub uvs: Vec<[f32; 2]>,
+    /// Three vertices each, counter-clockwise as seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Further values per vertex or triangle.
     pub attributes: Vec<Attribute>,

@@ -14,16 +14,27 @@ use crate::ir::{Color, ColorSlot, SpectrumRule};
 /// Why a colour has no RGB value.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SpectrumError {
+    /// A component is infinite or no number.
     #[error("a colour must consist of finite numbers")]
     NotFinite,
+    /// A bounded colour has a component outside 0..1.
     #[error("RGB reflectance ({}, {}, {}) must lie in the range [0, 1]", .0[0], .0[1], .0[2])]
     OutOfRange([f64; 3]),
+    /// Wavelengths must ascend.
     #[error("wavelengths must increase, but {next} nm follows {previous} nm")]
-    NotAscending { previous: f64, next: f64 },
+    NotAscending {
+        /// A wavelength.
+        previous: f64,
+        /// The one after it, which is not longer.
+        next: f64,
+    },
+    /// A spectrum needs two samples.
     #[error("a spectrum needs at least two wavelengths, this one has {0}")]
     TooFewSamples(usize),
+    /// A blackbody needs a temperature above zero.
     #[error("a blackbody temperature must be positive, not {0} K")]
     BadTemperature(f64),
+    /// No spectrum has this name.
     #[error("no spectrum is called `{0}`")]
     UnknownName(String),
 }

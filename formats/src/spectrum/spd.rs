@@ -5,10 +5,17 @@ use thiserror::Error;
 /// Why a spectrum file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SpdError {
+    /// Not UTF-8.
     #[error("the spectrum file is not text")]
     NotText,
+    /// A line that is not a wavelength and a value.
     #[error("line {line}: expected a wavelength and a value, found \"{found}\"")]
-    BadLine { line: usize, found: String },
+    BadLine {
+        /// From 1.
+        line: usize,
+        /// What stands there, shortened.
+        found: String,
+    },
 }
 
 /// Samples in file order; [`super::to_linear_rgb`] checks that they ascend.

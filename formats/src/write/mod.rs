@@ -21,9 +21,11 @@ use crate::image::atomic_write;
 /// Something the scene says that the written one does not.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Loss {
+    /// What is lost.
     pub what: String,
     /// `file:line:column` in the scene that was read.
     pub place: Option<String>,
+    /// What is written instead.
     pub instead: String,
 }
 
@@ -32,13 +34,16 @@ pub struct Loss {
 pub struct Asset {
     /// Below the scene's folder.
     pub path: PathBuf,
+    /// What it holds.
     pub content: Content,
 }
 
+/// Where the bytes of an asset come from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// The bytes of a file of the scene that was read.
     Copy(PathBuf),
+    /// Made for the written scene.
     Bytes(Vec<u8>),
 }
 
@@ -47,25 +52,51 @@ pub enum Content {
 pub struct Written {
     /// Of the scene file.
     pub path: PathBuf,
+    /// Of the scene file.
     pub text: String,
+    /// Files beside it, in the order of their first use.
     pub assets: Vec<Asset>,
+    /// Each once.
     pub losses: Vec<Loss>,
     /// Files the scene was read from, which must survive.
     inputs: HashSet<PathBuf>,
 }
 
+/// Why a scene cannot be written.
 #[derive(Debug, Error)]
 pub enum WriteError {
+    /// No language has the extension.
     #[error("{path}: not a scene language caustica writes; the extension decides; known: {known}{hint}")]
-    UnknownLanguage { path: String, known: String, hint: String },
+    UnknownLanguage {
+        /// As given.
+        path: String,
+        /// Extensions of the languages.
+        known: String,
+        /// The extension that was probably meant, or nothing.
+        hint: String,
+    },
+    /// The target is a file of the scene that was read.
     #[error("{} is a file the scene was read from; write somewhere else", .0.display())]
     OverInput(PathBuf),
+    /// The target is there, and must not be replaced.
     #[error("{} exists; --force replaces it", .0.display())]
     Exists(PathBuf),
+    /// A file cannot be read or written.
     #[error("{}: {error}", path.display())]
-    Io { path: PathBuf, error: io::Error },
+    Io {
+        /// Read or written.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// A mesh or picture that must be converted is broken.
     #[error("{}: {reason}", path.display())]
-    Asset { path: PathBuf, reason: String },
+    Asset {
+        /// Of the mesh or picture.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
 }
 
 impl Written {
