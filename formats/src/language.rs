@@ -10,6 +10,9 @@ use crate::read::{Failure, Read, ReadOptions};
 use crate::write::{Output, WriteError, Written};
 use crate::{mitsuba, pbrt};
 
+type Reader = fn(&dyn Files, &Path, &ReadOptions) -> Result<Read, Box<Failure>>;
+type Writer = fn(&mut Output<'_>) -> Result<String, WriteError>;
+
 /// A scene language.
 #[derive(Debug)]
 pub struct Language {
@@ -19,8 +22,8 @@ pub struct Language {
     pub support: fn() -> Vec<Concept>,
     /// Lower case, without the dot; the first one is that of written files.
     extensions: &'static [&'static str],
-    read: fn(&dyn Files, &Path, &ReadOptions) -> Result<Read, Box<Failure>>,
-    write: fn(&mut Output<'_>) -> Result<String, WriteError>,
+    read: Reader,
+    write: Writer,
 }
 
 /// One row per scene language.

@@ -3,7 +3,7 @@
 //! Invariants (checked by `tests/tidy.rs`): `ir` depends on `diagnostic` only; the scene
 //! languages never import each other; nothing here knows of rendering.
 
-#![warn(missing_docs)]
+#![warn(missing_docs, clippy::missing_errors_doc)]
 
 pub mod confined;
 pub mod diagnostic;

@@ -17,7 +17,7 @@ use thiserror::Error;
 
 pub use atomic::{atomic_replace, atomic_write};
 pub use exr_write::{ExrLayer, ExrOptions, encode_exr, write_exr};
-pub use hdr::{encode_hdr, write_hdr};
+pub use hdr::encode_hdr;
 pub use pfm::{encode_pfm, write_pfm};
 pub use raster::{encode_png, write_png};
 
@@ -104,6 +104,10 @@ impl Image {
 ///
 /// EXR pixels cover the data window (the union of the data windows of all parts); channels of part
 /// `p` are called `p.name` when the file has several parts, and integer channels keep their numbers.
+///
+/// # Errors
+/// When the format is unknown, the bytes are malformed, or the image is larger than [`MAX_PIXELS`] or the
+/// free memory allows.
 pub fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     let floats = |samples| match samples {
         Samples::Bytes(bytes) => bytes.into_iter().map(|v| f32::from(v) / 255.0).collect(),
@@ -113,6 +117,9 @@ pub fn read(bytes: &[u8]) -> Result<Image, ImageError> {
 }
 
 /// [`read`] without making floats of bytes.
+///
+/// # Errors
+/// As [`read`].
 pub fn read_samples(bytes: &[u8]) -> Result<Image<Samples>, ImageError> {
     let floats = |image: Image| image.map(Samples::Floats);
     match detect(bytes) {

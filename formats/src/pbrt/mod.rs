@@ -7,6 +7,7 @@
 mod color;
 mod depths;
 mod directive;
+mod dispatch;
 mod film;
 mod finish;
 mod integrator;
@@ -19,13 +20,16 @@ mod option;
 mod params;
 mod parse;
 mod reader;
+mod scope;
 mod sensor;
 mod shape;
 mod space;
 mod state;
 mod texture;
 mod token;
+mod transform;
 mod upgrade;
+mod values;
 pub(crate) mod write;
 
 use std::path::Path;

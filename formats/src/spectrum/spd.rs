@@ -19,6 +19,9 @@ pub enum SpdError {
 }
 
 /// Samples in file order; [`super::to_linear_rgb`] checks that they ascend.
+///
+/// # Errors
+/// When the bytes are not text or a line is not a wavelength and a value.
 pub fn parse_spd(bytes: &[u8]) -> Result<Vec<[f64; 2]>, SpdError> {
     let text = std::str::from_utf8(bytes).map_err(|_| SpdError::NotText)?;
     let mut samples = Vec::new();

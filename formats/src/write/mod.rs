@@ -106,8 +106,12 @@ impl Written {
         Self { path: path.to_path_buf(), text, assets, losses, inputs }
     }
 
-    /// Writes scene and assets, each in one step. Nothing is written when a file is in the way,
-    /// unless `replace`; an asset that is there already with the same bytes is not in the way.
+    /// Writes scene and assets, each in one step. An asset that is there already with the same bytes is left
+    /// alone.
+    ///
+    /// # Errors
+    /// When a target is a file that the scene was read from, or exists and `replace` is false: then nothing is
+    /// written. When a file cannot be read or written.
     pub fn save(&self, files: &dyn Files, replace: bool) -> Result<(), WriteError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let io = |path: &Path| {
@@ -136,6 +140,8 @@ impl Written {
         atomic_write(&self.path, self.text.as_bytes()).map_err(io(&self.path))
     }
 
+    /// Checks that writing to `target` would not replace a file the scene was read from.
+    ///
     /// # Errors
     /// When the scene was read from `target`, be it through a link.
     pub fn spare_inputs(&self, target: &Path) -> Result<(), WriteError> {
