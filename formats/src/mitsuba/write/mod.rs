@@ -9,6 +9,7 @@ mod element;
 mod emitter;
 mod film;
 mod integrator;
+mod interface;
 mod sensor;
 mod shape;
 mod substitute;

@@ -80,8 +80,10 @@ impl Writer<'_, '_> {
                 let element = self.conductor(Element::plugin("bsdf", "roughconductor"), conductor, origin)?;
                 self.microfacet(element, microfacet, origin)
             }
-            // Every other kind has a plugin of its own.
-            _ => Ok(diffuse(0.5)),
+            other => {
+                self.out.lose(origin, format!("the `{}` model", other.name()), "diffuse gray 0.5");
+                Ok(diffuse(0.5))
+            }
         }
     }
 
