@@ -21,6 +21,7 @@ mod flux;
 mod furnace;
 mod hard;
 mod hostile;
+mod imports;
 mod inspect;
 mod laws;
 mod layers;

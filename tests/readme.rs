@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use caustica_formats::support::{Concept, Support};
-use caustica_formats::{mitsuba, pbrt};
+use caustica_formats::language::LANGUAGES;
+use caustica_formats::{Concept, Support};
 
 const BEGIN: &str = "<!-- made by tests/readme.rs -->\n";
 const END: &str = "<!-- end -->\n";
@@ -40,7 +40,8 @@ fn the_table_of_plugins_is_what_the_code_says() {
     let text = fs::read_to_string(&path).expect("the README");
     let (before, rest) = text.split_once(BEGIN).expect("the README has the first mark");
     let (found, after) = rest.split_once(END).expect("the README has the last mark");
-    let right = [table("Mitsuba", &mitsuba::support()), table("pbrt-v4", &pbrt::support())].join("\n");
+    let right: Vec<String> = LANGUAGES.iter().map(|l| table(l.name, &(l.support)())).collect();
+    let right = right.join("\n");
     if std::env::var_os("CAUSTICA_BLESS").is_some() {
         fs::write(&path, [before, BEGIN, &right, END, after].concat()).expect("the README can be written");
     } else {
