@@ -1,11 +1,13 @@
 //! Vectors, frames and small numeric helpers shared by every layer above.
 
+mod closed_enum;
 mod color;
 mod frame;
 pub mod kernel;
 mod octahedral;
 pub mod simd;
 
+pub(crate) use closed_enum::closed_enum;
 pub use color::{Color, LANES};
 pub use frame::Frame;
 pub use glam::{DVec3, Vec2, Vec3A as Vec3};
