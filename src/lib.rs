@@ -1,8 +1,8 @@
 //! caustica: photon mapping for Mitsuba and pbrt scenes.
 //!
-//! Code map, upwards: `math`, `sampling` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
+//! Code map, upwards: `math`, `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
 //! `film` ← `scene` ← `photon` ← `integrator` ← `render` ← `cli`. Imports point downwards only;
-//! `tests/tidy.rs` checks it. The renderer knows no file format: `scene::build` (and `cli`) alone read
+//! `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` (and `cli`) alone read
 //! the scene representation of `caustica-formats`.
 
 pub mod accel;
@@ -17,6 +17,8 @@ pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod sensor;
+pub mod session;
 pub mod settings;
 pub mod shape;
+pub mod spectrum;
 pub mod texture;

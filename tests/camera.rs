@@ -24,7 +24,7 @@ fn a_crop_shows_the_pixels_of_the_whole_film() {
     let whole_film = film(16, 16);
     let whole = scene(&body(&whole_film));
     let part = scene(&body(&whole_film.replace("</film>", &format!("{crop}</film>"))));
-    assert_eq!(part.film.crop, [5, 3, 6, 7]);
+    assert_eq!(part.0.view.film.crop, [5, 3, 6, 7]);
     // Photon counts and radii are given, because the automatic ones follow the rendered film.
     for settings in
         [&[("integrator", "path")][..], &[("photons", "2000"), ("radius", "0.1"), ("nee", "false")][..]]

@@ -5,9 +5,8 @@ use std::process::Command;
 
 use caustica::film::Pixels;
 use caustica::render::{Checkpoint, render as render_passes};
-use caustica::scene::{Plan, Scene};
 
-use crate::support::{box_camera, budget, lamp, render, scene, settings, sphere, walls};
+use crate::support::{Stage, box_camera, budget, lamp, render, scene, settings, sphere, walls};
 
 const BODY_GLASS: &str =
     "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
@@ -37,16 +36,15 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
-fn passes(scene: &Scene, changes: &[(&str, &str)], start: Pixels, done: u32, until: u32) -> Pixels {
+fn passes(scene: &Stage, changes: &[(&str, &str)], start: Pixels, done: u32, until: u32) -> Pixels {
     let settings = settings(scene, changes);
-    let plan = Plan::new(scene, &settings);
-    render_passes(scene, &plan, &settings, budget(until), start, done, &mut |_| {}).pixels
+    render_passes(scene.task(&settings), budget(until), start, done, &mut |_| {}).pixels
 }
 
 #[test]
 fn a_resumed_render_is_the_whole_render() {
     let scene = scene(&body());
-    let fresh = || Pixels::new(scene.film.pixel_count());
+    let fresh = || Pixels::new(scene.0.view.film.pixel_count());
     for changes in MODES {
         let whole = passes(&scene, changes, fresh(), 0, 8);
         let first = passes(&scene, changes, fresh(), 0, 4);

@@ -2,15 +2,14 @@
 
 use std::f64::consts::PI;
 
-use caustica::math::{Rgb, Vec3};
-use caustica::scene::Scene;
+use caustica::math::{Color, Vec3};
 
 use crate::support::{
-    ALL, Estimate, UP, assert_agree, camera, diffuse, pbrt_scene_seen, picture, rectangle, render,
+    ALL, Estimate, Stage, UP, assert_agree, camera, diffuse, pbrt_scene_seen, picture, rectangle, render,
     scene_with_bytes, sphere,
 };
 
-fn lit(picture: Vec<u8>, turn: &str, body: &str) -> Scene {
+fn lit(picture: Vec<u8>, turn: &str, body: &str) -> Stage {
     let light = format!(
         "<emitter type='envmap'><string name='filename' value='sky.pfm'/>
          <transform name='to_world'>{turn}</transform></emitter>"
@@ -76,8 +75,8 @@ fn several_environments_add_up() {
     let plane = "Material \"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5]\nShape \"disk\" \"float radius\" 2";
     for (what, shape, expected) in [("the sky itself", "", 1.5), ("a plane below", plane, 0.5 * 1.5)] {
         let scene = pbrt_scene_seen(view, &format!("{world}{shape}"), vec![("sky.pfm", picture.clone())]);
-        let rgb = scene.background(Vec3::Z).map(|(light, _)| light).sum::<Rgb>();
-        assert!((rgb - Rgb::splat(1.5)).abs().max_element() < 1e-5, "{rgb}");
+        let rgb = scene.background(Vec3::Z).map(|(light, _)| light).sum::<Color>();
+        assert!((rgb - Color::splat(1.5)).abs().max_element() < 1e-5, "{rgb}");
         for integrator in ["path", "photonmap"] {
             let got = render(&scene, &[("integrator", integrator)], 4096).beauty(1);
             // Lamp and direction are drawn: the noise of 4096 samples is below 1 %, and measured.

@@ -56,7 +56,7 @@ fn photon_mapping_shows_the_closed_form_at_a_wall_centre() {
 
 #[test]
 fn every_kernel_is_unbiased_on_a_sphere() {
-    for kernel in caustica::photon::kernel::KernelKind::ALL {
+    for kernel in caustica::math::kernel::KernelKind::ALL {
         check(
             &format!("ball, {kernel}"),
             &ball("0.8", ""),

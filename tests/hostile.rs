@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use caustica::scene::build::{BuildOptions, build};
+use caustica::scene::compile::{CompileOptions, compile};
 use caustica_formats::files::Memory;
 use caustica_formats::{ReadOptions, read_scene};
 
@@ -88,7 +88,7 @@ fn degenerate_scenes_give_finite_pictures() {
 fn problems(name: &str, text: &str) -> String {
     let files = Memory([(name.into(), text.as_bytes().to_vec())].into());
     let read = read_scene(&files, Path::new(name), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
-    match build(&read.scene, &files, BuildOptions::default()) {
+    match compile(&read.scene, &files, CompileOptions::default()) {
         Ok(_) => String::new(),
         Err(diagnostics) => read.sources.render(&diagnostics),
     }

@@ -4,11 +4,13 @@ use std::f64::consts::PI;
 
 use caustica::film::Layer;
 
-use crate::support::{DOWN, Estimate, area, assert_agree, camera, diffuse, rectangle, render, scene, sphere};
+use crate::support::{
+    DOWN, Estimate, Stage, area, assert_agree, camera, diffuse, rectangle, render, scene, sphere,
+};
 
 /// A patch of a large white plane around the origin, seen from above through one narrow pixel: 0.002
 /// wide, over which the irradiances below change by less than 10⁻³.
-fn plane(lamp: &str) -> caustica::scene::Scene {
+fn plane(lamp: &str) -> Stage {
     let floor = rectangle(50.0, "", &diffuse("0.5"));
     scene(&format!("{}{floor}{lamp}", camera("0,0.0001,10", "0,0,0", 0.011, 1)))
 }

@@ -1,12 +1,11 @@
 //! Choices that change noise only, never the mean.
 
 use caustica::film::Layer;
-use caustica::scene::Scene;
 
-use crate::support::{ALL, assert_agree, assert_same, box_camera, lamp, render, scene, sphere, walls};
+use crate::support::{ALL, Stage, assert_agree, assert_same, box_camera, lamp, render, scene, sphere, walls};
 
 /// The owner's spheres: plastic kd 0.7 ks 0.2 and glass ks 0.1 kt 0.8.
-fn owners_box() -> Scene {
+fn owners_box() -> Stage {
     let plastic = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.7'/><rgb name='specular_reflectance' value='0.2'/></bsdf>";
     let glass = "<bsdf type='dielectric'><rgb name='specular_reflectance' value='0.1'/><rgb name='specular_transmittance' value='0.8'/></bsdf>";
     scene(

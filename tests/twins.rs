@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use caustica::scene::build::{BuildOptions, build};
+use caustica::scene::compile::{CompileOptions, compile};
 use caustica_formats::files::Disk;
 use caustica_formats::ir::{
     self, BsdfKind, Coat, Color, ColorInput, ConductorMaterial, Dielectric, EmitterKind, FloatInput, Ior,
@@ -10,7 +10,7 @@ use caustica_formats::ir::{
 };
 use caustica_formats::{ReadOptions, read_scene};
 
-use crate::support::{Picture, render};
+use crate::support::{Picture, Stage, render};
 
 /// Scenes of which pbrt cannot say all; the comment of each .pbrt lists what.
 const DIFFERENT: &[&str] =
@@ -55,9 +55,9 @@ fn read(path: &Path) -> ir::Scene {
 fn picture(mut scene: ir::Scene, seed: &str) -> Picture {
     let film = &mut scene.sensors[0].film;
     (film.width, film.height) = (SIDE, SIDE);
-    let options = BuildOptions { spectrum_rule: Some(SpectrumRule::Mitsuba3), ..BuildOptions::default() };
-    let built = build(&scene, &Disk, options).unwrap_or_else(|e| panic!("{e:?}"));
-    render(&built.scene, &[("integrator", "path"), ("max_depth", "100"), ("seed", seed)], PASSES)
+    let options = CompileOptions { spectrum_rule: Some(SpectrumRule::Mitsuba3), ..CompileOptions::default() };
+    let compiled = compile(&scene, &Disk, options).unwrap_or_else(|e| panic!("{e:?}"));
+    render(&Stage(compiled), &[("integrator", "path"), ("max_depth", "100"), ("seed", seed)], PASSES)
 }
 
 /// Root of the mean square difference of two pictures.

@@ -7,7 +7,7 @@ use caustica::math::{Ray, Vec3};
 use caustica::sampling::CounterRng;
 use caustica::scene::Scene;
 
-use crate::support::{camera, scene, scene_with};
+use crate::support::{Stage, camera, scene, scene_with};
 
 /// Unit icosphere after `levels` subdivisions.
 pub fn icosphere(levels: u32) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
@@ -68,7 +68,7 @@ pub fn obj(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
 }
 
 /// Triangles as a mesh in a scene, and where they lie in it.
-fn soup(triangles: &[[Vec3; 3]]) -> (Scene, Vec<[Vec3; 3]>) {
+fn soup(triangles: &[[Vec3; 3]]) -> (Stage, Vec<[Vec3; 3]>) {
     let points: Vec<[f64; 3]> = triangles.iter().flatten().map(|v| v.to_array().map(f64::from)).collect();
     let faces: Vec<[usize; 3]> = (0..triangles.len()).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let scene = mesh_scene(&obj(&points, &faces));
@@ -76,7 +76,7 @@ fn soup(triangles: &[[Vec3; 3]]) -> (Scene, Vec<[Vec3; 3]>) {
     (scene, moved)
 }
 
-fn mesh_scene(text: &str) -> Scene {
+fn mesh_scene(text: &str) -> Stage {
     let shape = "<shape type='obj'><string name='filename' value='mesh.obj'/>
                  <boolean name='face_normals' value='true'/></shape>";
     scene_with(&format!("{}{shape}", camera("0,0,0", "0,0,1", 40.0, 4)), &[("mesh.obj", text)])
@@ -309,7 +309,7 @@ fn a_scene_far_from_the_origin_is_the_same_scene() {
         )
     };
     let (near, far) = (scene(&body(0.0)), scene(&body(1e7)));
-    assert_eq!(near.sensor.position, far.sensor.position);
+    assert_eq!(near.0.view.sensor.position, far.0.view.sensor.position);
     let mut floats = Floats::new(6);
     for _ in 0..2000 {
         let ray = Ray::new(floats.vector() * 3.0, floats.vector());

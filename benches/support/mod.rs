@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use caustica::photon::trace::{TraceJob, trace};
 use caustica::photon::{Owner, Photon};
 use caustica::scene::Scene;
-use caustica::scene::build::{BuildOptions, build};
+use caustica::scene::compile::{CompileOptions, Compiled, compile};
 use caustica_formats::files::Memory;
 use caustica_formats::{ReadOptions, read_scene};
 
@@ -15,7 +15,7 @@ use caustica_formats::{ReadOptions, read_scene};
 const CORNELL: &str = include_str!("../../scenes/cornell-diffuse.xml");
 
 /// Reads and compiles a scene with the files it names.
-fn load(xml: &str, more: Vec<(&str, Vec<u8>)>) -> Scene {
+fn load(xml: &str, more: Vec<(&str, Vec<u8>)>) -> Compiled {
     let mut files: BTreeMap<PathBuf, Vec<u8>> =
         more.into_iter().map(|(name, bytes)| (PathBuf::from(name), bytes)).collect();
     files.insert("scene.xml".into(), xml.as_bytes().to_vec());
@@ -24,20 +24,20 @@ fn load(xml: &str, more: Vec<(&str, Vec<u8>)>) -> Scene {
         Ok(read) => read,
         Err(failure) => panic!("{failure}"),
     };
-    match build(&read.scene, &files, BuildOptions::default()) {
-        Ok(built) => built.scene,
+    match compile(&read.scene, &files, CompileOptions::default()) {
+        Ok(compiled) => compiled,
         Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
     }
 }
 
 /// The box with a film of `size` pixels squared.
-pub fn cornell(size: u32) -> Scene {
+pub fn cornell(size: u32) -> Compiled {
     let width = CORNELL.replace(r#"name="width" value="512""#, &format!(r#"name="width" value="{size}""#));
     load(&width.replace(r#"name="height" value="512""#, &format!(r#"name="height" value="{size}""#)), vec![])
 }
 
 /// A million triangles: a hilly sheet, seen from above under a lamp.
-pub fn hills() -> Scene {
+pub fn hills() -> Compiled {
     let side = 708;
     let mut ply = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\

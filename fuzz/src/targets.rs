@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use caustica::film::Pixels;
+use caustica::integrator::Task;
 use caustica::render::Budget;
-use caustica::scene::Plan;
-use caustica::scene::build::{BuildOptions, build};
+use caustica::scene::compile::{CompileOptions, compile};
 use caustica_formats::files::Memory;
 use caustica_formats::mesh::{self, MeshOptions};
 use caustica_formats::{ReadOptions, image, ir, read_scene};
@@ -128,20 +128,25 @@ fn picture(start: &[u8], data: &[u8]) {
 fn render(name: &str, data: &[u8]) {
     let files = files(name, data);
     let Some(ir) = read(name, &files) else { return };
-    let options = BuildOptions { allow_unsupported: true, ..BuildOptions::default() };
-    let Ok(mut built) = build(&ir, &files, options) else { return };
-    let crop = &mut built.scene.film.crop;
+    let options = CompileOptions { allow_unsupported: true, ..CompileOptions::default() };
+    let Ok(mut compiled) = compile(&ir, &files, options) else { return };
+    let crop = &mut compiled.view.film.crop;
     (crop[2], crop[3]) = (crop[2].min(3), crop[3].min(2));
-    let count = built.scene.film.pixel_count();
+    let count = compiled.view.film.pixel_count();
     for integrator in ["path", "photonmap"] {
-        let mut settings = built.scene.settings.clone();
+        let mut settings = compiled.settings.clone();
         for (name, value) in [("integrator", integrator), ("photons", "64"), ("caustic_photons", "64")] {
             settings.set(name, value).expect("a setting of the table");
         }
-        let plan = Plan::new(&built.scene, &settings);
+        let task = Task {
+            scene: &compiled.scene,
+            facts: &compiled.facts,
+            view: &compiled.view,
+            settings: &settings,
+        };
         let budget = Budget { passes: Some(2), time: None, error: None, interrupt: None };
         let pixels = Pixels::new(count);
-        let done = caustica::render::render(&built.scene, &plan, &settings, budget, pixels, 0, &mut |_| {});
+        let done = caustica::render::render(task, budget, pixels, 0, &mut |_| {});
         for i in 0..count {
             let value = done.pixels.beauty(i, 2);
             assert!(value.iter().all(|v| v.is_finite()), "{integrator}: pixel {i} is {value:?}");

@@ -2,11 +2,10 @@
 
 use super::convert::ConvertArgs;
 use super::failure::Failure;
-use super::load::{Loaded, SceneArgs, SpectralRule};
+use super::load::{SceneArgs, SpectralRule};
 use super::report;
 use crate::film::Pixels;
 use crate::render::{Budget, render};
-use crate::scene::Plan;
 
 /// Longer side of the picture and samples a pixel: some seconds at most.
 const SIDE: u32 = 96;
@@ -61,16 +60,15 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
 
 /// Of a few samples a pixel, by path tracing.
 fn picture(scene: SceneArgs, seed: u64) -> Result<Pixels, Failure> {
-    let Loaded { scene, mut settings, .. } = scene.small(SIDE).load(true)?;
+    let mut loaded = scene.small(SIDE).load(true)?;
     for (name, value) in
         [("integrator", "path"), ("passes", &PASSES.to_string()), ("seed", &seed.to_string())]
     {
-        settings.set(name, value).map_err(|e| e.to_string())?;
+        loaded.settings.set(name, value).map_err(|e| e.to_string())?;
     }
-    let plan = Plan::new(&scene, &settings);
     let budget = Budget { passes: Some(PASSES), time: None, error: None, interrupt: None };
-    let pixels = Pixels::new(scene.film.pixel_count());
-    Ok(render(&scene, &plan, &settings, budget, pixels, 0, &mut |_| {}).pixels)
+    let pixels = Pixels::new(loaded.view.film.pixel_count());
+    Ok(render(loaded.task(), budget, pixels, 0, &mut |_| {}).pixels)
 }
 
 struct Difference {

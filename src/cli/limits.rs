@@ -22,7 +22,7 @@ pub fn check(loaded: &Loaded) -> Result<(), String> {
 }
 
 fn within(loaded: &Loaded, memory: u128) -> Result<(), String> {
-    let [_, _, width, height] = loaded.scene.film.crop;
+    let [_, _, width, height] = loaded.view.film.crop;
     refuse(
         &format!("a film of {width} × {height} pixels (--size, --crop)"),
         u128::from(width) * u128::from(height) * PIXEL,
@@ -41,7 +41,7 @@ fn within(loaded: &Loaded, memory: u128) -> Result<(), String> {
         };
         refuse(&format!("setting `{name}` = {count}"), bytes, memory)?;
     }
-    let photons = PhotonMapper::expected_photons(&loaded.scene, &loaded.plan, settings);
+    let photons = PhotonMapper::expected_photons(loaded.task());
     for ((name, count), photons) in counts.into_iter().zip(photons) {
         refuse(&format!("setting `{name}` = {count}"), u128::from(photons) * PHOTON, memory)?;
     }

@@ -12,8 +12,11 @@ use clap::{Args, ValueEnum};
 use super::failure::Failure;
 use super::hashing::Hashing;
 use super::report;
-use crate::scene::build::{BuildOptions, MAX_PIXELS, build};
-use crate::scene::{Plan, Scene, Settings};
+use crate::integrator::Task;
+use crate::scene::compile::{CompileOptions, MAX_PIXELS, compile};
+use crate::scene::{Facts, Scene, View};
+use crate::session::Plan;
+use crate::settings::Settings;
 
 /// Arguments that decide what scene is rendered, and how.
 #[derive(Debug, Args)]
@@ -139,6 +142,8 @@ pub struct Loaded {
     /// The film as the scene describes it, for what only matters to output.
     pub film: ir::Film,
     pub scene: Scene,
+    pub facts: Facts,
+    pub view: View,
     pub settings: Settings,
     pub plan: Plan,
     /// Of every file the scene was read from.
@@ -156,6 +161,12 @@ pub struct Inspected {
     /// Of the reader and of the compiler.
     pub warnings: Vec<Diagnostic>,
     pub sources: SourceMap,
+}
+
+impl Loaded {
+    pub fn task(&self) -> Task<'_> {
+        Task { scene: &self.scene, facts: &self.facts, view: &self.view, settings: &self.settings }
+    }
 }
 
 impl SceneArgs {
@@ -226,23 +237,25 @@ impl SceneArgs {
         };
         print(&warnings);
         self.override_film(&mut scene);
-        let build_options = BuildOptions {
+        let compile_options = CompileOptions {
             sensor: self.sensor,
             allow_unsupported,
             spectrum_rule: self.spectral_to_rgb.rule(),
         };
-        let built = build(&scene, &files, build_options)
+        let built = compile(&scene, &files, compile_options)
             .map_err(|diagnostics| sources.render(&diagnostics).trim_end().to_owned())?;
         print(&built.warnings);
         warnings.extend(built.warnings);
-        let mut settings = built.scene.settings.clone();
+        let mut settings = built.settings;
         self.override_settings(&mut settings).map_err(Failure::Usage)?;
-        let plan = Plan::new(&built.scene, &settings);
+        let plan = Plan::new(&built.facts, &settings, built.view.film.pixel_count());
         let film = scene.sensors[self.sensor.unwrap_or(scene.default_sensor)].film.clone();
         let loaded = Loaded {
             path,
             film,
             scene: built.scene,
+            facts: built.facts,
+            view: built.view,
             settings,
             plan,
             hash: files.hash(),

@@ -55,7 +55,7 @@ impl Output {
         passes: u32,
         extra: &[(String, String)],
     ) -> Result<(), String> {
-        let [_, _, width, height] = loaded.scene.film.crop.map(|v| v as usize);
+        let [_, _, width, height] = loaded.view.film.crop.map(|v| v as usize);
         let mut problems = Vec::new();
         for file in &self.files {
             let bytes = match extension(file).as_str() {

@@ -114,7 +114,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
         .map(|file| Lock::take(file))
         .collect::<Result<_, _>>()?;
     let saved = if args.resume { saver.resume()? } else { None };
-    let (pixels, done) = saved.unwrap_or_else(|| (Pixels::new(loaded.scene.film.pixel_count()), 0));
+    let (pixels, done) = saved.unwrap_or_else(|| (Pixels::new(loaded.view.film.pixel_count()), 0));
     let asked = args.scene.spp.or(args.scene.passes);
     if let Some(asked) = asked.filter(|asked| *asked < done && !args.quiet) {
         report::line(&format!("warning: the checkpoint holds {done} passes; {asked} were asked for"));
@@ -143,7 +143,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
             saver.after_pass(p.pixels, p.passes);
         }
     };
-    let outcome = render(&loaded.scene, &loaded.plan, &loaded.settings, budget, pixels, done, &mut on_pass);
+    let outcome = render(loaded.task(), budget, pixels, done, &mut on_pass);
     bar.finish_and_clear();
     let passes = outcome.statistics.passes;
     // A picture from before is worth more than a part of the first pass.
@@ -351,13 +351,13 @@ fn finite(x: f64) -> Option<f64> {
 }
 
 fn help_settings() -> Result<u8, String> {
-    let defaults = crate::scene::Settings::default();
+    let defaults = crate::settings::Settings::default();
     let rows: Vec<String> = SETTINGS
         .iter()
         .zip(defaults.values())
         .map(|(row, (_, default))| format!("{:<20} {} [{}; default {default}]", row.name, row.doc, row.wants))
         .collect();
-    let kernels: Vec<&str> = crate::photon::kernel::KernelKind::ALL.iter().map(|k| k.name()).collect();
+    let kernels: Vec<&str> = crate::math::kernel::KernelKind::ALL.iter().map(|k| k.name()).collect();
     report::data(&format!("{}\n\nkernels: {}", rows.join("\n"), kernels.join(", ")))?;
     Ok(0)
 }

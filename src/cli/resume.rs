@@ -28,7 +28,7 @@ pub struct Saver {
 
 impl Saver {
     pub fn new(path: PathBuf, loaded: &Loaded) -> Self {
-        let pixels = loaded.scene.film.pixel_count();
+        let pixels = loaded.view.film.pixel_count();
         Self { path, identity: identity(loaded), pixels, flushed: Instant::now(), failed: false }
     }
 
@@ -83,12 +83,12 @@ pub fn default_path(output: &Path) -> PathBuf {
 
 /// What makes two renders the same render: all but the number of passes.
 fn identity(loaded: &Loaded) -> Vec<(String, String)> {
-    let film = loaded.scene.film;
+    let film = loaded.view.film;
     let mut rows = vec![
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("scene hash".to_owned(), loaded.hash.clone()),
         ("film".to_owned(), format!("{}x{} crop {:?}", film.width, film.height, film.crop)),
-        ("filter".to_owned(), filter_name(&loaded.scene.filter)),
+        ("filter".to_owned(), filter_name(&loaded.view.filter)),
     ];
     rows.extend(loaded.choices.iter().cloned());
     rows.extend(loaded.settings.values().filter(|(n, _)| *n != "passes").map(|(n, v)| (n.to_owned(), v)));

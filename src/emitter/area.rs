@@ -2,9 +2,10 @@ use std::f32::consts::PI;
 
 use super::table::Table;
 use super::{DirectSample, Emission};
-use crate::math::{Frame, LIFT, Ray, Rgb, Vec2, Vec3, luminance};
+use crate::math::{Color, Frame, LIFT, Ray, Vec2, Vec3};
 use crate::sampling::{Discrete, warp};
 use crate::shape::{Analytic, AreaSample, triangle};
+use crate::spectrum::luminance;
 use crate::texture::{OnMesh, Param, Site, Textures};
 
 /// The lamp's own copy of its geometry, for sampling.
@@ -84,7 +85,7 @@ pub struct Area {
     /// Where photons of a textured lamp start, in the square that [`Surface::sample`] maps to it.
     places: Option<Places>,
     /// Mean radiance over the surface.
-    mean: Rgb,
+    mean: Color,
 }
 
 /// Cells of the sampling square by their light.
@@ -106,7 +107,7 @@ impl Area {
         let (mean, places) = match radiance {
             Param::Constant(c) => (c, None),
             Param::Texture(_) if area > 0.0 => survey(&surface, radiance, textures),
-            Param::Texture(_) => (Rgb::ZERO, None),
+            Param::Texture(_) => (Color::ZERO, None),
         };
         Self { surface, radiance, sides, lift, area, places, mean }
     }
@@ -201,7 +202,7 @@ impl Area {
     }
 
     /// Exact but for textures, whose mean over the surface is sampled.
-    pub fn power(&self) -> Rgb {
+    pub fn power(&self) -> Color {
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
         self.mean * (sides * PI * self.area)
     }
@@ -221,16 +222,16 @@ impl Places {
 }
 
 /// Looks at the texture all over the lamp.
-fn survey(surface: &Surface, radiance: Param, textures: &Textures) -> (Rgb, Option<Places>) {
-    let mut cells = vec![Rgb::ZERO; CELLS * CELLS];
+fn survey(surface: &Surface, radiance: Param, textures: &Textures) -> (Color, Option<Places>) {
+    let mut cells = vec![Color::ZERO; CELLS * CELLS];
     let side = CELLS * LOOKS;
     for i in 0..side * side {
         let (x, y) = (i % side, i / side);
         let u = (Vec2::new(x as f32, y as f32) + 0.5) / side as f32;
-        let seen = textures.eval(radiance, &site(&surface.sample(u))).max(Rgb::ZERO);
+        let seen = textures.eval(radiance, &site(&surface.sample(u))).max(Color::ZERO);
         cells[y / LOOKS * CELLS + x / LOOKS] += seen / (LOOKS * LOOKS) as f32;
     }
-    let mean = cells.iter().copied().sum::<Rgb>() / cells.len() as f32;
+    let mean = cells.iter().copied().sum::<Color>() / cells.len() as f32;
     if mean.max_element() <= 0.0 {
         return (mean, None);
     }

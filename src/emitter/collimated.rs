@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use super::area::site;
 use super::{DirectSample, Emission, MeshTriangle, Surface};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::Discrete;
 use crate::shape::triangle;
 use crate::texture::{OnMesh, Param, Site, Textures};
@@ -59,7 +59,7 @@ impl Collimated {
         (flux.max_element() > 0.0).then_some(Emission { o: s.p + s.n * self.lift, d: s.n, flux })
     }
 
-    pub fn power(&self, textures: &Textures) -> Rgb {
+    pub fn power(&self, textures: &Textures) -> Color {
         textures.mean(self.radiance) * self.area()
     }
 }

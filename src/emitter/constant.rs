@@ -1,13 +1,13 @@
 use std::f32::consts::PI;
 
 use super::{Arena, DirectSample, Emission, SceneSphere};
-use crate::math::{Rgb, Vec2};
+use crate::math::{Color, Vec2};
 use crate::sampling::warp;
 
 /// The same radiance from every direction.
 #[derive(Clone, Debug)]
 pub struct Constant {
-    pub radiance: Rgb,
+    pub radiance: Color,
 }
 
 /// Density of [`Constant::sample_direct`] per solid angle.
@@ -34,7 +34,7 @@ impl Constant {
         Some(Emission { o, d, flux: self.power(&arena.sphere) * weight })
     }
 
-    pub fn power(&self, scene: &SceneSphere) -> Rgb {
+    pub fn power(&self, scene: &SceneSphere) -> Color {
         self.radiance * (4.0 * PI * PI * scene.radius * scene.radius)
     }
 }

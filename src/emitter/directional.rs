@@ -1,14 +1,14 @@
 use std::f32::consts::PI;
 
 use super::{Arena, DirectSample, Emission, SceneSphere};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 
 /// Parallel light from infinity; `irradiance` on a plane perpendicular to it, W/m².
 #[derive(Clone, Debug)]
 pub struct Directional {
     /// Unit direction of travel.
     pub direction: Vec3,
-    pub irradiance: Rgb,
+    pub irradiance: Color,
 }
 
 impl Directional {
@@ -21,7 +21,7 @@ impl Directional {
         Some(Emission { o, d: self.direction, flux: self.power(&arena.sphere) * weight })
     }
 
-    pub fn power(&self, scene: &SceneSphere) -> Rgb {
+    pub fn power(&self, scene: &SceneSphere) -> Color {
         self.irradiance * (PI * scene.radius * scene.radius)
     }
 }

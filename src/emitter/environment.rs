@@ -2,7 +2,8 @@ use std::f64::consts::PI;
 
 use super::table::{Table, linear};
 use super::{Arena, DirectSample, Emission, Picture, SceneSphere, equal_area};
-use crate::math::{Frame, Rgb, Vec2, Vec3, luminance};
+use crate::math::{Color, Frame, Vec2, Vec3};
+use crate::spectrum::{luminance, rgb, to_rgb};
 
 /// Radiance from infinity by a picture. Directions are drawn in proportion to luminance exactly, as it
 /// is looked up, so the density needs no table.
@@ -18,7 +19,7 @@ pub struct Environment {
     /// Mean over the square of luminance times `sines`.
     mean: f32,
     /// ∫L dω, W/m² per channel.
-    total: Rgb,
+    total: Color,
 }
 
 /// How directions lie on the picture.
@@ -105,7 +106,7 @@ impl Environment {
 
     /// Radiance of a point of the square, and the row of cells it lies in.
     #[inline]
-    fn look_up(&self, uv: Vec2) -> (Rgb, usize) {
+    fn look_up(&self, uv: Vec2) -> (Color, usize) {
         let p = &self.picture;
         if self.mapping == Mapping::EqualArea {
             let [x, y] = p.at(uv.x, uv.y);
@@ -138,7 +139,7 @@ impl Environment {
     }
 
     /// Radiance arriving from the unit direction `d`.
-    pub fn radiance(&self, d: Vec3) -> Rgb {
+    pub fn radiance(&self, d: Vec3) -> Color {
         self.look_up(self.place(d).0).0
     }
 
@@ -149,7 +150,7 @@ impl Environment {
         self.density(radiance, row, sine)
     }
 
-    fn density(&self, radiance: Rgb, row: usize, sine: f32) -> f32 {
+    fn density(&self, radiance: Color, row: usize, sine: f32) -> f32 {
         use std::f32::consts::PI;
         let square = luminance(radiance) * self.sines[row] / self.mean;
         match self.mapping {
@@ -159,7 +160,7 @@ impl Environment {
     }
 
     /// A direction, its radiance divided by its density, and the density.
-    fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
+    fn sample(&self, u: Vec2) -> Option<(Vec3, Color, f32)> {
         let p = &self.picture;
         let (x, y, rest) = self.table.sample(u);
         let (uv, local, sine) = match self.mapping {
@@ -199,7 +200,7 @@ impl Environment {
         Some(Emission { o, d: -dir, flux: value * (arena.sphere.disk() * weight) })
     }
 
-    pub fn power(&self, scene: &SceneSphere) -> Rgb {
+    pub fn power(&self, scene: &SceneSphere) -> Color {
         self.total * scene.disk()
     }
 
@@ -209,16 +210,16 @@ impl Environment {
 }
 
 /// Sum over the texels, each row with its weight.
-fn sum(picture: &Picture, weight: impl Fn(usize) -> f64) -> Rgb {
+fn sum(picture: &Picture, weight: impl Fn(usize) -> f64) -> Color {
     let mut total = [0.0f64; 3];
     for y in 0..picture.height {
         let w = weight(y);
         for x in 0..picture.width {
-            let texel = picture.texel(x, y);
+            let texel = to_rgb(picture.texel(x, y));
             (0..3).for_each(|c| total[c] += w * f64::from(texel[c]));
         }
     }
-    Rgb::from(total.map(|t| t as f32))
+    rgb(total.map(|t| t as f32))
 }
 
 #[cfg(test)]

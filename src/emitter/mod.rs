@@ -30,7 +30,7 @@ pub use projection::Projection;
 pub use projector::Projector;
 pub use spot::{Falloff, Spot};
 
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::texture::Textures;
 
 /// Light arriving at a point from one sampled direction, before visibility.
@@ -41,7 +41,7 @@ pub struct DirectSample {
     /// End of the shadow ray (already lifted off the lamp's surface); `None` is infinitely far.
     pub target: Option<Vec3>,
     /// Radiance divided by the density (for delta lights: the irradiance-like factor itself).
-    pub value: Rgb,
+    pub value: Color,
     /// Density per solid angle; 0 for lights that a scattered ray cannot hit.
     pub pdf: f32,
 }
@@ -59,7 +59,7 @@ pub struct Emission {
     /// Unit.
     pub d: Vec3,
     /// Power carried by the sample: its expectation is the emitter's power in W per channel.
-    pub flux: Rgb,
+    pub flux: Color,
 }
 
 /// The sphere around everything, which light from infinity has to cover.
@@ -138,7 +138,7 @@ impl Emitter {
 
     /// Power in W per channel; what light from infinity sends through the scene's sphere. Exact but
     /// for textures, whose mean is sampled.
-    pub fn power(&self, textures: &Textures, scene: &SceneSphere) -> Rgb {
+    pub fn power(&self, textures: &Textures, scene: &SceneSphere) -> Color {
         match self {
             Self::Area(e) => e.power(),
             Self::Point(e) => e.power(),

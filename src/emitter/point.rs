@@ -1,14 +1,14 @@
 use std::f32::consts::PI;
 
 use super::{DirectSample, Emission, just_before};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 
 /// Isotropic point light; `intensity` in W/sr.
 #[derive(Clone, Debug)]
 pub struct Point {
     pub position: Vec3,
-    pub intensity: Rgb,
+    pub intensity: Color,
 }
 
 impl Point {
@@ -27,7 +27,7 @@ impl Point {
         Some(Emission { o: self.position, d: warp::sphere(direction), flux: self.power() })
     }
 
-    pub fn power(&self) -> Rgb {
+    pub fn power(&self) -> Color {
         self.intensity * (4.0 * PI)
     }
 }

@@ -1,7 +1,8 @@
 use super::frustum::Frustum;
 use super::table::Table;
 use super::{DirectSample, Emission, Picture, just_before};
-use crate::math::{Rgb, Vec2, Vec3, luminance};
+use crate::math::{Color, Vec2, Vec3};
+use crate::spectrum::{luminance, rgb, to_rgb};
 
 /// pbrt's projection light: a point light whose intensity is that of the picture's nearest pixel.
 #[derive(Clone, Debug)]
@@ -10,7 +11,7 @@ pub struct Projection {
     /// W/sr.
     picture: Picture,
     table: Table,
-    power: Rgb,
+    power: Color,
 }
 
 impl Projection {
@@ -25,11 +26,11 @@ impl Projection {
         let mut total = [0.0f64; 3];
         for y in 0..h {
             for x in 0..w {
-                let (texel, solid) = (picture.texel(x, y), solid(x, y));
+                let (texel, solid) = (to_rgb(picture.texel(x, y)), solid(x, y));
                 (0..3).for_each(|c| total[c] += f64::from(texel[c]) * solid);
             }
         }
-        let mut total = Rgb::from(total.map(|t| t as f32));
+        let mut total = rgb(total.map(|t| t as f32));
         if let Some(wanted) = power.filter(|_| luminance(total) > 0.0) {
             let factor = wanted / luminance(total);
             picture.scale(factor);
@@ -61,7 +62,7 @@ impl Projection {
         flux.is_finite().then_some(Emission { o: self.frustum.position, d, flux })
     }
 
-    pub fn power(&self) -> Rgb {
+    pub fn power(&self) -> Color {
         self.power
     }
 }

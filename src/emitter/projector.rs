@@ -2,7 +2,7 @@ use std::f32::consts::PI;
 
 use super::frustum::Frustum;
 use super::{DirectSample, Emission, just_before};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::texture::{Param, Site, Textures};
 
 /// Mitsuba's projector: the plane at distance 1 across the axis receives the irradiance π·texture.
@@ -28,7 +28,7 @@ impl Projector {
         (flux.max_element() > 0.0).then_some(Emission { o: self.frustum.position, d, flux })
     }
 
-    pub fn power(&self, textures: &Textures) -> Rgb {
+    pub fn power(&self, textures: &Textures) -> Color {
         textures.mean(self.irradiance) * (PI * self.frustum.area())
     }
 }

@@ -1,21 +1,15 @@
 //! Vectors, frames and small numeric helpers shared by every layer above.
 
+mod color;
 mod frame;
+pub mod kernel;
 mod octahedral;
 pub mod simd;
 
+pub use color::{Color, LANES};
 pub use frame::Frame;
 pub use glam::{DVec3, Vec2, Vec3A as Vec3};
 pub use octahedral::{decode_direction, encode_direction};
-
-/// Linear Rec.709 radiometric triple (radiance, flux, throughput, albedo).
-pub type Rgb = Vec3;
-
-/// Rec.709 luminance of a linear triple.
-#[inline]
-pub fn luminance(c: Rgb) -> f32 {
-    0.212671 * c.x + 0.715160 * c.y + 0.072169 * c.z
-}
 
 /// How far above its surface a ray starts, or before it ends, so as not to meet it: 2⁻¹⁹ of the largest
 /// coordinate involved, some sixteen roundings; measured errors of barycentric points and of the

@@ -1,12 +1,11 @@
 //! What density estimation does to even light: nothing away from edges, and at edges what theory says.
 
-use caustica::math::{Rgb, Vec3};
-use caustica::photon::kernel::KernelKind;
+use caustica::math::kernel::KernelKind;
+use caustica::math::{Color, Vec3};
 use caustica::photon::{LightPath, Photon, PhotonMap, Query};
-use caustica::scene::Scene;
 
 use super::{agree, record};
-use crate::support::{Estimate, Picture, UP, camera, diffuse, rectangle, render, scene};
+use crate::support::{Estimate, Picture, Stage, UP, camera, diffuse, rectangle, render, scene};
 
 /// Photons of flux h² on a lattice of spacing h = 1/16 are an even irradiance of 1. Looked up with the
 /// radius 1.5 at 32 × 32 places of a cell, the sum is that of a lattice of spacing h/32 over the disc: by
@@ -19,7 +18,7 @@ fn every_kernel_is_exact_for_even_light() {
     let photons: Vec<Photon> = (0..n * n)
         .map(|i| Photon {
             p: Vec3::new((i % n - n / 2) as f32 * h, (i / n - n / 2) as f32 * h, 0.0),
-            flux: Rgb::splat(h * h),
+            flux: Color::splat(h * h),
             wi: Vec3::Z,
             n: Vec3::Z,
             path: LightPath::Direct,
@@ -44,7 +43,7 @@ fn every_kernel_is_exact_for_even_light() {
 }
 
 /// A floor of albedo 1/2 under parallel light of irradiance π, whose radiance is 1/2 up to its very edge.
-fn edge(at: &str) -> Scene {
+fn edge(at: &str) -> Stage {
     let light = "<emitter type='directional'><vector name='direction' value='0,-1,0'/>
         <rgb name='irradiance' value='3.14159265'/></emitter>";
     // Half a unit of the floor, from 50 away.
@@ -54,7 +53,7 @@ fn edge(at: &str) -> Scene {
     scene(&[&view, &*rectangle(1.0, UP, &diffuse("0.5")), light].concat())
 }
 
-fn by_photons(scene: &Scene, boundary: &str) -> Picture {
+fn by_photons(scene: &Stage, boundary: &str) -> Picture {
     // Nearly no reduction of the radius: all passes measure the same bias.
     let settings = [
         ("nee", "false"),

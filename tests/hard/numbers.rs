@@ -5,13 +5,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use caustica::film::Pixels;
-use caustica::scene::Plan;
-use caustica::scene::build::{BuildOptions, build};
+use caustica::scene::compile::{CompileOptions, compile};
 use caustica_formats::files::Memory;
 use caustica_formats::{ReadOptions, read_scene};
 
 use super::record;
-use crate::support::{budget, picture, settings};
+use crate::support::{Stage, budget, picture, settings};
 
 const NUMBERS: [&str; 10] = ["nan", "inf", "-inf", "0", "-0", "-1", "1e38", "-1e38", "1e-40", "1e300"];
 
@@ -97,23 +96,22 @@ fn outcome(name: &str, text: String) -> &'static str {
             return "refused";
         }
     };
-    let mut scene = match build(&read.scene, &files, BuildOptions::default()) {
-        Ok(built) => built.scene,
+    let mut scene = match compile(&read.scene, &files, CompileOptions::default()) {
+        Ok(compiled) => Stage(compiled),
         Err(problems) => {
             assert!(!problems.is_empty());
             return "refused";
         }
     };
-    let crop = &mut scene.film.crop;
+    let crop = &mut scene.0.view.film.crop;
     (crop[2], crop[3]) = (crop[2].min(3), crop[3].min(3));
     for integrator in ["path", "photonmap"] {
         for nee in ["true", "false"] {
             let changes =
                 [("integrator", integrator), ("nee", nee), ("photons", "100"), ("caustic_photons", "100")];
             let settings = settings(&scene, &changes);
-            let plan = Plan::new(&scene, &settings);
-            let pixels = Pixels::new(scene.film.pixel_count());
-            let done = caustica::render::render(&scene, &plan, &settings, budget(2), pixels, 0, &mut |_| {});
+            let pixels = Pixels::new(scene.0.view.film.pixel_count());
+            let done = caustica::render::render(scene.task(&settings), budget(2), pixels, 0, &mut |_| {});
             for i in 0..done.pixels.len() {
                 let value = done.pixels.beauty(i, 2);
                 assert!(value.iter().all(|v| v.is_finite()), "{integrator}: {value:?}\n{text}");

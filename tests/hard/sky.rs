@@ -2,7 +2,7 @@
 //! shape, turned, stretched, mirrored or cut.
 
 use super::{METHODS, agree};
-use crate::support::{Estimate, camera, diffuse, pbrt_scene, render, scene};
+use crate::support::{Estimate, Stage, camera, diffuse, pbrt_scene, render, scene};
 
 const GLASS: &str =
     "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
@@ -79,13 +79,13 @@ fn cut_and_curved_shapes_of_pbrt_are_invisible_too() {
     ] {
         let sky = "LightSource \"infinite\" \"rgb L\" [1 1 1]";
         let mut scene = pbrt_scene(&format!("{sky}\nScale 4 4 4\n{body}"), vec![]);
-        scene.film = caustica::film::FilmSize::full(24, 16);
+        scene.0.view.film = caustica::film::FilmSize::full(24, 16);
         check(&format!("{thing} in an even sky, pbrt"), &scene);
     }
 }
 
 /// The bound of 1 % is above 4.5 standard errors of the noisiest, a path that leaves a white cube.
-fn check(case: &str, scene: &caustica::scene::Scene) {
+fn check(case: &str, scene: &Stage) {
     for (name, settings) in METHODS {
         let settings = [settings, &[("max_depth", "-1")]].concat();
         let picture = render(scene, &settings, 64);

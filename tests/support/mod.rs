@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use caustica::film::{LAYERS, Layer, Pixels, Rejected};
+use caustica::integrator::Task;
 use caustica::render::Budget;
-use caustica::scene::build::{BuildOptions, build};
-use caustica::scene::{Plan, Scene, Settings};
+use caustica::scene::Scene;
+use caustica::scene::compile::{CompileOptions, Compiled, compile};
+use caustica::settings::Settings;
 use caustica_formats::files::Memory;
 use caustica_formats::{ReadOptions, read_scene};
 
@@ -13,44 +15,61 @@ use caustica_formats::{ReadOptions, read_scene};
 /// test that passes keeps passing until the code changes.
 pub const SIGMAS: f64 = 4.5;
 
+/// A compiled scene with its view and settings; where only the scene is wanted, it stands for that.
+#[derive(Debug)]
+pub struct Stage(pub Compiled);
+
+impl std::ops::Deref for Stage {
+    type Target = Scene;
+    fn deref(&self) -> &Scene {
+        &self.0.scene
+    }
+}
+
+impl Stage {
+    pub fn task<'a>(&'a self, settings: &'a Settings) -> Task<'a> {
+        Task { scene: &self.0.scene, facts: &self.0.facts, view: &self.0.view, settings }
+    }
+}
+
 /// Compiles `body` inside a scene of version 3.
-pub fn scene(body: &str) -> Scene {
+pub fn scene(body: &str) -> Stage {
     scene_with(body, &[])
 }
 
 /// The same with further files in memory.
-pub fn scene_with(body: &str, files: &[(&str, &str)]) -> Scene {
+pub fn scene_with(body: &str, files: &[(&str, &str)]) -> Stage {
     scene_with_bytes(body, files.iter().map(|(path, text)| (*path, text.as_bytes().to_vec())).collect())
 }
 
 /// The same with files that are no text.
-pub fn scene_with_bytes(body: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
+pub fn scene_with_bytes(body: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     scene_of("scene.xml", &format!("<scene version='3.0.0'>{body}</scene>"), files)
 }
 
 /// Compiles `body` inside a scene of the given version.
-pub fn scene_of_version(version: &str, body: &str) -> Scene {
+pub fn scene_of_version(version: &str, body: &str) -> Stage {
     scene_of("scene.xml", &format!("<scene version='{version}'>{body}</scene>"), Vec::new())
 }
 
 /// A pbrt scene of what follows `WorldBegin`.
-pub fn pbrt_scene(world: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
+pub fn pbrt_scene(world: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     pbrt_scene_seen("LookAt 0 0 9 0 0 0 0 1 0\nCamera \"perspective\"", world, files)
 }
 
 /// The same with what stands before `WorldBegin`.
-pub fn pbrt_scene_seen(view: &str, world: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
+pub fn pbrt_scene_seen(view: &str, world: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     scene_of("scene.pbrt", &format!("{view}\nWorldBegin\n{world}\n"), files)
 }
 
 /// Compiles a file in the language of its name.
-fn scene_of(file: &str, text: &str, files: Vec<(&str, Vec<u8>)>) -> Scene {
+fn scene_of(file: &str, text: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     let all = files.into_iter().chain([(file, text.as_bytes().to_vec())]);
     let memory = Memory(all.map(|(path, bytes)| (PathBuf::from(path), bytes)).collect());
     let read = read_scene(&memory, Path::new(file), &ReadOptions::default())
         .unwrap_or_else(|failure| panic!("{failure}"));
-    match build(&read.scene, &memory, BuildOptions::default()) {
-        Ok(built) => built.scene,
+    match compile(&read.scene, &memory, CompileOptions::default()) {
+        Ok(compiled) => Stage(compiled),
         Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
     }
 }
@@ -196,8 +215,8 @@ fn estimate(values: &[f64]) -> Estimate {
     let square = batches.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
     Estimate { mean, sigma: (square / n).sqrt() }
 }
-pub fn settings(scene: &Scene, changes: &[(&str, &str)]) -> Settings {
-    let mut settings = scene.settings.clone();
+pub fn settings(scene: &Stage, changes: &[(&str, &str)]) -> Settings {
+    let mut settings = scene.0.settings.clone();
     for (name, value) in changes {
         settings.set(name, value).unwrap();
     }
@@ -209,16 +228,13 @@ pub fn budget(passes: u32) -> Budget<'static> {
 }
 
 /// Renders passes 0..`passes`.
-pub fn render(scene: &Scene, changes: &[(&str, &str)], passes: u32) -> Picture {
+pub fn render(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Picture {
     let settings = settings(scene, changes);
-    let plan = Plan::new(scene, &settings);
-    let count = scene.film.pixel_count();
+    let count = scene.0.view.film.pixel_count();
     let mut means = Vec::new();
     let mut last = [[0.0; 3]; LAYERS.len()];
     let outcome = caustica::render::render(
-        scene,
-        &plan,
-        &settings,
+        scene.task(&settings),
         budget(passes),
         Pixels::new(count),
         0,

@@ -1,0 +1,5 @@
+//! The front door: what the command line, tests and benchmarks call.
+
+mod plan;
+
+pub use plan::Plan;
