@@ -71,12 +71,8 @@ fn the_table_of_settings_is_what_the_program_prints() {
         writeln!(right, "| `{name}` | `{default}` | {value} | {} |", meaning.trim())
             .expect("a string takes all");
     }
-    let names: Vec<String> = kernels
-        .trim()
-        .trim_start_matches("kernels: ")
-        .split(", ")
-        .map(|name| format!("`{name}`"))
-        .collect();
+    let names: Vec<String> =
+        kernels.trim().trim_start_matches("kernels: ").split(", ").map(|name| format!("`{name}`")).collect();
     writeln!(right, "\nKernels: {}.", names.join(", ")).expect("a string takes all");
     check("docs/settings.md", &right);
 }
