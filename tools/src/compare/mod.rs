@@ -1,6 +1,6 @@
 //! Pictures against references: every metric, thresholds, and the verdict, for two files or two folders.
 //!
-//! [`run`] is the whole command; [`load`] and [`Mask`] read pictures the way it does.
+//! [`run()`] is the whole command; [`load()`] and [`Mask`] read pictures the way it does.
 
 mod args;
 mod check;
