@@ -9,7 +9,7 @@ use caustica::math::{Color, Vec2, Vec3};
 use caustica::photon::{Estimator, Gather, PhotonMap, Query};
 use caustica::sampling::Sampler;
 use caustica::scene::Surface;
-use caustica::scene::compile::Compiled;
+use caustica::session::Session;
 use caustica::settings::Lookup;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
@@ -17,8 +17,8 @@ const PHOTONS: usize = 1_000_000;
 const FOUND: usize = 100;
 
 /// What the camera sees through every pixel, in squares of eight as a render walks them.
-fn places(compiled: &Compiled) -> Vec<(Surface, Vec3)> {
-    let (scene, view) = (&compiled.scene, &compiled.view);
+fn places(session: &Session) -> Vec<(Surface, Vec3)> {
+    let (scene, view) = (&session.scene, &session.view);
     let side = 256;
     let mut out = Vec::new();
     for block in 0..(side / 8) * (side / 8) {
@@ -36,9 +36,9 @@ fn places(compiled: &Compiled) -> Vec<(Surface, Vec3)> {
 }
 
 fn lookup(c: &mut Criterion) {
-    let compiled = support::cornell(256);
-    let places = places(&compiled);
-    let scene = compiled.scene;
+    let session = support::cornell(256);
+    let places = places(&session);
+    let scene = session.scene;
     let photons = support::photons(&scene, PHOTONS);
     let queries = |radius: f32| -> Vec<Query> {
         places.iter().map(|(s, _)| Query { p: s.p, n: s.ng, lift: s.lift, radius }).collect()

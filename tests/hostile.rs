@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use caustica::scene::compile::{CompileOptions, compile};
+use caustica::session::Session;
 use caustica_formats::files::Memory;
 use caustica_formats::{ReadOptions, read_scene};
 
-use crate::support::{Picture, area, box_camera, camera, diffuse, lamp, render, scene, sphere, walls};
+use crate::support::{Picture, area, box_camera, camera, diffuse, lamp, plain, render, scene, sphere, walls};
 
 const BOTH: [&[(&str, &str)]; 3] = [&[("integrator", "path")], &[], &[("nee", "false")]];
 
@@ -87,10 +87,9 @@ fn degenerate_scenes_give_finite_pictures() {
 
 fn problems(name: &str, text: &str) -> String {
     let files = Memory([(name.into(), text.as_bytes().to_vec())].into());
-    let read = read_scene(&files, Path::new(name), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
-    match compile(&read.scene, &files, CompileOptions::default()) {
+    match Session::open_in(&files, Path::new(name), &plain()) {
         Ok(_) => String::new(),
-        Err(diagnostics) => read.sources.render(&diagnostics),
+        Err(problem) => problem.to_string(),
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use caustica::scene::compile::{CompileOptions, compile};
+use caustica::session::{Options, Session};
 use caustica_formats::files::Disk;
 use caustica_formats::ir::{
     self, BsdfKind, Coat, Color, ColorInput, ConductorMaterial, Dielectric, EmitterKind, FloatInput, Ior,
-    Microfacet, MicrofacetDistribution, RoughnessRemap, Shadowing, SpectrumRule, SpotFalloff,
+    Microfacet, MicrofacetDistribution, RoughnessRemap, Shadowing, SpotFalloff,
 };
 use caustica_formats::{ReadOptions, read_scene};
 
@@ -55,9 +55,12 @@ fn read(path: &Path) -> ir::Scene {
 fn picture(mut scene: ir::Scene, seed: &str) -> Picture {
     let film = &mut scene.sensors[0].film;
     (film.width, film.height) = (SIDE, SIDE);
-    let options = CompileOptions { spectrum_rule: Some(SpectrumRule::Mitsuba3), ..CompileOptions::default() };
-    let compiled = compile(&scene, &Disk, options).unwrap_or_else(|e| panic!("{e:?}"));
-    render(&Stage(compiled), &[("integrator", "path"), ("max_depth", "100"), ("seed", seed)], PASSES)
+    let session = Session::of(scene, &Disk, Path::new("twin"), &Options::default());
+    render(
+        &Stage(session.unwrap_or_else(|e| panic!("{e}"))),
+        &[("integrator", "path"), ("max_depth", "100"), ("seed", seed)],
+        PASSES,
+    )
 }
 
 /// Root of the mean square difference of two pictures.

@@ -4,10 +4,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use caustica::film::Pixels;
-use caustica::integrator::Task;
 use caustica::render::Budget;
-use caustica::scene::compile::{CompileOptions, compile};
+use caustica::session::{Options, Session};
 use caustica_formats::files::Memory;
 use caustica_formats::mesh::{self, MeshOptions};
 use caustica_formats::{ReadOptions, image, ir, read_scene};
@@ -127,28 +125,23 @@ fn picture(start: &[u8], data: &[u8]) {
 /// A scene that reads must compile or say why not, and then give a finite picture.
 fn render(name: &str, data: &[u8]) {
     let files = files(name, data);
-    let Some(ir) = read(name, &files) else { return };
-    let options = CompileOptions { allow_unsupported: true, ..CompileOptions::default() };
-    let Ok(mut compiled) = compile(&ir, &files, options) else { return };
-    let crop = &mut compiled.view.film.crop;
-    (crop[2], crop[3]) = (crop[2].min(3), crop[3].min(2));
-    let count = compiled.view.film.pixel_count();
-    for integrator in ["path", "photonmap"] {
-        let mut settings = compiled.settings.clone();
-        for (name, value) in [("integrator", integrator), ("photons", "64"), ("caustic_photons", "64")] {
-            settings.set(name, value).expect("a setting of the table");
+    let options =
+        Options { allow_unsupported: true, upgrade_v3: true, spectrum_rule: None, ..Options::default() };
+    let mut session = match Session::open_in(&files, Path::new(name), &options) {
+        Ok(session) => session,
+        Err(problem) => {
+            assert!(!problem.to_string().is_empty(), "a failure without words");
+            return;
         }
-        let task = Task {
-            scene: &compiled.scene,
-            facts: &compiled.facts,
-            view: &compiled.view,
-            settings: &settings,
-        };
-        let budget = Budget { passes: Some(2), time: None, error: None, interrupt: None };
-        let pixels = Pixels::new(count);
-        let done = caustica::render::render(task, budget, pixels, 0, &mut |_| {});
-        for i in 0..count {
-            let value = done.pixels.beauty(i, 2);
+    };
+    let crop = &mut session.view.film.crop;
+    (crop[2], crop[3]) = (crop[2].min(3), crop[3].min(2));
+    for integrator in ["path", "photonmap"] {
+        for (name, value) in [("integrator", integrator), ("photons", "64"), ("caustic_photons", "64")] {
+            session.settings.set(name, value).expect("a setting of the table");
+        }
+        let outcome = session.render(Budget::passes(2), &mut |_| {});
+        for (i, value) in session.picture(&outcome).rgb().enumerate() {
             assert!(value.iter().all(|v| v.is_finite()), "{integrator}: pixel {i} is {value:?}");
         }
     }

@@ -12,8 +12,8 @@ use crate::sampling::{Sampler, mix};
 use crate::scene::View;
 use crate::settings::IntegratorKind;
 
-/// When to end; whichever comes first.
-#[derive(Clone, Copy, Debug)]
+/// When to end; whichever comes first. The default is never.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Budget<'a> {
     /// Passes in all, resumed ones included.
     pub passes: Option<u32>,
@@ -26,7 +26,12 @@ pub struct Budget<'a> {
 }
 
 impl Budget<'_> {
-    /// Until when something may go on in a render that began at `start`, of whose time `until` makes that.
+    /// This many passes, resumed ones included.
+    pub fn passes(n: u32) -> Self {
+        Self { passes: Some(n), ..Self::default() }
+    }
+
+    /// The halt for work in a render begun at `start`; `until` maps its time budget to a deadline.
     fn halt(&self, start: Instant, until: fn(Duration) -> Duration) -> Halt<'_> {
         Halt { stop: self.interrupt, deadline: self.time.and_then(|t| start.checked_add(until(t))) }
     }
@@ -89,25 +94,40 @@ pub struct Outcome {
     pub stop: Stop,
 }
 
-/// Renders passes `done..` into `pixels` (sums of the passes before). `progress` is called after each.
+/// What some passes have summed up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sums {
+    /// For every rendered pixel, row by row.
+    pub pixels: Pixels,
+    /// How many passes are in them, from the first.
+    pub passes: u32,
+}
+
+impl Sums {
+    /// Of no passes, for so many pixels.
+    pub fn none(pixels: usize) -> Self {
+        Self { pixels: Pixels::new(pixels), passes: 0 }
+    }
+}
+
+/// Renders passes on top of `sums`, in order, and calls `progress` after each.
 pub fn render(
     task: Task<'_>,
     budget: Budget<'_>,
-    pixels: Pixels,
-    done: u32,
+    sums: Sums,
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
     let start = Instant::now();
     match task.settings.integrator {
         IntegratorKind::Path => {
             let integrator = PathTracer::new(task);
-            run(task, &integrator, budget, pixels, done, start, progress)
+            run(task, &integrator, budget, sums, start, progress)
         }
         IntegratorKind::PhotonMap => {
             let later = budget.halt(start, overdue);
-            let first = if done == 0 { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
+            let first = if sums.passes == 0 { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
             let integrator = PhotonMapper::halting(task, [first, later]);
-            run(task, &integrator, budget, pixels, done, start, progress)
+            run(task, &integrator, budget, sums, start, progress)
         }
     }
 }
@@ -133,11 +153,11 @@ fn run<I: Integrator>(
     task: Task<'_>,
     integrator: &I,
     budget: Budget<'_>,
-    mut pixels: Pixels,
-    done: u32,
+    sums: Sums,
     start: Instant,
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
+    let Sums { mut pixels, passes: done } = sums;
     let mut stats = Statistics {
         prepare_seconds: start.elapsed().as_secs_f64(),
         film_bytes: size_of_val(pixels.as_slice()) as u64,

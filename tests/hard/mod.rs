@@ -15,11 +15,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use caustica::scene::compile::{CompileOptions, compile};
+use caustica::session::{Options, Session};
 use caustica_formats::files::Disk;
-use caustica_formats::{ReadOptions, read_scene};
 
-use crate::support::{ALL, Estimate, Picture, Stage, assert_agree, assert_same};
+use crate::support::{ALL, Estimate, Picture, Stage, assert_agree, assert_same, plain};
 
 /// A name and the settings that choose the integrator.
 type Method = (&'static str, &'static [(&'static str, &'static str)]);
@@ -48,12 +47,8 @@ fn record(case: &str, expectation: &str, measured: &str, bound: &str) {
 fn hard_scene(name: &str, parameters: &[(&str, &str)]) -> Stage {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/hard").join(format!("{name}.xml"));
     let defines = parameters.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
-    let options = ReadOptions { defines, ..ReadOptions::default() };
-    let read = read_scene(&Disk, &path, &options).unwrap_or_else(|failure| panic!("{failure}"));
-    match compile(&read.scene, &Disk, CompileOptions::default()) {
-        Ok(compiled) => Stage(compiled),
-        Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
-    }
+    let options = Options { defines, ..plain() };
+    Stage(Session::open_in(&Disk, &path, &options).unwrap_or_else(|e| panic!("{e}")))
 }
 
 fn percent(part: f64) -> String {

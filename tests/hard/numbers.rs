@@ -4,13 +4,11 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use caustica::film::Pixels;
-use caustica::scene::compile::{CompileOptions, compile};
+use caustica::session::Session;
 use caustica_formats::files::Memory;
-use caustica_formats::{ReadOptions, read_scene};
 
 use super::record;
-use crate::support::{Stage, budget, picture, settings};
+use crate::support::{Stage, outcome as rendered, picture, plain};
 
 const NUMBERS: [&str; 10] = ["nan", "inf", "-inf", "0", "-0", "-1", "1e38", "-1e38", "1e-40", "1e300"];
 
@@ -89,17 +87,10 @@ fn outcome(name: &str, text: String) -> &'static str {
     let mesh = b"v 0 0 -0.5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec();
     let files = [(name, text.clone().into_bytes()), ("map.pfm", map), ("mesh.obj", mesh)];
     let files = Memory(files.into_iter().map(|(n, b)| (PathBuf::from(n), b)).collect::<BTreeMap<_, _>>());
-    let read = match read_scene(&files, Path::new(name), &ReadOptions::default()) {
-        Ok(read) => read,
-        Err(failure) => {
-            assert!(!failure.to_string().is_empty());
-            return "refused";
-        }
-    };
-    let mut scene = match compile(&read.scene, &files, CompileOptions::default()) {
-        Ok(compiled) => Stage(compiled),
-        Err(problems) => {
-            assert!(!problems.is_empty());
+    let mut scene = match Session::open_in(&files, Path::new(name), &plain()) {
+        Ok(session) => Stage(session),
+        Err(problem) => {
+            assert!(!problem.to_string().is_empty());
             return "refused";
         }
     };
@@ -109,9 +100,7 @@ fn outcome(name: &str, text: String) -> &'static str {
         for nee in ["true", "false"] {
             let changes =
                 [("integrator", integrator), ("nee", nee), ("photons", "100"), ("caustic_photons", "100")];
-            let settings = settings(&scene, &changes);
-            let pixels = Pixels::new(scene.0.view.film.pixel_count());
-            let done = caustica::render::render(scene.task(&settings), budget(2), pixels, 0, &mut |_| {});
+            let done = rendered(&scene, &changes, 2, &mut |_| {});
             for i in 0..done.pixels.len() {
                 let value = done.pixels.beauty(i, 2);
                 assert!(value.iter().all(|v| v.is_finite()), "{integrator}: {value:?}\n{text}");

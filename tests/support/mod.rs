@@ -3,32 +3,24 @@
 use std::path::{Path, PathBuf};
 
 use caustica::film::{LAYERS, Layer, Pixels, Rejected};
-use caustica::integrator::Task;
-use caustica::render::Budget;
+use caustica::render::{Budget, Outcome, Progress, Sums};
 use caustica::scene::Scene;
-use caustica::scene::compile::{CompileOptions, Compiled, compile};
+use caustica::session::{Options, Session};
 use caustica::settings::Settings;
 use caustica_formats::files::Memory;
-use caustica_formats::{ReadOptions, read_scene};
 
 /// Sigmas that an honest estimate may be off: one in 150 000 for a normal error. Seeds are fixed, so a
 /// test that passes keeps passing until the code changes.
 pub const SIGMAS: f64 = 4.5;
 
-/// A compiled scene with its view and settings; where only the scene is wanted, it stands for that.
+/// An opened scene; where only the scene itself is wanted, it stands for that.
 #[derive(Debug)]
-pub struct Stage(pub Compiled);
+pub struct Stage(pub Session);
 
 impl std::ops::Deref for Stage {
     type Target = Scene;
     fn deref(&self) -> &Scene {
         &self.0.scene
-    }
-}
-
-impl Stage {
-    pub fn task<'a>(&'a self, settings: &'a Settings) -> Task<'a> {
-        Task { scene: &self.0.scene, facts: &self.0.facts, view: &self.0.view, settings }
     }
 }
 
@@ -62,16 +54,16 @@ pub fn pbrt_scene_seen(view: &str, world: &str, files: Vec<(&str, Vec<u8>)>) -> 
     scene_of("scene.pbrt", &format!("{view}\nWorldBegin\n{world}\n"), files)
 }
 
-/// Compiles a file in the language of its name.
+/// How tests open scenes: spectra mean what the file's own renderer makes of them.
+pub fn plain() -> Options {
+    Options { spectrum_rule: None, ..Options::default() }
+}
+
+/// Opens a file in the language of its name.
 fn scene_of(file: &str, text: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     let all = files.into_iter().chain([(file, text.as_bytes().to_vec())]);
     let memory = Memory(all.map(|(path, bytes)| (PathBuf::from(path), bytes)).collect());
-    let read = read_scene(&memory, Path::new(file), &ReadOptions::default())
-        .unwrap_or_else(|failure| panic!("{failure}"));
-    match compile(&read.scene, &memory, CompileOptions::default()) {
-        Ok(compiled) => Stage(compiled),
-        Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
-    }
+    Stage(Session::open_in(&memory, Path::new(file), &plain()).unwrap_or_else(|e| panic!("{e}")))
 }
 
 /// A picture of the given texels, rows from the top, as a float file.
@@ -223,34 +215,34 @@ pub fn settings(scene: &Stage, changes: &[(&str, &str)]) -> Settings {
     settings
 }
 
-pub fn budget(passes: u32) -> Budget<'static> {
-    Budget { passes: Some(passes), time: None, error: None, interrupt: None }
+/// Renders passes 0..`passes` with some settings changed.
+pub fn outcome(
+    scene: &Stage,
+    changes: &[(&str, &str)],
+    passes: u32,
+    progress: &mut dyn FnMut(&Progress<'_>),
+) -> Outcome {
+    let settings = settings(scene, changes);
+    let sums = Sums::none(scene.0.view.film.pixel_count());
+    caustica::render::render(scene.0.task_with(&settings), Budget::passes(passes), sums, progress)
 }
 
-/// Renders passes 0..`passes`.
+/// The same, pass by pass.
 pub fn render(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Picture {
-    let settings = settings(scene, changes);
     let count = scene.0.view.film.pixel_count();
     let mut means = Vec::new();
     let mut last = [[0.0; 3]; LAYERS.len()];
-    let outcome = caustica::render::render(
-        scene.task(&settings),
-        budget(passes),
-        Pixels::new(count),
-        0,
-        &mut |progress| {
-            let mut sums = [[0.0; 3]; LAYERS.len()];
-            for pixel in progress.pixels.as_slice() {
-                for (l, layer) in sums.iter_mut().enumerate() {
-                    (0..3).for_each(|c| layer[c] += pixel[3 * l + c]);
-                }
+    let outcome = outcome(scene, changes, passes, &mut |progress| {
+        let mut sums = [[0.0; 3]; LAYERS.len()];
+        for pixel in progress.pixels.as_slice() {
+            for (l, layer) in sums.iter_mut().enumerate() {
+                (0..3).for_each(|c| layer[c] += pixel[3 * l + c]);
             }
-            means.push(std::array::from_fn(|l| {
-                std::array::from_fn(|c| (sums[l][c] - last[l][c]) / count as f64)
-            }));
-            last = sums;
-        },
-    );
+        }
+        means
+            .push(std::array::from_fn(|l| std::array::from_fn(|c| (sums[l][c] - last[l][c]) / count as f64)));
+        last = sums;
+    });
     assert_eq!(outcome.statistics.rejected, Rejected::default(), "something was not finite");
     Picture { pixels: outcome.pixels, passes, means }
 }

@@ -3,7 +3,7 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use super::output;
+use super::{Error, place};
 
 /// Held while a render may write `path`; the system lets go of it even after kill -9.
 #[derive(Debug)]
@@ -15,20 +15,24 @@ pub struct Lock {
 
 impl Lock {
     /// `None` where files cannot be locked, as on some network folders.
-    pub fn take(path: &Path) -> Result<Option<Self>, String> {
+    ///
+    /// # Errors
+    /// [`Error::Locked`] while another process holds it; [`Error::Unwritable`] where no file can be made.
+    pub fn take(path: &Path) -> Result<Option<Self>, Error> {
         // Through a link the file it stands for is written.
-        let target = output::real(path);
+        let target = place::real(path);
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let beside = target.with_file_name(format!(".{name}.lock"));
         loop {
             let file = File::options().create(true).truncate(false).write(true).open(&beside);
-            let file = file.map_err(|e| format!("cannot write `{}`: {e}", path.display()))?;
+            let file =
+                file.map_err(|e| Error::Unwritable { file: path.to_path_buf(), why: e.to_string() })?;
             match file.try_lock() {
                 Ok(()) if same(&file, &beside) => return Ok(Some(Self { _file: file, beside })),
                 // The process that had it removed the file between our two steps.
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
-                    return Err(format!("another process is writing `{}`", path.display()));
+                    return Err(Error::Locked(path.to_path_buf()));
                 }
                 Err(TryLockError::Error(_)) => return Ok(None),
             }
