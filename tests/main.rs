@@ -15,6 +15,7 @@ mod convergence;
 mod convert;
 mod depth;
 mod determinism;
+mod documents;
 mod environment;
 mod faults;
 mod flux;
