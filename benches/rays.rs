@@ -11,7 +11,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const SIDE: u32 = 256;
 
-/// Camera rays, one cosine-distributed ray from each point they meet, and one towards a lamp.
+/// Camera rays, and from each point they hit a cosine-distributed ray and a shadow ray to a lamp.
 fn families(compiled: &Compiled) -> [Vec<Ray>; 3] {
     let (scene, view) = (&compiled.scene, &compiled.view);
     let (mut primary, mut diffuse, mut shadow) = (Vec::new(), Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Scenes and photons that the benchmarks generate for themselves.
+//! Scenes and photons for the benchmarks.
 #![allow(dead_code, reason = "every benchmark uses a part")]
 
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use caustica_formats::{ReadOptions, read_scene};
 /// The Cornell box with diffuse boxes.
 const CORNELL: &str = include_str!("../../scenes/cornell-diffuse.xml");
 
-/// Reads and compiles a scene with the files it names.
+/// Reads and compiles a Mitsuba scene, with the files it refers to.
 fn load(xml: &str, more: Vec<(&str, Vec<u8>)>) -> Compiled {
     let mut files: BTreeMap<PathBuf, Vec<u8>> =
         more.into_iter().map(|(name, bytes)| (PathBuf::from(name), bytes)).collect();
@@ -30,13 +30,13 @@ fn load(xml: &str, more: Vec<(&str, Vec<u8>)>) -> Compiled {
     }
 }
 
-/// The box with a film of `size` pixels squared.
+/// The Cornell box with a film of `size` × `size` pixels.
 pub fn cornell(size: u32) -> Compiled {
     let width = CORNELL.replace(r#"name="width" value="512""#, &format!(r#"name="width" value="{size}""#));
     load(&width.replace(r#"name="height" value="512""#, &format!(r#"name="height" value="{size}""#)), vec![])
 }
 
-/// A million triangles: a hilly sheet, seen from above under a lamp.
+/// A million triangles: a hilly surface under a lamp, seen from above.
 pub fn hills() -> Compiled {
     let side = 708;
     let mut ply = format!(
@@ -75,7 +75,7 @@ pub fn hills() -> Compiled {
     load(xml, vec![("hills.ply", ply)])
 }
 
-/// Photons of the box's global map in a default render: all have scattered before.
+/// The photons of the global map in a default render, all of which have scattered at least once.
 pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
     let job = |paths| TraceJob {
         key: 1,
@@ -92,7 +92,7 @@ pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
     photons
 }
 
-/// One worker thread, for figures per core.
+/// A pool of one thread, to measure per core.
 pub fn one_thread() -> rayon::ThreadPool {
     match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
         Ok(pool) => pool,
