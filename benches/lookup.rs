@@ -1,5 +1,5 @@
-//! Density estimates in a million photons of the Cornell box, with about a hundred photons each and in the order of
-//! a render's pixels. One thread; throughput is lookups.
+//! Density estimates in a million photons of the Cornell box, with about a hundred photons each and in the
+//! order of a render's pixels. One thread; throughput is lookups.
 
 mod support;
 

@@ -100,8 +100,9 @@ fn nothing_is_seen_nearer_than_the_near_clip_or_beyond_the_far_clip() {
     assert_eq!(seen(1.1, 4.9), 0.0);
 }
 
-/// The film is ±2 units wide at any distance: a lamp of ±1 covers its middle half, and one of ±1.5 farther back, at
-/// the right edge of the view, the rest of the right side. The camera looks along −z, so +x is on the right.
+/// The film is ±2 units wide at any distance: a lamp of ±1 covers its middle half, and one of ±1.5 farther
+/// back, at the right edge of the view, the rest of the right side. The camera looks along −z, so +x is on the
+/// right.
 #[test]
 fn an_orthographic_camera_shows_the_same_scale_at_any_distance() {
     let view = format!(

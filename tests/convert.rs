@@ -149,9 +149,9 @@ fn files_are_overwritten_only_with_force_and_the_source_never() {
     assert!(text(&itself.stderr).contains("was read from"), "{}", text(&itself.stderr));
 }
 
-/// In pbrt, light that bounces between coat and base is coloured by the base each time; in Mitsuba's plastic only if
-/// it is `nonlinear`. The base is written so that both reflect the same; unchanged, pbrt's would be a quarter
-/// darker.
+/// In pbrt, light that bounces between coat and base is coloured by the base each time; in Mitsuba's plastic
+/// only if it is `nonlinear`. The base is written so that both reflect the same; unchanged, pbrt's would be a
+/// quarter darker.
 #[test]
 fn plastic_keeps_its_brightness_in_pbrt() {
     let folder = tempfile::tempdir().unwrap();

@@ -33,9 +33,9 @@ fn the_first_depths_are_black_emission_and_direct_light() {
     }
 }
 
-/// Reflected light only (the edges of visible lamps would add noise), within 1.5 % for noise, as measured. The blur
-/// of discs at shadow edges stays inside the picture and cancels in its mean; what is left is the bias of the
-/// boundary correction at the walls' edges.
+/// Reflected light only (the edges of visible lamps would add noise), within 1.5 % for noise, as measured. The
+/// blur of discs at shadow edges stays inside the picture and cancels in its mean; what is left is the bias of
+/// the boundary correction at the walls' edges.
 #[test]
 fn every_depth_agrees_between_integrators() {
     let scene = scene(&[box_camera(16), walls("0.6"), lamp(0.5, "3")].concat());

@@ -45,7 +45,8 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// Peak memory of `work` in bytes, beyond what was allocated before. Zero unless [`Counting`] is the global allocator.
+/// Peak memory of `work` in bytes, beyond what was allocated before. Zero unless [`Counting`] is the global
+/// allocator.
 pub fn most_held(work: impl FnOnce()) -> usize {
     let before = HELD.load(Relaxed);
     MOST.store(before, Relaxed);

@@ -7,10 +7,10 @@ use caustica::photon::{LightPath, Photon, PhotonMap, Query};
 use super::{agree, record};
 use crate::support::{Estimate, Picture, Stage, UP, camera, diffuse, rectangle, render, scene};
 
-/// Photons of flux h² on a lattice of spacing h = 1/16 give a uniform irradiance of 1. The sum of lookups of radius
-/// 1.5 at 32 × 32 points of a cell is that of a lattice of spacing h/32 over the disc: by Poisson summation its error
-/// falls as (h/(32 r))^1.5 for a kernel that ends in a step (2e-5) and faster for the others; 1e-4 leaves room for
-/// f32.
+/// Photons of flux h² on a lattice of spacing h = 1/16 give a uniform irradiance of 1. The sum of lookups of
+/// radius 1.5 at 32 × 32 points of a cell is that of a lattice of spacing h/32 over the disc: by Poisson
+/// summation its error falls as (h/(32 r))^1.5 for a kernel that ends in a step (2e-5) and faster for the
+/// others; 1e-4 leaves room for f32.
 #[test]
 fn every_kernel_is_exact_for_uniform_light() {
     let h = 1.0 / 16.0_f32;

@@ -6,8 +6,8 @@ use crate::support::{
     sphere, walls,
 };
 
-/// The square [-1, 1]² at y = -1, made of ordinary triangles, needles (2 long, 2e-6 wide) and triangles of no area,
-/// each of them twice.
+/// The square [-1, 1]² at y = -1, made of ordinary triangles, needles (2 long, 2e-6 wide) and triangles of no
+/// area, each of them twice.
 fn awkward_floor() -> String {
     let mut vertices = Vec::new();
     let mut x = -1.0;
@@ -63,8 +63,8 @@ fn needles_degenerate_and_duplicate_triangles_make_the_same_floor() {
     }
 }
 
-/// A lamp in the plane of the ceiling lights the floor like one 1e-4 below it: the distance of 2 changes by 5e-5 of
-/// itself, the light by 1e-4. Any part of the lamp that the ceiling hid would be missing entirely.
+/// A lamp in the plane of the ceiling lights the floor like one 1e-4 below it: the distance of 2 changes by
+/// 5e-5 of itself, the light by 1e-4. Any part of the lamp that the ceiling hid would be missing entirely.
 #[test]
 fn a_lamp_in_the_plane_of_the_ceiling_lights_the_floor() {
     let with = |y: &str| {
@@ -113,9 +113,9 @@ fn no_light_crosses_a_thin_wall() {
     }
 }
 
-/// The closed form of the furnace also holds at concave edges and corners. Without boundary correction photon mapping
-/// loses the part of the disc beyond the edge, which is recorded; with it, what remains is bias from photons around
-/// the corner.
+/// The closed form of the furnace also holds at concave edges and corners. Without boundary correction photon
+/// mapping loses the part of the disc beyond the edge, which is recorded; with it, what remains is bias from
+/// photons around the corner.
 #[test]
 fn concave_corners_keep_their_light() {
     let body = format!(
@@ -239,9 +239,9 @@ fn glass_that_nearly_touches_the_walls_is_invisible_in_a_furnace() {
     }
 }
 
-/// Glass flush with a floor, with a wall, with water, and a cylinder with lids on a floor. Its faces are moved back by
-/// 2e-4 here, and the picture must equal that of glass 1e-3 away from what it touches: a gap of g shifts what is seen
-/// through a block of width 1 by about g, which is at most 0.3 % of its light.
+/// Glass flush with a floor, with a wall, with water, and a cylinder with lids on a floor. Its faces are moved
+/// back by 2e-4 here, and the picture must equal that of glass 1e-3 away from what it touches: a gap of g
+/// shifts what is seen through a block of width 1 by about g, which is at most 0.3 % of its light.
 #[test]
 fn flush_glass_looks_like_glass_just_above() {
     let glass =
@@ -308,8 +308,8 @@ fn flush_glass_looks_like_glass_just_above() {
     }
 }
 
-/// However many faces it touches, a disk is moved back once, by 12 × 2⁻¹⁹ of the largest coordinate. That is 5 here,
-/// measured from the scene point nearest to the camera, the origin of the compiled scene.
+/// However many faces it touches, a disk is moved back once, by 12 × 2⁻¹⁹ of the largest coordinate. That is 5
+/// here, measured from the scene point nearest to the camera, the origin of the compiled scene.
 #[test]
 fn a_flush_disk_is_moved_back_once() {
     let disk = |half: f64, turn: &str, bsdf: &str| {
@@ -337,8 +337,8 @@ fn a_flush_disk_is_moved_back_once() {
     assert!(off.abs() < 0.01, "{off}");
 }
 
-/// Equal instances at one place are merged, since every ray would test all of them. Those of glass are kept: each is
-/// another surface on the path.
+/// Equal instances at one place are merged, since every ray would test all of them. Those of glass are kept:
+/// each is another surface on the path.
 #[test]
 fn coincident_instances_are_merged_unless_of_glass() {
     for (bsdf, left) in [(diffuse("0.5"), 1), ("<bsdf type='dielectric'/>".to_owned(), 1000)] {

@@ -11,8 +11,8 @@ fn floor_view() -> String {
     [camera("0,3,0", "0,0,0", 30.0, 16), rectangle(1.0, FLOOR, &diffuse("0.5"))].concat()
 }
 
-/// A lamp of 1e-4 of the scene's size acts as a point with a cosine: with area A and radiance L at height h it gives
-/// the radiance ρ/π · L·A·h²/d⁴ at distance d, with an error of the order of 1e-8.
+/// A lamp of 1e-4 of the scene's size acts as a point with a cosine: with area A and radiance L at height h it
+/// gives the radiance ρ/π · L·A·h²/d⁴ at distance d, with an error of the order of 1e-8.
 #[test]
 fn a_tiny_lamp_acts_as_a_point() {
     let half = 1e-4;

@@ -48,7 +48,8 @@ fn total_reflection_loses_nothing() {
     for (name, settings) in METHODS {
         let mut settings = settings.to_vec();
         settings.push(("max_depth", "-1"));
-        // At √2 the critical angle is 45°: from there on light through one face of a cube cannot leave by the next.
+        // At √2 the critical angle is 45°: from there on light through one face of a cube cannot leave by the
+        // next.
         for eta in [1.5, std::f64::consts::SQRT_2, 3.0] {
             let picture = render(&scene(&cube(eta)), &settings, 128);
             agree(
@@ -120,8 +121,8 @@ fn mirrors(reflectance: &str) -> String {
     )
 }
 
-/// Emitting mirror walls show 1/(1 − ρ). At reflectances 0.999 and 1 the variance of Russian roulette is unbounded,
-/// so those renders only have to end.
+/// Emitting mirror walls show 1/(1 − ρ). At reflectances 0.999 and 1 the variance of Russian roulette is
+/// unbounded, so those renders only have to end.
 #[test]
 fn boxes_of_mirrors_end_and_conserve_energy() {
     for (name, settings) in METHODS {
@@ -163,8 +164,8 @@ fn mirrors_show_the_geometric_series() {
     }
 }
 
-/// Perfect mirrors of radiance 1 over 2000 bounces: every pixel is exactly 2000 unless a path leaves the box. One or
-/// two in 3.3e7 bounces once did, where a hit in a corner was rounded to behind the wall.
+/// Perfect mirrors of radiance 1 over 2000 bounces: every pixel is exactly 2000 unless a path leaves the box.
+/// One or two in 3.3e7 bounces once did, where a hit in a corner was rounded to behind the wall.
 #[test]
 fn no_path_leaves_a_box_of_mirrors() {
     let settings = [PATH.1, &[("max_depth", "2000"), ("rr_depth", "1000000")]].concat();

@@ -1,5 +1,5 @@
-//! White furnace: under a constant sky of radiance 1 lossless objects of any shape show 1, also rotated, stretched,
-//! mirrored or partial ones.
+//! White furnace: under a constant sky of radiance 1 lossless objects of any shape show 1, also rotated,
+//! stretched, mirrored or partial ones.
 
 use super::{METHODS, agree};
 use crate::support::{Estimate, Stage, camera, diffuse, pbrt_scene, render, scene};

@@ -6,8 +6,8 @@ use caustica_tools::pixels::Pixels;
 
 /// Blocks per row and column, also the size of `NAME.density.exr`.
 pub const BLOCKS: usize = 8;
-/// Standard errors by which a mean may be off. If every picture were as noisy as Mitsuba's, the 192 means of each of
-/// 20 trials would together give a false alarm with probability 2.6 %.
+/// Standard errors by which a mean may be off. If every picture were as noisy as Mitsuba's, the 192 means of
+/// each of 20 trials would together give a false alarm with probability 2.6 %.
 const SIGMAS: f64 = 4.5;
 /// Tolerance for single precision, relative to the block's mean.
 const PRECISION: f64 = 0.002;

@@ -182,8 +182,8 @@ impl Picture {
         estimate(&values)
     }
 
-    /// The difference to `other`, a render of the same passes. Both have the same film positions and, with the same
-    /// photon settings, the same photons, so noise that they share cancels.
+    /// The difference to `other`, a render of the same passes. Both have the same film positions and, with the
+    /// same photon settings, the same photons, so noise that they share cancels.
     pub fn minus(&self, other: &Self, layers: &[Layer], channel: usize) -> Estimate {
         assert_eq!(self.passes, other.passes);
         let part =
