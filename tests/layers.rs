@@ -110,7 +110,7 @@ fn glossy_lobes_are_followed_without_loss() {
 
 fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(LightPath) -> bool) -> (usize, f64) {
     let chosen = photons.iter().filter(|p| wanted(p.path));
-    chosen.fold((0, 0.0), |(n, sum), p| (n + 1, sum + f64::from(p.flux.x)))
+    chosen.fold((0, 0.0), |(n, sum), p| (n + 1, sum + f64::from(p.flux.lanes()[0])))
 }
 
 /// With the same random numbers, the photons of the owners are exactly a partition of all photons.

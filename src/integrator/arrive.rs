@@ -2,7 +2,7 @@
 
 use super::direct::power_heuristic;
 use crate::film::{Layer, Radiance};
-use crate::math::{Ray, Rgb, Vec3};
+use crate::math::{Color, Ray, Vec3};
 use crate::scene::{Hit, Scene, Surface};
 
 /// How a lamp at the end of the ray counts.
@@ -43,7 +43,7 @@ pub fn arrive(
     ray: &mut Ray,
     hit: Option<&Hit>,
     sight: Sight,
-    throughput: Rgb,
+    throughput: Color,
     layer: Layer,
     out: &mut Radiance,
 ) -> Arrival {

@@ -3,7 +3,7 @@
 
 use crate::bsdf::{Closure, Range, Transport};
 use crate::emitter::DirectSample;
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Scene, Surface};
 
@@ -21,7 +21,7 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
 #[derive(Clone, Copy, Debug)]
 pub struct Proposal {
     /// Scattered towards the viewer.
-    pub value: Rgb,
+    pub value: Color,
     pub light: DirectSample,
 }
 
@@ -68,9 +68,9 @@ pub fn next_event(
     segments: u32,
     sampler: &mut Sampler,
     rays: &mut u64,
-) -> Rgb {
+) -> Color {
     let Some(p) = propose(scene, facts, s, closure, lobes, wi, mis, segments, sampler) else {
-        return Rgb::ZERO;
+        return Color::ZERO;
     };
     *rays += 1;
     p.value * scene.visibility(s, &p.light, facts.transparent_shadows, segments)
@@ -87,13 +87,13 @@ pub fn scattered_lamp(
     segments: u32,
     sampler: &mut Sampler,
     rays: &mut u64,
-) -> Rgb {
+) -> Color {
     let (u, u_lobe) = (sampler.next_2d(), sampler.next_1d());
     if segments == 0 {
-        return Rgb::ZERO;
+        return Color::ZERO;
     }
     let sample = closure.sample_smooth(wi, u_lobe, u, Transport::Radiance, lobes);
-    let Some(sample) = sample else { return Rgb::ZERO };
+    let Some(sample) = sample else { return Color::ZERO };
     // The density that next_event compares with includes the choice of the lobes.
     let pdf = closure.pdf(wi, sample.wo, lobes);
     let d = s.frame.to_world(sample.wo);
@@ -102,7 +102,7 @@ pub fn scattered_lamp(
     for _ in 0..segments {
         *rays += 1;
         let Some(hit) = scene.geometry.closest(&ray) else {
-            let mut seen = Rgb::ZERO;
+            let mut seen = Color::ZERO;
             for (radiance, direct) in scene.background(d) {
                 seen += radiance * power_heuristic(pdf, direct);
             }
@@ -120,7 +120,7 @@ pub fn scattered_lamp(
         }
         ray = at.leave(d);
     }
-    Rgb::ZERO
+    Color::ZERO
 }
 
 #[cfg(test)]

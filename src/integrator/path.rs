@@ -6,7 +6,7 @@ use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::{Closure, Event, Range, Transport};
 use crate::film::Layer;
 use crate::math::simd::widest;
-use crate::math::{Ray, Rgb, Vec3};
+use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Hit, Scene, Surface, shadow_ray};
 
@@ -79,7 +79,7 @@ impl<'a> PathTracer<'a> {
 /// A path between two surfaces.
 #[derive(Clone, Copy, Debug)]
 struct Walk {
-    throughput: Rgb,
+    throughput: Color,
     eta: f32,
     stage: Stage,
     /// Density and place of the last rough scattering; 0 where lamps count in full.
@@ -93,7 +93,7 @@ struct Walk {
 #[derive(Debug, Default)]
 struct Shadows {
     rays: Vec<Ray>,
-    values: Vec<(usize, Layer, Rgb)>,
+    values: Vec<(usize, Layer, Color)>,
     occluded: Vec<bool>,
     /// Counts those that were answered at once, too.
     sent: u64,
@@ -125,7 +125,7 @@ impl Wave {
 
 impl Walk {
     const START: Self = Self {
-        throughput: Rgb::ONE,
+        throughput: Color::ONE,
         eta: 1.0,
         stage: Stage::Camera,
         pdf: 0.0,

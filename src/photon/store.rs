@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 use super::LightPath;
 use super::scan::{self, LANES};
-use crate::math::{Bounds, Rgb, Vec3, encode_direction};
+use crate::math::{Bounds, Color, Vec3, encode_direction};
 
 /// A photon as traced.
 #[derive(Clone, Copy, Debug)]
 pub struct Photon {
     pub p: Vec3,
     /// W per channel.
-    pub flux: Rgb,
+    pub flux: Color,
     /// Unit, back towards where it came from.
     pub wi: Vec3,
     /// Unit geometric normal of the side it arrived at.
@@ -273,9 +273,10 @@ struct Columns {
 
 impl Columns {
     fn push(&mut self, photon: &Photon) {
-        for c in 0..3 {
+        let flux = photon.flux.lanes();
+        for (c, flux) in flux.into_iter().enumerate() {
             self.position[c].push(photon.p[c]);
-            self.flux[c].push(photon.flux[c]);
+            self.flux[c].push(flux);
             self.normal[c].push((photon.n[c] * 127.0).round() as i8);
         }
         self.direction.push(encode_direction(photon.wi));

@@ -2,22 +2,23 @@
 
 use super::{Scene, Surface};
 use crate::emitter::{Aim, Arena, DirectSample, Emission, Emitter, SceneSphere, Sides};
-use crate::math::{Rgb, Vec2, Vec3, luminance};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::Discrete;
+use crate::spectrum::luminance;
 use crate::texture::Textures;
 
 impl Scene {
     /// Radiance leaving the surface towards `w` (world) by its own emission.
     #[inline(always)]
-    pub fn emitted(&self, s: &Surface, w: Vec3) -> Rgb {
+    pub fn emitted(&self, s: &Surface, w: Vec3) -> Color {
         match self.shapes[s.shape as usize].emitter {
             Some(e) => match &self.emitters[e as usize] {
                 Emitter::Area(a) if s.frame.n.dot(w) > 0.0 || a.sides == Sides::Both => {
                     self.textures.eval(a.radiance, &s.site())
                 }
-                _ => Rgb::ZERO,
+                _ => Color::ZERO,
             },
-            None => Rgb::ZERO,
+            None => Color::ZERO,
         }
     }
 
@@ -30,12 +31,12 @@ impl Scene {
     /// Radiance from infinity, seen along the unit direction `d`: of each environment its radiance and the
     /// density with which [`Scene::sample_direct`] chooses it and that direction.
     #[inline]
-    pub fn background(&self, d: Vec3) -> impl Iterator<Item = (Rgb, f32)> {
+    pub fn background(&self, d: Vec3) -> impl Iterator<Item = (Color, f32)> {
         self.environments.iter().map(move |&e| {
             let (radiance, pdf) = match &self.emitters[e as usize] {
                 Emitter::Constant(c) => (c.radiance, c.pdf_direct()),
                 Emitter::Environment(e) => (e.radiance(d), e.pdf_direct(d)),
-                _ => (Rgb::ZERO, 0.0),
+                _ => (Color::ZERO, 0.0),
             };
             (radiance, pdf * self.direct.probability(e as usize))
         })
@@ -95,7 +96,7 @@ impl Scene {
     }
 
     /// Total emitted power, W per channel.
-    pub fn power(&self) -> Rgb {
+    pub fn power(&self) -> Color {
         self.emitters.iter().map(|e| e.power(&self.textures, &self.sphere)).sum()
     }
 }
@@ -107,7 +108,7 @@ pub(crate) fn emitter_distributions(
     sphere: &SceneSphere,
 ) -> (Discrete, Discrete) {
     let power: Vec<f64> =
-        emitters.iter().map(|e| f64::from(luminance(e.power(textures, sphere).max(Rgb::ZERO)))).collect();
+        emitters.iter().map(|e| f64::from(luminance(e.power(textures, sphere).max(Color::ZERO)))).collect();
     let total: f64 = power.iter().sum();
     let n = emitters.len() as f64;
     let direct = power.iter().map(|p| if total > 0.0 { 0.5 * p / total + 0.5 / n } else { 1.0 });

@@ -101,7 +101,7 @@ impl<'a> Description<'a> {
                 textures: scene.textures.0.len(),
                 texture_bytes: scene.textures.bytes(),
                 emitters: scene.emitters.len(),
-                emitted_power: scene.power().to_array().map(f64::from),
+                emitted_power: crate::spectrum::to_rgb(scene.power()).map(f64::from),
                 middle: scene.origin,
                 radius: f64::from(scene.sphere.radius),
                 acceleration_bytes: scene.geometry.bytes(),

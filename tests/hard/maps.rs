@@ -1,7 +1,7 @@
 //! Photon maps at their limits.
 
 use caustica::math::kernel::KernelKind;
-use caustica::math::{Rgb, Vec3};
+use caustica::math::{Color, Vec3};
 use caustica::photon::radius::shrinkage;
 use caustica::photon::{LightPath, Photon, PhotonMap, Query};
 use caustica::render::Outcome;
@@ -10,7 +10,7 @@ use super::{agree, record};
 use crate::support::{Estimate, Stage, UP, area, camera, diffuse, outcome, rectangle, scene, sphere};
 
 fn photon(p: Vec3) -> Photon {
-    Photon { p, flux: Rgb::ONE, wi: Vec3::Z, n: Vec3::Z, path: LightPath::Direct, depth: 1 }
+    Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, path: LightPath::Direct, depth: 1 }
 }
 
 fn found(map: &PhotonMap, p: Vec3, radius: f32) -> usize {

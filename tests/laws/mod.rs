@@ -4,7 +4,7 @@
 mod direct;
 mod lamps;
 
-use caustica::math::{Frame, Ray, Rgb, Vec3};
+use caustica::math::{Color, Frame, Ray, Vec3};
 use caustica::sampling::{CounterRng, warp};
 use caustica::scene::{Scene, Surface};
 
@@ -82,6 +82,6 @@ fn same(what: &str, a: Tally, b: Tally) {
     assert!(sigma <= 0.05 * b.mean().abs(), "{what}: {} is too noisy: {sigma}", b.mean());
 }
 
-fn green(light: Rgb) -> f64 {
-    f64::from(light.y)
+fn green(light: Color) -> f64 {
+    f64::from(light.lanes()[1])
 }

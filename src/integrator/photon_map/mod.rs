@@ -12,7 +12,7 @@ use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::emitter::{Aim, SceneSphere};
 use crate::film::{Layer, Radiance};
-use crate::math::{Ray, Rgb, Vec2, Vec3};
+use crate::math::{Color, Ray, Vec2, Vec3};
 use crate::photon::trace::{Halt, TraceJob, Traced, aim, trace_until};
 use crate::photon::{Boundary, Estimator, Owner, PhotonMap, radius};
 use crate::sampling::{Sampler, mix};
@@ -65,8 +65,8 @@ enum Which {
 
 /// What a camera path does at a surface.
 enum Step {
-    Gather(Rgb),
-    Follow { wo: Vec3, weight: Rgb, eta: f32, density: Density },
+    Gather(Color),
+    Follow { wo: Vec3, weight: Color, eta: f32, density: Density },
     End,
 }
 
@@ -325,7 +325,7 @@ impl<'a> PhotonMapper<'a> {
         s: &Surface,
         closure: &Closure<'_>,
         back: Vec3,
-        throughput: Rgb,
+        throughput: Color,
         depth: u32,
         sampler: &mut Sampler,
         scratch: &mut Scratch,
@@ -361,7 +361,7 @@ impl<'a> PhotonMapper<'a> {
         let u = sampler.next_1d();
         let through = closure.transparency();
         if u < through {
-            return Step::Follow { wo: -wi, weight: Rgb::ONE, eta: 1.0, density: Density::Kept };
+            return Step::Follow { wo: -wi, weight: Color::ONE, eta: 1.0, density: Density::Kept };
         }
         let solid = 1.0 - through;
         let deltas = closure.deltas(wi, Transport::Radiance);
@@ -392,7 +392,7 @@ impl<'a> PhotonMapper<'a> {
         };
         if rest < smooth * scale {
             // The closure's smooth part is dimmed by the opacity already, which was also drawn for above.
-            return Step::Gather(Rgb::splat(1.0 / (smooth * scale * solid)));
+            return Step::Gather(Color::splat(1.0 / (smooth * scale * solid)));
         }
         rest -= smooth * scale;
         for lobe in deltas.iter() {
@@ -461,7 +461,7 @@ impl PhotonMapper<'_> {
         let scene = self.scene;
         let max_depth = self.settings.max_depth.0;
         let mut out = Radiance::default();
-        let mut throughput = Rgb::ONE;
+        let mut throughput = Color::ONE;
         let mut eta = 1.0f32;
         let mut depth = 0u32;
         let mut seen = false;

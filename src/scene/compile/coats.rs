@@ -9,11 +9,11 @@ use crate::bsdf::{
     Between, CoatingModel, ConductorModel, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
     Returned, RoughConductorModel, Roughness, Walk,
 };
-use crate::math::Rgb;
+use crate::math::Color;
 use crate::texture::Param;
 
-const BLACK: Param = Param::Constant(Rgb::ZERO);
-const WHITE: Param = Param::Constant(Rgb::ONE);
+const BLACK: Param = Param::Constant(Color::ZERO);
+const WHITE: Param = Param::Constant(Color::ONE);
 
 /// Each coat takes twice the time of what lies below it.
 const MAX_COATS: u32 = 4;

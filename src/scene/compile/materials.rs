@@ -15,7 +15,8 @@ use crate::bsdf::{
     RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
     WardVariant,
 };
-use crate::math::Rgb;
+use crate::math::Color;
+use crate::spectrum::rgb;
 use crate::texture::Param;
 
 /// α below which pbrt-v4 drops the microfacets.
@@ -63,7 +64,7 @@ impl Compiler<'_> {
     pub(super) fn material(&mut self, bsdf: Option<ir::Id<ir::Bsdf>>, emits: bool) -> u32 {
         let Some(id) = bsdf else {
             let (slot, color) = if emits {
-                (&mut self.materials.black, Rgb::ZERO)
+                (&mut self.materials.black, Color::ZERO)
             } else {
                 (&mut self.materials.default, DEFAULT_REFLECTANCE)
             };
@@ -167,7 +168,7 @@ impl Compiler<'_> {
                 let nested = self.node(*nested);
                 match self.scalar_param(opacity) {
                     // No mask: the plan need not look through it.
-                    Param::Constant(o) if o == Rgb::ONE => nested,
+                    Param::Constant(o) if o == Color::ONE => nested,
                     opacity => Node::Mask(opacity, Box::new(nested)),
                 }
             }
@@ -334,9 +335,9 @@ impl Compiler<'_> {
             ConductorMaterial::Mirror => Metal::Mirror,
             ConductorMaterial::Named { name, ext_eta } => {
                 let outside = outside(self, ext_eta);
-                let rgb = |c: [f64; 3]| Param::Constant(Rgb::new(c[0] as f32, c[1] as f32, c[2] as f32));
+                let constant = |c: [f64; 3]| Param::Constant(rgb(c.map(|v| v as f32)));
                 match spectrum::conductor(name) {
-                    Some(metal) => Metal::Index { eta: rgb(metal.eta), k: rgb(metal.k), outside },
+                    Some(metal) => Metal::Index { eta: constant(metal.eta), k: constant(metal.k), outside },
                     None => {
                         self.error(format!("no metal is known by the name `{name}`"), origin);
                         Metal::Mirror

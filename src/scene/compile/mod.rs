@@ -23,8 +23,9 @@ use caustica_formats::spectrum::to_linear_rgb;
 
 use super::lamps::emitter_distributions;
 use super::{Facts, Scene, View};
-use crate::math::Rgb;
+use crate::math::Color;
 use crate::settings::Settings;
+use crate::spectrum::rgb;
 
 pub use sensor::MAX_PIXELS;
 
@@ -86,15 +87,15 @@ impl Compiler<'_> {
         self.diagnostics.push(problem.unsupported());
     }
 
-    fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Rgb {
+    fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Color {
         // The rules differ in spectra only; what range a plain RGB may have is the file's own matter.
         let spectral = !matches!(color, ir::Color::Gray(_) | ir::Color::Rgb(_) | ir::Color::Srgb(_));
         let rule = self.options.spectrum_rule.filter(|_| spectral).unwrap_or(self.ir.spectrum_rule);
         match to_linear_rgb(color, slot, rule) {
-            Ok(c) => Rgb::new(c[0] as f32, c[1] as f32, c[2] as f32),
+            Ok(c) => rgb(c.map(|v| v as f32)),
             Err(e) => {
                 self.error(e.to_string(), origin);
-                Rgb::ZERO
+                Color::ZERO
             }
         }
     }

@@ -7,8 +7,9 @@ use caustica_formats::spectrum::white_balance;
 use super::Compiler;
 use crate::film::filter::{Box, Cubic, Gaussian, Lanczos, Shape, Sinc, Stretched, Tent, Truncated};
 use crate::film::{FilmSize, Filter, Response};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Vec2, Vec3};
 use crate::sensor::{Axis, Orthographic, Perspective, Projection, Sensor, ThinLens, Window};
+use crate::spectrum::rgb;
 
 /// Diagonal of the 36 × 24 mm frame that focal lengths refer to.
 const FRAME_DIAGONAL: f64 = 43.266_615_305_567_87;
@@ -78,7 +79,7 @@ pub fn response(film: &ir::Film) -> Response {
         return Response::Ratio(film.imaging_ratio as f32);
     };
     let rows = white_balance(kelvin);
-    let image = |c: usize| Rgb::from(rows.map(|row| (row[c] * film.imaging_ratio) as f32));
+    let image = |c: usize| rgb(rows.map(|row| (row[c] * film.imaging_ratio) as f32));
     Response::Colors([image(0), image(1), image(2)])
 }
 

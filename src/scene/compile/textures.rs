@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
 use super::Compiler;
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
 use crate::texture::{
     Bilerp, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, SolidChecks, Texture,
     Textures, UnitChecks,
@@ -93,7 +93,7 @@ impl Compiler<'_> {
         match param {
             Param::Constant(c) => Param::Constant(c * factor),
             Param::Texture(_) if factor == 1.0 => param,
-            Param::Texture(_) => self.textures.push(Texture::Scaled(param, Rgb::splat(factor))),
+            Param::Texture(_) => self.textures.push(Texture::Scaled(param, Color::splat(factor))),
         }
     }
 
@@ -190,4 +190,4 @@ impl Compiler<'_> {
 }
 
 /// A gray of 0.5: Mitsuba's default reflectance.
-pub const DEFAULT_REFLECTANCE: Rgb = Rgb::splat(0.5);
+pub const DEFAULT_REFLECTANCE: Color = Color::splat(0.5);

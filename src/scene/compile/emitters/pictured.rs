@@ -6,8 +6,9 @@ use super::super::Compiler;
 use super::super::sensor::field_of_view;
 use super::axes;
 use crate::emitter::{Emitter, Frustum, Goniometric, Picture, Projection, Projector};
-use crate::math::{Vec3, luminance};
+use crate::math::Vec3;
 use crate::sensor::{Axis, Perspective};
+use crate::spectrum::luminance;
 use crate::texture::Texture;
 
 pub fn build(
@@ -54,7 +55,7 @@ pub fn build(
             }
             let place = position(to_world);
             let mut light = Goniometric::new(place, axes, intensity, &picture);
-            let emitted = luminance(light.power()) / luminance(intensity);
+            let emitted = luminance(light.flux()) / luminance(intensity);
             if let Some(wanted) = power.filter(|_| emitted > 0.0) {
                 // The power is that of an intensity of 1, as in pbrt.
                 intensity *= wanted as f32 / emitted;

@@ -1,4 +1,4 @@
-//! Where a picture is worst, and how errors are spread.
+//! Where a picture is worst, and how its errors are distributed.
 
 use crate::flip::FlipMap;
 
@@ -26,8 +26,8 @@ pub struct Place {
     pub mean: f64,
 }
 
-/// The places of largest mean FLIP, worst first: squares of an eighth of the shorter side (16 to 64
-/// pixels), half a square apart, that do not overlap. Places without an error are left out.
+/// The places with the largest mean FLIP, worst first: squares of an eighth of the shorter side (16 to 64
+/// pixels) on a grid of half a square, none overlapping another. Places without an error are left out.
 pub fn places(map: &FlipMap) -> Vec<Place> {
     let side = (map.width.min(map.height) / 8).clamp(16, 64);
     let (width, height) = (side.min(map.width), side.min(map.height));
@@ -53,7 +53,7 @@ pub fn places(map: &FlipMap) -> Vec<Place> {
     chosen
 }
 
-/// Starts of windows of length `size`, half of it apart, the last one flush with the end.
+/// Where windows of length `size` start, half of that apart; the last one ends with the picture.
 fn starts(length: usize, size: usize) -> Vec<usize> {
     let last = length - size;
     let mut all: Vec<usize> = (0..last).step_by((size / 2).max(1)).collect();

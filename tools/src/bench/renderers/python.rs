@@ -1,23 +1,23 @@
-//! A Python that has Mitsuba: the one given, or one of our own that is made when it is first needed.
+//! A Python that has Mitsuba: the one given, or a virtual environment that is made when it is first needed.
 
-use super::BenchError;
-use super::process;
+use crate::bench::error::BenchError;
+use crate::bench::process;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Version that is installed.
+/// The version to install.
 const MITSUBA: &str = "3.9.1";
 
 #[derive(Clone, Debug)]
 pub struct Python {
     pub program: PathBuf,
-    /// Where a virtual environment may be made; none if the program was given.
+    /// Where a virtual environment may be made; `None` if the program was given.
     venv: Option<PathBuf>,
 }
 
 impl Python {
-    /// The given program, or `python3` until [`Self::missing`] finds that it lacks Mitsuba.
+    /// The given program; else `python3`, until [`Self::missing`] finds that it lacks Mitsuba.
     pub fn new(given: Option<&Path>) -> Self {
         match given {
             Some(program) => Self { program: program.to_path_buf(), venv: None },
@@ -25,7 +25,11 @@ impl Python {
         }
     }
 
-    /// Why a variant of Mitsuba cannot be used, if it cannot. Installs Mitsuba where that is allowed.
+    /// Why a variant of Mitsuba cannot be used; `None` if it can. Installs Mitsuba unless the program was
+    /// given.
+    ///
+    /// # Errors
+    /// `out` cannot be written.
     pub fn missing(&mut self, variant: &str, out: &mut dyn Write) -> Result<Option<String>, BenchError> {
         let first = match self.try_variant(variant) {
             Ok(()) => return Ok(None),
@@ -76,19 +80,18 @@ impl Python {
     }
 }
 
-/// Renders, or with `check` in its job says whether it could.
+/// The script that renders a job; with `check` in the job it only tests the variant.
 pub const SCRIPT: &str = include_str!("mitsuba.py");
 
 fn install(python: &Path, venv: &Path) -> Result<(), BenchError> {
     process::run(Command::new(python).args(["-m", "venv", "--clear"]).arg(venv))?;
     let packages = [format!("mitsuba=={MITSUBA}"), "numpy".to_owned()];
-    process::run(
-        Command::new(venv.join("bin/python")).args(["-m", "pip", "install", "--quiet"]).args(packages),
-    )?;
+    let mut pip = Command::new(venv.join("bin/python"));
+    process::run(pip.args(["-m", "pip", "install", "--quiet"]).args(packages))?;
     Ok(())
 }
 
-/// Folder of this program's files that can be made again.
+/// The cache folder of this program.
 fn cache() -> Option<PathBuf> {
     let set = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let base = set("XDG_CACHE_HOME").or_else(|| set("HOME").map(|home| home.join(".cache")))?;

@@ -1,11 +1,14 @@
-//! A FLIP map as a file.
+//! Writing a FLIP map.
 
-use super::CompareError;
+use super::error::CompareError;
 use crate::flip::{FlipMap, magma};
 use caustica_formats::image::{ExrLayer, ExrOptions, write_exr, write_pfm, write_png};
 use std::path::Path;
 
-/// Writes magma colours, or for `.exr` and `.pfm` the values themselves.
+/// Writes magma colours, or the values for `.exr` and `.pfm`.
+///
+/// # Errors
+/// The folder or the file cannot be written.
 pub fn write(path: &Path, map: &FlipMap) -> Result<(), CompareError> {
     if let Some(parent) = path.parent() {
         let io = |source| CompareError::Io { path: parent.to_path_buf(), source };
@@ -23,7 +26,7 @@ pub fn write(path: &Path, map: &FlipMap) -> Result<(), CompareError> {
     written.map_err(|source| CompareError::Read { path: path.to_path_buf(), source })
 }
 
-/// The map in magma, three bytes a pixel.
-pub fn colours(map: &FlipMap) -> Vec<u8> {
+/// The map in magma, three bytes per pixel.
+fn colours(map: &FlipMap) -> Vec<u8> {
     map.values.iter().flat_map(|v| magma(*v)).collect()
 }

@@ -1,29 +1,28 @@
-//! The HTML page of comparisons: one file without references to others. Its template, style and
-//! script are the files beside this one.
+//! The HTML page of a run: one file that needs no other. Its template, style and script are beside this file.
 
-pub(crate) mod base64;
 mod view;
 mod worst;
 
-use crate::compare::{Compared, Report};
+use super::comparison::Compared;
+use super::report::Report;
 use crate::flip::magma;
 use crate::pixels::Pixels;
 use serde::Serialize;
 use view::View;
 
-/// Collects what the page shows besides the numbers of the report.
+/// Collects the pictures that the page shows.
 #[derive(Debug, Default)]
 pub struct Page {
     views: Vec<View>,
 }
 
 impl Page {
-    /// Adds a comparison; call it in the order of [`Report::comparisons`].
+    /// Adds the pictures of a comparison, in the order of [`Report::comparisons`].
     pub fn add(&mut self, compared: &Compared, image: &Pixels, reference: &Pixels) {
         self.views.push(View::new(compared, image, reference));
     }
 
-    /// The page.
+    /// The HTML.
     pub fn render(&self, report: &Report) -> String {
         let colours: Vec<[u8; 3]> = (0..256).map(|i| magma(i as f32 / 255.0)).collect();
         let mut page = String::new();
@@ -35,8 +34,8 @@ impl Page {
             ("/*MAGMA*/", json(&colours)),
             ("/*SCRIPT*/", include_str!("page.js").to_string()),
         ];
-        for (mark, content) in parts {
-            let (before, after) = rest.split_once(mark).expect("the template has this mark");
+        for (placeholder, content) in parts {
+            let (before, after) = rest.split_once(placeholder).expect("the template has every placeholder");
             page.push_str(before);
             page.push_str(&content);
             rest = after;
@@ -48,14 +47,14 @@ impl Page {
 
 /// JSON that cannot end the `script` element around it.
 fn json(value: &impl Serialize) -> String {
-    let text = serde_json::to_string(value).expect("numbers and strings can be written as JSON");
+    let text = serde_json::to_string(value).expect("a page holds only numbers and strings");
     text.replace('<', "\\u003c")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::Failure;
+    use crate::compare::report::Failure;
 
     #[test]
     fn names_cannot_leave_the_data() {

@@ -1,8 +1,9 @@
-//! Bytes in the base64 of RFC 4648.
+//! What the HTML pages share: pictures inside the page, and text that cannot be markup.
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-pub fn encode(bytes: &[u8]) -> String {
+/// Base64 of RFC 4648.
+pub fn base64(bytes: &[u8]) -> String {
     let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
         let b = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
@@ -13,6 +14,11 @@ pub fn encode(bytes: &[u8]) -> String {
         }
     }
     out
+}
+
+/// Text that cannot be markup.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
@@ -28,7 +34,7 @@ mod tests {
             ("foobar", "Zm9vYmFy"),
         ];
         for (plain, coded) in cases {
-            assert_eq!(super::encode(plain.as_bytes()), coded);
+            assert_eq!(super::base64(plain.as_bytes()), coded);
         }
     }
 }

@@ -1,8 +1,8 @@
-"""Renders a scene with Mitsuba 3 and writes what it cost as JSON.
+"""Renders a scene with Mitsuba 3 and writes the cost as JSON.
 
-The file is read as it stands but for its integrator, its film's size and its reconstruction filter.
-A budget in seconds is turned into samples a pixel by timing a few samples first; they are not counted.
-With "check" in the job nothing is rendered: it only says whether the variant can be used.
+The scene's integrator, film size and reconstruction filter are replaced; everything else is kept.
+A budget in seconds becomes a sample count by timing a few samples first, which are not counted.
+With "check" in the job nothing is rendered: the script only tests whether the variant can be used.
 """
 import glob
 import json

@@ -1,14 +1,15 @@
-//! pbrt-v4, which reads what our converter writes, with another size, filter and integrator.
+//! pbrt-v4, which reads what `caustica convert` writes, with another size, filter and integrator.
 
-use super::BenchError;
-use super::process::{self, Cost};
-use super::record::Budget;
-use super::renderers::{Job, Made, Programs};
+use super::{Job, Made, Programs};
+use crate::bench::error::BenchError;
+use crate::bench::files;
+use crate::bench::process::{self, Cost};
+use crate::bench::record::Budget;
 use std::path::Path;
 use std::process::Command;
 
-/// Renders with the `pbrt` on PATH. It does not tell its loading time apart: that is what is left of a
-/// render with one sample when the time of a sample is taken off.
+/// Renders with the `pbrt` on PATH. It does not report its loading time, so a render with one sample is
+/// measured too: the difference of both is the time of the other samples.
 pub fn render(
     programs: &Programs,
     integrator: &str,
@@ -16,11 +17,10 @@ pub fn render(
     job: &Job<'_>,
 ) -> Result<Made, BenchError> {
     let scene = programs.converted(job, "pbrt")?;
-    let io = |source| BenchError::Io { path: scene.clone(), source };
-    let text = std::fs::read_to_string(&scene).map_err(io)?;
+    let text = std::fs::read_to_string(&scene).map_err(files::at(&scene))?;
     let text = adapted(&text, job.size, integrator, parameters, programs.max_depth);
     let scene = scene.with_extension(format!("{integrator}.pbrt"));
-    std::fs::write(&scene, text).map_err(|source| BenchError::Io { path: scene.clone(), source })?;
+    files::write(&scene, text.as_bytes())?;
     let run = |spp: u32, seed: u64| start(programs, &scene, spp, seed, job.image);
     let one = run(1, job.seed + (1 << 20))?;
     let spp = match job.budget {
@@ -35,7 +35,7 @@ pub fn render(
         }
     };
     let all = run(spp, job.seed)?;
-    // Loading and samples: a + b and a + n·b are measured, n·b is asked for.
+    // With loading time a and sample time b, a + b and a + n·b are measured; n·b is wanted.
     let samples = |of: fn(&Cost) -> f64| match spp {
         0 | 1 => of(&all),
         n => ((of(&all) - of(&one)) * f64::from(n) / f64::from(n - 1)).max(0.0),
@@ -58,8 +58,8 @@ fn start(programs: &Programs, scene: &Path, spp: u32, seed: u64, image: &Path) -
     process::run(&mut command)
 }
 
-/// The scene with the film's size, a box filter, single precision and an integrator; its seed is left to
-/// the command line. `max_depth` counts path segments, pbrt bounces.
+/// The scene with another film size, a box filter, 32-bit floats and an integrator. The command line sets the
+/// seed. `max_depth` counts path segments, pbrt's `maxdepth` bounces.
 fn adapted(
     text: &str,
     size: [usize; 2],
@@ -111,11 +111,11 @@ fn adapted(
     out.join("\n") + "\n"
 }
 
-/// Lines, each with the indented ones that go on with it.
+/// Splits into statements: a line and the indented lines that continue it.
 fn statements(text: &str) -> Vec<&str> {
     let mut starts: Vec<usize> = vec![0];
-    let goes_on = |rest: &str| rest.starts_with([' ', '\t']);
-    starts.extend(text.match_indices('\n').map(|(i, _)| i + 1).filter(|i| !goes_on(&text[*i..])));
+    let continues = |rest: &str| rest.starts_with([' ', '\t']);
+    starts.extend(text.match_indices('\n').map(|(i, _)| i + 1).filter(|i| !continues(&text[*i..])));
     let ends = starts.iter().skip(1).copied().chain([text.len()]);
     starts.iter().zip(ends).map(|(a, b)| text[*a..b].trim_end()).collect()
 }

@@ -243,7 +243,7 @@ function describe() {
   byId('title').textContent = c.name;
   document.title = `${c.name}: caustica compare`;
   const verdict = byId('verdict');
-  verdict.textContent = c.checks.length === 0 ? 'no threshold set' : c.holds ? 'all thresholds hold' : 'falls short';
+  verdict.textContent = c.checks.length === 0 ? 'no threshold set' : c.holds ? 'all thresholds hold' : 'a threshold does not hold';
   verdict.className = c.checks.length === 0 ? '' : c.holds ? 'holds' : 'fails';
   const size = v.reduced > 1 ? `, shown as means of ${v.reduced}×${v.reduced} pixels` : '';
   byId('files').textContent = `${c.image} against ${c.reference}, ${c.width}×${c.height} pixels${size}`;
@@ -272,14 +272,14 @@ function describe() {
     rows.push(row('exposures', element('td', { colSpan: 4, textContent: `${x.count} from ${x.start.toFixed(2)} to ${x.stop.toFixed(2)} stops, ${c.flip_hdr.tonemapper}` })));
   }
   if (c.z_test) {
-    rows.push(gap(row(`z-test ${c.z_test.accepted ? 'accepted' : 'refused'}`, cell('z_test.accepted_share', percent))));
+    rows.push(gap(row(`z-test ${c.z_test.accepted ? 'accepted' : 'rejected'}`, cell('z_test.accepted_share', percent))));
     rows.push(row('within 4.5 σ', cell('z_test.within_4_5_sigma', percent)));
     rows.push(row('mean of z²', cell('z_test.mean_z2')));
   }
   byId('metrics').replaceChildren(element('tbody', {}, ...rows));
   byId('checks').replaceChildren(...c.checks.map(k => element('li', {
     className: k.holds ? 'holds' : 'fails',
-    textContent: `${k.name}: ${number(k.value)}, limit ${number(k.limit)}: ${k.holds ? 'holds' : 'falls short'}`,
+    textContent: `${k.name}: ${number(k.value)}, limit ${number(k.limit)}: ${k.holds ? 'holds' : 'fails'}`,
   })));
   byId('notes').replaceChildren(...c.notes.map(n => element('li', { textContent: n })));
   byId('histogram').innerHTML = histogram(v.histogram, c.flip_ldr.mean);

@@ -1,26 +1,26 @@
-//! Pixels as a page holds them.
+//! The pixels of a comparison as the page holds them.
 
-use super::base64;
 use super::worst::{self, Place};
-use crate::compare::Compared;
+use crate::compare::comparison::Compared;
 use crate::flip::{FlipMap, magma};
+use crate::html::base64;
 use crate::pixels::{Pixels, linear_to_srgb};
 use caustica_formats::image::encode_png;
 use half::f16;
 use serde::Serialize;
 
-/// Pixels of a picture on the page at most; larger pictures are shown as means of square blocks.
+/// Most pixels of a picture on the page; larger pictures are shown as means of square blocks.
 const MAX_PIXELS: usize = 1 << 20;
 /// Longer side of the pictures in the list.
 const THUMBNAIL: usize = 128;
 
-/// What the page shows of one comparison besides its numbers. Pixels are base64 of little-endian
-/// half floats, PNGs base64.
+/// What the page shows of one comparison besides its numbers. Pixels are little-endian half floats in base64,
+/// small pictures PNG in base64.
 #[derive(Debug, Serialize)]
 pub struct View {
     width: usize,
     height: usize,
-    /// Side of the blocks whose means are shown; 1 for the pixels themselves.
+    /// Side in pixels of the blocks whose means are shown; 1 shows the pixels themselves.
     reduced: usize,
     image: String,
     reference: String,
@@ -79,12 +79,12 @@ impl Crop {
     }
 }
 
-/// The smallest side of blocks that makes a picture of the given size fit.
+/// Side of the smallest blocks with which a picture of the given size fits.
 fn block_for(width: usize, height: usize, fits: impl Fn(usize, usize) -> bool) -> usize {
     (1..).find(|b| fits(width.div_ceil(*b), height.div_ceil(*b))).unwrap_or(1)
 }
 
-/// Means of blocks of `side` × `side` values (fewer at the right and lower border), and their width.
+/// Number of columns, and means of blocks of `side` × `side` values (fewer at the right and lower edge).
 fn reduce<T, const N: usize>(
     width: usize,
     values: &[T],
@@ -115,7 +115,7 @@ fn reduce<T, const N: usize>(
 fn halves<const N: usize>(values: &[[f32; N]]) -> String {
     let limit = f16::MAX.to_f32();
     let half = |v: &f32| f16::from_f32(v.clamp(-limit, limit)).to_le_bytes();
-    base64::encode(&values.iter().flatten().flat_map(half).collect::<Vec<u8>>())
+    base64(&values.iter().flatten().flat_map(half).collect::<Vec<u8>>())
 }
 
 fn cut<T: Copy>(values: &[T], width: usize, place: Place) -> Vec<T> {
@@ -130,7 +130,7 @@ fn display(rgb: &[[f32; 3]], factor: f32) -> Vec<u8> {
 
 fn png(width: usize, rgb: &[u8]) -> String {
     let bytes = encode_png(width, rgb.len() / (3 * width.max(1)), rgb);
-    base64::encode(&bytes.expect("an RGB picture of whole rows can be written to memory"))
+    base64(&bytes.expect("whole rows of RGB can be encoded"))
 }
 
 #[cfg(test)]
