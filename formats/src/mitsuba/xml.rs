@@ -64,14 +64,7 @@ impl Parser<'_> {
                         return fail(format!("end tag </{found}> closes nothing"), whole);
                     };
                     if element.tag != found {
-                        let expected = &element.tag;
-                        return Err(Box::new(
-                            Diagnostic::error(
-                                format!("mismatched end tag </{found}>, expected </{expected}>"),
-                                Some(whole),
-                            )
-                            .label(element.tag_span, format!("<{expected}> begins here")),
-                        ));
+                        return Err(Box::new(mismatched(&element, found, whole)));
                     }
                     close(element, &mut open, &mut root);
                 }
@@ -132,6 +125,12 @@ impl Parser<'_> {
         let clamp = |offset: u64| char_floor(self.text, usize::try_from(offset).unwrap_or(usize::MAX)) as u32;
         Span { file: self.file, start: clamp(start), end: clamp(end) }
     }
+}
+
+fn mismatched(open: &Element, found: &str, place: Span) -> Diagnostic {
+    let expected = &open.tag;
+    let text = format!("mismatched end tag </{found}>, expected </{expected}>");
+    Diagnostic::error(text, Some(place)).label(open.tag_span, format!("<{expected}> begins here"))
 }
 
 fn close(element: Element, open: &mut [Element], root: &mut Option<Element>) {

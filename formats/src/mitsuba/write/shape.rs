@@ -29,6 +29,7 @@ impl Writer<'_, '_> {
         Ok(Some(element))
     }
 
+    #[allow(unreachable_patterns, reason = "a kind without an arm is lost by its name")]
     pub fn shape(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
         let plugin = |name: &str| Element::plugin("shape", name).id(shape.name.as_deref());
         let label = shape.name.as_deref().unwrap_or("mesh");
@@ -62,6 +63,10 @@ impl Writer<'_, '_> {
             ShapeKind::Instance { group } => {
                 let id = self.ids.groups[group.index()].clone().unwrap_or_default();
                 plugin("instance").child(Element::new("ref").with("id", id))
+            }
+            other => {
+                self.out.lose(shape.origin, format!("a shape of kind `{}`", other.name()), "no shape");
+                return Ok(None);
             }
         };
         // Mitsuba's side of a mirrored mesh is that of its mirrored winding, pbrt's is not.
