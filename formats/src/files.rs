@@ -39,7 +39,7 @@ impl Files for Disk {
         let about = std::fs::metadata(path)?;
         // A device or a pipe may never end.
         if !about.is_file() {
-            return Err(io::Error::other("it is no ordinary file"));
+            return Err(io::Error::other("it is not a regular file"));
         }
         let length = about.len();
         if length > MAX_FILE_BYTES {

@@ -186,6 +186,6 @@ impl Stream<'_> {
                 return Ok(());
             }
         }
-        Err(invalid(self.offset, "has a name without end".into()))
+        Err(invalid(self.offset, "has an unterminated name".into()))
     }
 }

@@ -99,7 +99,7 @@ impl<'a> Reader<'a> {
     pub fn integrators(&mut self, all: &[(ObjectIndex, Span)]) {
         for (i, (index, span)) in all.iter().enumerate() {
             if i > 0 {
-                let text = "a scene has one integrator; this is a second one";
+                let text = "a scene may have only one integrator; this is a second one";
                 let problem =
                     Diagnostic::new(self.strict(), text, Some(*span)).label(all[0].1, "the first one");
                 self.problems.push(problem);
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
             self.problems.push(Diagnostic::new(Severity::Note, text, span));
         }
         if nested.is_none() {
-            let text = format!("`{}` without an integrator in it: `path` is used", props.object.plugin);
+            let text = format!("`{}` contains no integrator: `path` is used", props.object.plugin);
             self.problems.push(Diagnostic::warning(text, Some(props.object.span)));
             return Some(self.as_path(props));
         }
@@ -199,7 +199,7 @@ impl<'a> Reader<'a> {
         if let Some(entry) = props.entry("strict_normals")
             && matches!(entry.value, Value::Boolean(true))
         {
-            let text = "`strict_normals` is ignored; Mitsuba 3 has no such thing either";
+            let text = "`strict_normals` is ignored; Mitsuba 3 does not have it either";
             props.problems.push(Diagnostic::new(Severity::Note, text, Some(entry.name_span)));
         }
         settings

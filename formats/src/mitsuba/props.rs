@@ -212,7 +212,7 @@ impl<'a> Props<'a> {
                     let name = ior_names().find(|known| known.eq_ignore_ascii_case(text.trim()));
                     if name.is_none() {
                         let known = ior_names().collect::<Vec<_>>().join(", ");
-                        let text = format!("no index of refraction is called `{text}`");
+                        let text = format!("no index of refraction named `{text}`");
                         let problem = Diagnostic::error(text, Some(entry.span));
                         self.problems.push(problem.help(format!("known: {known}")));
                     }
@@ -287,7 +287,7 @@ impl<'a> Props<'a> {
             other => other.describe().to_owned(),
         };
         let name = self.spelt(entry.name.as_deref().unwrap_or_default());
-        let text = format!("parameter `{name}` of {} wants {wanted}, got {got}", self.object.plugin);
+        let text = format!("parameter `{name}` of {} expects {wanted}, got {got}", self.object.plugin);
         self.problems.push(Diagnostic::error(text, Some(entry.span)));
         None
     }

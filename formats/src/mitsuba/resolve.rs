@@ -102,7 +102,7 @@ impl<'a> Resolver<'a> {
         let class = Class::of_tag(tag).filter(|_| tag != "spectrum" || element.attribute("type").is_some());
         if let Some(class) = class {
             if class == Class::Scene {
-                let text = "<scene> may not stand inside another element";
+                let text = "<scene> is not allowed inside another element";
                 self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
                 return None;
             }
@@ -168,7 +168,7 @@ impl<'a> Resolver<'a> {
         let problem = Diagnostic::error(text, Some(element.tag_span));
         self.problems.push(match nearest(&element.tag, known) {
             Some(known) => problem.help(format!("did you mean <{known}>?")),
-            None => problem.help("leave it out; --allow-unsupported skips elements that are not known"),
+            None => problem.help("remove it; --allow-unsupported skips unknown elements"),
         });
     }
 
@@ -181,7 +181,7 @@ impl<'a> Resolver<'a> {
             let text = format!("parameter `{name}` is given twice");
             // Mitsuba 0.6 and 2 warned and went on with the later value.
             let problem = if tolerant {
-                Diagnostic::warning(text, Some(new.name_span)).help("the last one counts")
+                Diagnostic::warning(text, Some(new.name_span)).help("the last one is used")
             } else {
                 Diagnostic::error(text, Some(new.name_span))
             };
@@ -331,7 +331,7 @@ impl Walk<'_> {
         let mut problem =
             Diagnostic::error(format!("objects contain themselves: {}", chain.join(" → ")), Some(span));
         for (_, through) in &self.path[at..self.path.len() - 1] {
-            problem = problem.label(*through, "by way of this");
+            problem = problem.label(*through, "through this");
         }
         self.problems.push(problem);
     }

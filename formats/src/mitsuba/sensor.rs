@@ -82,7 +82,7 @@ impl<'a> Reader<'a> {
             sampler: self.sampler(sampler),
         };
         if let Some(nested) = props.child(Class::Rfilter) {
-            let text = "a reconstruction filter belongs into the <film>, not beside it";
+            let text = "a reconstruction filter belongs inside the <film>, not beside it";
             props.problems.push(Diagnostic::error(text, Some(nested.span)));
         }
         self.finish(props);

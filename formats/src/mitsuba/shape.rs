@@ -207,7 +207,7 @@ fn instance<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeK
         return None;
     };
     if reader.objects[group.index].plugin != "shapegroup" {
-        let text = format!("instance wants a shapegroup, got `{}`", reader.objects[group.index].plugin);
+        let text = format!("instance expects a shapegroup, got `{}`", reader.objects[group.index].plugin);
         props.problems.push(Diagnostic::error(text, Some(group.span)));
         return None;
     }

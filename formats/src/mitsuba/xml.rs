@@ -61,7 +61,7 @@ impl Parser<'_> {
                 Event::End(tag) => {
                     let found = tag.name().into_inner();
                     let Some(element) = open.pop() else {
-                        return fail(format!("end tag </{found}> closes nothing"), whole);
+                        return fail(format!("end tag </{found}> has no start tag"), whole);
                     };
                     if element.tag != found {
                         return Err(Box::new(mismatched(&element, found, whole)));
@@ -144,7 +144,7 @@ fn refuse_second_root(root: Option<&Element>, whole: Span) -> Result<(), Box<Dia
     match root {
         None => Ok(()),
         Some(root) => Err(Box::new(
-            Diagnostic::error("a file has one root element; this is a second one", Some(whole))
+            Diagnostic::error("a file may have only one root element; this is a second one", Some(whole))
                 .label(root.tag_span, "the root"),
         )),
     }

@@ -27,7 +27,7 @@ impl Reader<'_> {
     fn finish_shape(&mut self, shape: &mut Shape, query: &mut Query) {
         let Some(bsdf) = shape.bsdf else { return };
         if let (BsdfKind::Null, Some(emission)) = (&self.scene.bsdfs[bsdf].kind, &shape.emission) {
-            let text = "a shape of material `interface` does not shine: the area light is ignored";
+            let text = "a shape with material `interface` does not emit light: the area light is ignored";
             self.problems.push(Diagnostic::warning(text, emission.origin.0.or(shape.origin.0)));
             shape.emission = None;
         }

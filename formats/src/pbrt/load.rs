@@ -66,7 +66,7 @@ impl<'a> Loader<'a> {
         self.count += 1;
         if self.open.len() >= MAX_DEPTH || self.count > MAX_FILES {
             return self.error(
-                format!("more than {MAX_DEPTH} files include each other, or {MAX_FILES} in all"),
+                format!("includes are nested more than {MAX_DEPTH} deep, or more than {MAX_FILES} files are included"),
                 from,
             );
         }

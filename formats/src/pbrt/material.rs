@@ -168,7 +168,7 @@ impl Reader<'_> {
             .collect();
         for (name, span) in missing {
             let defined = self.materials.iter().filter(|(_, named)| named.defined.is_some());
-            let problem = Diagnostic::error(format!("no material is called `{name}`"), Some(span));
+            let problem = Diagnostic::error(format!("no material named `{name}`"), Some(span));
             self.problems.push(problem.suggest_or(&name, defined.map(|(name, _)| name.as_str()), || {
                 "MakeNamedMaterial defines one".to_owned()
             }));
@@ -312,7 +312,7 @@ fn mix(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
         return None;
     };
     let [first, second] = &names[..] else {
-        p.complain("materials", format!("`materials` wants 2 names, got {}", names.len()));
+        p.complain("materials", format!("`materials` expects 2 names, got {}", names.len()));
         return None;
     };
     let first = r.mixed(p, first, span)?;

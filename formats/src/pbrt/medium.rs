@@ -71,10 +71,10 @@ impl Reader<'_> {
                 continue;
             }
             if self.media.contains_key(name) {
-                self.unsupported(&format!("participating medium `{name}`"), "there is vacuum", span);
+                self.unsupported(&format!("participating medium `{name}`"), "vacuum is used", span);
                 continue;
             }
-            let problem = Diagnostic::error(format!("no medium is called `{name}`"), Some(span));
+            let problem = Diagnostic::error(format!("no medium named `{name}`"), Some(span));
             self.problems.push(problem.suggest_or(name, self.media.keys().map(String::as_str), || {
                 "MakeNamedMedium defines one".to_owned()
             }));

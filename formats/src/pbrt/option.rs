@@ -18,7 +18,7 @@ const OPTIONS: &[(&str, Kind, Option<&str>)] = &[
     ("disabletexturefiltering", Kind::Bool, None),
     ("disablewavelengthjitter", Kind::Bool, None),
     ("displacementedgescale", Kind::Number, None),
-    ("forcediffuse", Kind::Bool, Some("materials stay as they are")),
+    ("forcediffuse", Kind::Bool, Some("materials are unchanged")),
     ("msereferenceimage", Kind::Text, Some("`caustica compare` compares pictures")),
     ("msereferenceout", Kind::Text, Some("`caustica compare` compares pictures")),
     ("pixelstats", Kind::Bool, Some("`--stats` writes statistics")),
@@ -33,8 +33,7 @@ impl Reader<'_> {
         let plain: String = name.chars().filter(|c| !matches!(c, '-' | '_')).collect();
         let plain = plain.to_ascii_lowercase();
         let Some((_, kind, consequence)) = OPTIONS.iter().find(|row| row.0 == plain) else {
-            let problem =
-                Diagnostic::error(format!("no option is called `{name}`"), Some(d.arguments[0].span));
+            let problem = Diagnostic::error(format!("no option named `{name}`"), Some(d.arguments[0].span));
             self.problems.push(problem.suggest(&plain, OPTIONS.iter().map(|row| row.0)));
             return;
         };

@@ -122,7 +122,7 @@ impl<'a> Reader<'a> {
             let last = self.last;
             self.problems.push(
                 Diagnostic::error("the scene has no WorldBegin", Some(last))
-                    .help("camera, film and integrator stand before it, shapes and lights after it"),
+                    .help("camera, film and integrator come before it, shapes and lights after it"),
             );
         }
         self.finish();

@@ -81,7 +81,7 @@ impl Reader<'_> {
             }
         };
         if self.state.moves() {
-            self.warn("a texture moves: it stands as at the start time", d.span);
+            self.warn("a texture moves: its transform at the start time is used", d.span);
         }
         let mut p = Params::new("texture", text(d, 2), d.arguments[2].span, params, self.state.space);
         if let Some(inherited) = self.state.attributes.get("texture") {
@@ -318,7 +318,10 @@ fn imagemap(r: &mut Reader<'_>, p: &mut Params, _: Kind) -> Option<Made> {
     p.ignore(&["maxanisotropy"]);
     let encoding = p.optional_string("encoding").map_or(TextureEncoding::Auto, |(text, _)| {
         encoding(&text).unwrap_or_else(|| {
-            p.complain("encoding", format!("`{text}` is no encoding: sRGB, linear, or `gamma` and a number"));
+            p.complain(
+                "encoding",
+                format!("`{text}` is not an encoding: sRGB, linear, or `gamma` and a number"),
+            );
             TextureEncoding::Auto
         })
     });

@@ -57,7 +57,7 @@ fn unescape(body: &str) -> Token<'_> {
             ('\\', Some(same @ ('\\' | '\'' | '"'))) => same,
             ('\\', other) => {
                 let other = other.unwrap_or_default();
-                return Token::Bad(format!("`\\{other}` is no escape; `\\\\` is a backslash"));
+                return Token::Bad(format!("`\\{other}` is not an escape; `\\\\` is a backslash"));
             }
             _ => c,
         });

@@ -36,7 +36,7 @@ pub enum SpectrumError {
     #[error("a blackbody temperature must be positive, not {0} K")]
     BadTemperature(f64),
     /// No spectrum has this name.
-    #[error("no spectrum is called `{0}`")]
+    #[error("no spectrum named `{0}`")]
     UnknownName(String),
 }
 

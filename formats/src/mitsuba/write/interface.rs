@@ -80,7 +80,7 @@ impl Writer<'_, '_> {
                 self.out.lose(
                     origin,
                     "a metal given by a textured reflectance at normal incidence",
-                    "a mirror that reflects this share at all angles",
+                    "a mirror with this reflectance at all angles",
                 );
                 factor = Some(self.texture("specular_reflectance", *id)?);
                 element.string("material", "none")
@@ -156,7 +156,7 @@ impl Writer<'_, '_> {
             (RoughnessRemap::None, input) => input.clone(),
             (RoughnessRemap::Sqrt, FloatInput::Value(v)) => FloatInput::Value(v.max(0.0).sqrt()),
             (RoughnessRemap::Sqrt, input) => {
-                let mean = self.one_number(input, "a roughness whose root is alpha", origin)?;
+                let mean = self.one_number(input, "a roughness that is the square of alpha", origin)?;
                 FloatInput::Value(mean.max(0.0).sqrt())
             }
         })

@@ -225,7 +225,7 @@ impl Writer<'_, '_> {
             TextureFilter::Nearest => Some("nearest"),
         };
         if b.wrap_u != b.wrap_v {
-            self.out.lose(origin, "wrap modes that differ between u and v", "the one of u");
+            self.out.lose(origin, "wrap modes that differ between u and v", "the mode of u");
         }
         let wrap = match b.wrap_u {
             WrapMode::Repeat => None,
@@ -253,7 +253,7 @@ impl Writer<'_, '_> {
             Mapping::Spherical { .. } => "a spherical mapping",
             Mapping::Cylindrical { .. } => "a cylindrical mapping",
             Mapping::Planar { .. } => "a planar mapping",
-            Mapping::Solid { .. } => "a texture in space",
+            Mapping::Solid { .. } => "a texture in 3D space",
         };
         self.out.lose(origin, what, "the uv of the surface");
         Transform::IDENTITY

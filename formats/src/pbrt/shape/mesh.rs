@@ -92,7 +92,7 @@ pub(super) fn checked(p: &mut Params, indices: &[i32], vertices: usize, corners:
     let whole = indices.len() / corners * corners;
     if whole != indices.len() {
         let text =
-            format!("{} indices are no multiple of {corners}; the last ones are dropped", indices.len());
+            format!("{} indices are not a multiple of {corners}; the last ones are dropped", indices.len());
         p.warn("indices", text);
     }
     Some(indices[..whole].iter().map(|i| i.cast_unsigned()).collect())

@@ -83,7 +83,7 @@ fn ring(vertex: usize, steps: &[(u32, u32)]) -> Result<Ring, String> {
         }
     }
     if vertices.len() != steps.len() + usize::from(boundary) {
-        return Err(format!("the triangles around vertex {vertex} form no single fan"));
+        return Err(format!("the triangles around vertex {vertex} do not form a single fan"));
     }
     Ok(Ring { vertices, boundary })
 }

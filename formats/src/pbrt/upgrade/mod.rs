@@ -69,8 +69,8 @@ impl Old {
             let problem = Diagnostic::error(text, Some(found.first));
             problems.push(match found.more {
                 0 => problem,
-                1 => problem.help("it stands in one more place"),
-                more => problem.help(format!("it stands in {more} more places")),
+                1 => problem.help("it occurs in one more place"),
+                more => problem.help(format!("it occurs in {more} more places")),
             });
         }
         problems
@@ -90,7 +90,7 @@ impl Old {
                 return false;
             }
             "Renderer" | "VolumeIntegrator" | "Volume" => {
-                self.found(d.span, &format!("`{}`", d.name), "nothing like it");
+                self.found(d.span, &format!("`{}`", d.name), "no equivalent");
                 self.lost(d.span, format!("`{}` of older versions is left out", d.name));
                 return false;
             }
@@ -169,11 +169,11 @@ impl Old {
                     (*now).clone_into(&mut d.params[index].name);
                 }
                 Change::Drop => {
-                    self.found(span, &what, "nothing like it");
+                    self.found(span, &what, "no equivalent");
                     d.params.retain(|p| p.name != *name);
                 }
                 Change::Lose(loss) => {
-                    self.found(span, &what, "nothing like it");
+                    self.found(span, &what, "no equivalent");
                     self.lost(span, format!("`{name}` is left out: {loss}"));
                     d.params.retain(|p| p.name != *name);
                 }

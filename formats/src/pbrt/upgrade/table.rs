@@ -79,7 +79,7 @@ pub(super) const ROWS: &[Row] = &[
             ("Kd", Rename("reflectance")),
             ("Ks", Lose(NO_GLOSS)),
             ("Kr", Lose("there is no mirror in it")),
-            ("Kt", Lose("nothing shines through")),
+            ("Kt", Lose("nothing is transmitted")),
             ("opacity", Lose("the material is opaque")),
             ("index", Rename("eta")),
         ],
@@ -172,7 +172,7 @@ pub(super) const ROWS: &[Row] = &[
         ..becomes("Integrator", "integrator", "directlighting", "path")
     },
     Row {
-        loss: "all light is followed, not only that of mirrors",
+        loss: "all light paths are traced, not only mirror reflections",
         ..becomes("Integrator", "integrator", "whitted", "path")
     },
     becomes("Integrator", "integrator", "ao", "ambientocclusion"),

@@ -25,7 +25,7 @@ impl Writer<'_, '_> {
                 self.out.lose(
                     emission.origin,
                     "light from a shape of a group",
-                    "a shape that does not shine",
+                    "a shape that does not emit light",
                 );
                 self.shape(&Shape { emission: None, ..shape.clone() })?;
             } else {
