@@ -6,7 +6,7 @@ use caustica::photon::PhotonMap;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 fn build(c: &mut Criterion) {
-    let scene = support::cornell(256);
+    let scene = support::cornell(256).scene;
     let mut group = c.benchmark_group("build");
     for (count, radius) in [(1_000_000, 0.015f32), (10_000_000, 0.005)] {
         let photons = support::photons(&scene, count);

@@ -1,14 +1,15 @@
-//! Density lookups in a million photons of the Cornell box, about a hundred of them found each time.
-//! Queries follow each other as neighbouring pixels' do. One thread; throughput is lookups.
+//! Density estimates in a million photons of the Cornell box, with about a hundred photons each and in the
+//! order of a render's pixels. One thread; throughput is lookups.
 
 mod support;
 
 use caustica::film::Radiance;
-use caustica::math::{Rgb, Vec2, Vec3};
-use caustica::photon::kernel::KernelKind;
+use caustica::math::kernel::KernelKind;
+use caustica::math::{Color, Vec2, Vec3};
 use caustica::photon::{Estimator, Gather, PhotonMap, Query};
 use caustica::sampling::Sampler;
-use caustica::scene::{Scene, Surface};
+use caustica::scene::Surface;
+use caustica::session::Session;
 use caustica::settings::Lookup;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
@@ -16,7 +17,8 @@ const PHOTONS: usize = 1_000_000;
 const FOUND: usize = 100;
 
 /// What the camera sees through every pixel, in squares of eight as a render walks them.
-fn places(scene: &Scene) -> Vec<(Surface, Vec3)> {
+fn places(session: &Session) -> Vec<(Surface, Vec3)> {
+    let (scene, view) = (&session.scene, &session.view);
     let side = 256;
     let mut out = Vec::new();
     for block in 0..(side / 8) * (side / 8) {
@@ -24,7 +26,7 @@ fn places(scene: &Scene) -> Vec<(Surface, Vec3)> {
             let x = block % (side / 8) * 8 + within % 8;
             let y = block / (side / 8) * 8 + within / 8;
             let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / side as f32;
-            let ray = scene.sensor.ray(film, Sampler::new(0, 0).next_2d());
+            let ray = view.sensor.ray(film, Sampler::new(0, 0).next_2d());
             if let Some(hit) = scene.geometry.closest(&ray) {
                 out.push((scene.surface(&ray, &hit), -ray.d));
             }
@@ -34,13 +36,14 @@ fn places(scene: &Scene) -> Vec<(Surface, Vec3)> {
 }
 
 fn lookup(c: &mut Criterion) {
-    let scene = support::cornell(256);
+    let session = support::cornell(256);
+    let places = places(&session);
+    let scene = session.scene;
     let photons = support::photons(&scene, PHOTONS);
-    let places = places(&scene);
     let queries = |radius: f32| -> Vec<Query> {
         places.iter().map(|(s, _)| Query { p: s.p, n: s.ng, lift: s.lift, radius }).collect()
     };
-    // The radius that finds what is asked for, on average over the places.
+    // Photons within `radius`, on average over a sample of the places.
     let mean = |map: &PhotonMap, radius: f32| {
         let mut n = 0usize;
         queries(radius).iter().step_by(17).for_each(|q| map.within(q, &mut |_, _| n += 1));
@@ -72,7 +75,7 @@ fn lookup(c: &mut Criterion) {
                         side,
                         &closure,
                         *wi,
-                        Rgb::ONE,
+                        Color::ONE,
                         u32::MAX,
                         None,
                         &mut out,

@@ -6,18 +6,19 @@ use std::hint::black_box;
 
 use caustica::math::{Ray, Vec2};
 use caustica::sampling::{Sampler, warp};
-use caustica::scene::Scene;
+use caustica::session::Session;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const SIDE: u32 = 256;
 
 /// Camera rays, one cosine-distributed ray from each point they meet, and one towards a lamp.
-fn families(scene: &Scene) -> [Vec<Ray>; 3] {
+fn families(session: &Session) -> [Vec<Ray>; 3] {
+    let (scene, view) = (&session.scene, &session.view);
     let (mut primary, mut diffuse, mut shadow) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..SIDE * SIDE {
         let mut sampler = Sampler::new(7, i);
         let film = Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
-        let ray = scene.sensor.ray(film, sampler.next_2d());
+        let ray = view.sensor.ray(film, sampler.next_2d());
         primary.push(ray);
         let Some(hit) = scene.geometry.closest(&ray) else { continue };
         let s = scene.surface(&ray, &hit);
@@ -33,8 +34,9 @@ fn families(scene: &Scene) -> [Vec<Ray>; 3] {
 }
 
 fn rays(c: &mut Criterion) {
-    for (name, scene) in [("cornell", support::cornell(SIDE)), ("hills", support::hills())] {
-        let [primary, diffuse, shadow] = families(&scene);
+    for (name, session) in [("cornell", support::cornell(SIDE)), ("hills", support::hills())] {
+        let [primary, diffuse, shadow] = families(&session);
+        let scene = session.scene;
         let mut group = c.benchmark_group(format!("rays/{name}"));
         for (kind, rays) in [("primary", &primary), ("diffuse", &diffuse)] {
             group.throughput(Throughput::Elements(rays.len() as u64)).sample_size(20);

@@ -7,7 +7,7 @@ use caustica::photon::trace::{TraceJob, trace};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 fn tracing(c: &mut Criterion) {
-    let scene = support::cornell(256);
+    let scene = support::cornell(256).scene;
     let pool = support::one_thread();
     let mut group = c.benchmark_group("trace");
     for (name, next_event) in [("next_event", true), ("all", false)] {

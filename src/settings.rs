@@ -7,7 +7,7 @@ use std::str::FromStr;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::photon::kernel::KernelKind;
+use crate::math::kernel::KernelKind;
 
 /// A setting that could not be set.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

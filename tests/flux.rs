@@ -1,13 +1,14 @@
 //! Energy: what lamps emit is stored, absorbed or has left; nothing else happens to it.
 
 use caustica::emitter::Aim;
-use caustica::math::Rgb;
+use caustica::math::Color;
 use caustica::photon::Owner;
 use caustica::photon::trace::{Halt, TraceJob, Traced, aim, trace, trace_until};
 use caustica::sampling::Sampler;
 use caustica::scene::Scene;
+use caustica::spectrum::rgb;
 
-use crate::support::{DOWN, SIGMAS, area, camera, diffuse, rectangle, scene, sphere};
+use crate::support::{DOWN, SIGMAS, Stage, area, camera, diffuse, rectangle, scene, sphere};
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
@@ -24,12 +25,12 @@ fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
 /// Mean stored flux of `jobs` independent traces, so that not all photons are in memory together.
 fn stored(scene: &Scene, jobs: u64, paths: u64, max_depth: u32) -> f64 {
     let flux = |key| -> f64 {
-        trace(scene, &job(key, paths, max_depth)).photons.iter().map(|p| f64::from(p.flux.y)).sum()
+        trace(scene, &job(key, paths, max_depth)).photons.iter().map(|p| f64::from(p.flux.lanes()[1])).sum()
     };
     (0..jobs).map(flux).sum::<f64>() / jobs as f64
 }
 
-fn closed(albedo: &str, lamp: &str) -> Scene {
+fn closed(albedo: &str, lamp: &str) -> Stage {
     let room =
         format!("<shape type='cube'><boolean name='flip_normals' value='true'/>{}</shape>", diffuse(albedo));
     scene(&format!("{}{room}{lamp}", camera("0,0,0", "0,0,1", 40.0, 4)))
@@ -43,7 +44,7 @@ const POINT: &str = "<emitter type='point'><point name='position' value='0.3,0.2
 fn first_hits_in_a_closed_box_carry_all_emitted_power() {
     for lamp in [POINT.to_owned(), rectangle(0.3, &format!("{DOWN}<translate y='0.9'/>"), &area("3"))] {
         let scene = closed("0.5", &lamp);
-        let ratio = stored(&scene, 1, 1 << 17, 2) / f64::from(scene.power().y);
+        let ratio = stored(&scene, 1, 1 << 17, 2) / f64::from(scene.power().lanes()[1]);
         assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
     }
 }
@@ -54,7 +55,7 @@ fn first_hits_in_a_closed_box_carry_all_emitted_power() {
 #[test]
 fn stored_flux_is_emitted_flux_minus_what_was_absorbed() {
     let scene = closed("0.2", POINT);
-    let ratio = stored(&scene, 16, 1 << 18, u32::MAX) / f64::from(scene.power().y) * 0.8;
+    let ratio = stored(&scene, 16, 1 << 18, u32::MAX) / f64::from(scene.power().lanes()[1]) * 0.8;
     println!("stored · (1 − ρ) / emitted: {ratio:.6}");
     assert!((ratio - 1.0).abs() < 0.001, "{ratio}");
 }
@@ -69,23 +70,23 @@ fn mirrors_and_glass_lose_no_flux() {
     let mirror = "<bsdf type='conductor'><string name='material' value='none'/></bsdf>";
     let inside = [POINT.to_owned(), sphere("-0.5,-0.5,0", 0.4, glass), sphere("0.5,-0.5,0", 0.4, mirror)];
     let scene = closed("0.2", &inside.concat());
-    let ratio = stored(&scene, 8, 1 << 18, u32::MAX) / f64::from(scene.power().y) * 0.8;
+    let ratio = stored(&scene, 8, 1 << 18, u32::MAX) / f64::from(scene.power().lanes()[1]) * 0.8;
     println!("stored · (1 − ρ) / emitted with glass and mirror: {ratio:.6}");
     assert!((ratio - 1.0).abs() < 0.0018, "{ratio}");
 }
 
 /// Mean flux over 2¹⁶ stratified light paths against the power.
-fn emitted(scene: &Scene) -> Rgb {
+fn emitted(scene: &Scene) -> Color {
     let n = 1 << 16;
     let mut sum = [0.0f64; 3];
     for i in 0..n {
         let mut sampler = Sampler::new(11, i);
         let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
         if let Some(e) = scene.sample_emission(pick, place, direction) {
-            (0..3).for_each(|c| sum[c] += f64::from(e.flux[c]));
+            (0..3).for_each(|c| sum[c] += f64::from(e.flux.lanes()[c]));
         }
     }
-    Rgb::from(sum.map(|s| (s / f64::from(n)) as f32))
+    rgb(sum.map(|s| (s / f64::from(n)) as f32))
 }
 
 #[test]
@@ -145,7 +146,7 @@ fn a_stretched_sphere_shines_by_its_area() {
     let scene = scene(&format!("{}{stretched}", camera("0,0,8", "0,0,0", 10.0, 4)));
     let (e, pi) = (0.75f64.sqrt(), std::f64::consts::PI);
     let power = 3.0 * pi * 2.0 * pi * (1.0 + 2.0 * e.asin() / e);
-    let ratio = f64::from(scene.power().y) / power;
+    let ratio = f64::from(scene.power().lanes()[1]) / power;
     assert!((ratio - 1.0).abs() < 3e-4, "{ratio}");
     // Seen from outside it is bright.
     let seen = crate::support::render(&scene, &[("max_depth", "1")], 4);
@@ -178,7 +179,7 @@ fn light_aimed_through_a_window_is_not_more() {
     let stored = |aim: Option<&Aim>, traces: u64| {
         let traces: Vec<_> =
             (0..traces).map(|key| trace_until(&scene, &job(key, 1 << 20), aim, Halt::default())).collect();
-        let flux = |t: &Traced| t.photons.iter().map(|p| f64::from(p.flux.y)).sum::<f64>();
+        let flux = |t: &Traced| t.photons.iter().map(|p| f64::from(p.flux.lanes()[1])).sum::<f64>();
         let n = traces.len() as f64;
         let mean = traces.iter().map(flux).sum::<f64>() / n;
         let square = traces.iter().map(|t| (flux(t) - mean).powi(2)).sum::<f64>() / (n - 1.0);

@@ -4,11 +4,12 @@
 use caustica::film::{LAYERS, Layer};
 use caustica::photon::trace::{TraceJob, trace};
 use caustica::photon::{LightPath, Owner};
-use caustica::scene::Scene;
 
-use crate::support::{Picture, UP, assert_agree, box_camera, lamp, rectangle, render, scene, sphere, walls};
+use crate::support::{
+    Picture, Stage, UP, assert_agree, box_camera, lamp, rectangle, render, scene, sphere, walls,
+};
 
-fn glass_box() -> Scene {
+fn glass_box() -> Stage {
     let glass =
         "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
     scene(&[box_camera(24), walls("0.6"), lamp(0.6, "3"), sphere("0,-0.3,0", 0.5, glass)].concat())
@@ -59,7 +60,7 @@ fn layers_sum_to_the_beauty_and_agree_between_integrators() {
 /// Lobes that are followed, beside lobes of the same surface that hold photons: a polished floor, a ball
 /// of brushed metal and one of frosted glass, under a lamp and a point light that only next event
 /// estimation finds.
-fn glossy_box() -> Scene {
+fn glossy_box() -> Stage {
     let rough = |kind: &str, alpha: f64, rest: &str| {
         format!(
             "<bsdf type='{kind}'><string name='distribution' value='ggx'/><float name='alpha' value='{alpha}'/>{rest}</bsdf>"
@@ -109,7 +110,7 @@ fn glossy_lobes_are_followed_without_loss() {
 
 fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(LightPath) -> bool) -> (usize, f64) {
     let chosen = photons.iter().filter(|p| wanted(p.path));
-    chosen.fold((0, 0.0), |(n, sum), p| (n + 1, sum + f64::from(p.flux.x)))
+    chosen.fold((0, 0.0), |(n, sum), p| (n + 1, sum + f64::from(p.flux.lanes()[0])))
 }
 
 /// With the same random numbers, the photons of the owners are exactly a partition of all photons.

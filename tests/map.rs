@@ -3,8 +3,8 @@
 use std::sync::LazyLock;
 
 use caustica::film::Radiance;
-use caustica::math::{Frame, Rgb, Vec2, Vec3};
-use caustica::photon::kernel::KernelKind;
+use caustica::math::kernel::KernelKind;
+use caustica::math::{Color, Frame, Vec2, Vec3};
 use caustica::photon::store::{HEIGHT, NORMAL_AGREEMENT};
 use caustica::photon::{Estimator, Gather, LightPath, Photon, PhotonMap, Query};
 use caustica::sampling::CounterRng;
@@ -14,7 +14,7 @@ use caustica::texture::Textures;
 use proptest::prelude::*;
 
 fn photon(p: Vec3, n: Vec3) -> Photon {
-    Photon { p, flux: Rgb::ONE, wi: n, n, path: LightPath::Direct, depth: 1 }
+    Photon { p, flux: Color::ONE, wi: n, n, path: LightPath::Direct, depth: 1 }
 }
 
 /// Photons of the disc as the definition has them, in the arithmetic of the map (so that sets compare
@@ -176,12 +176,12 @@ fn density(map: &PhotonMap, estimator: &Estimator, p: Vec3) -> f64 {
         PhotonSide { n: Vec3::Z, both: false },
         &white(),
         Vec3::Z,
-        Rgb::ONE,
+        Color::ONE,
         u32::MAX,
         None,
         &mut out,
     );
-    f64::from(out.sum().x) * std::f64::consts::PI
+    f64::from(out.sum().lanes()[0]) * std::f64::consts::PI
 }
 
 /// N random photons of flux 1 on a square of area 4: density N/4. A kernel k estimates it with relative

@@ -2,7 +2,7 @@
 
 use super::fresnel;
 use super::special::gauss_legendre;
-use crate::math::Rgb;
+use crate::math::Color;
 
 #[derive(Clone, Copy, Debug)]
 pub enum Between {
@@ -49,15 +49,15 @@ impl Walk {
 impl Between {
     /// Reflectance of the base with all its meetings; `internal` is the share of diffuse light that the coat throws
     /// back.
-    pub fn base(&self, diffuse: Rgb, internal: f32) -> Rgb {
+    pub fn base(&self, diffuse: Color, internal: f32) -> Color {
         match self {
             Self::White => diffuse / (1.0 - internal),
-            Self::Colored => diffuse / (Rgb::ONE - diffuse * internal),
+            Self::Colored => diffuse / (Color::ONE - diffuse * internal),
             Self::Walk(w) => {
                 let again = diffuse * (internal * w.returns);
                 let sum =
                     |q: f32| if q < 1.0 { (1.0 - q.powi(w.meetings)) / (1.0 - q) } else { w.meetings as f32 };
-                diffuse * Rgb::new(sum(again.x), sum(again.y), sum(again.z))
+                diffuse * again.map(sum)
             }
         }
     }

@@ -2,7 +2,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::event::{Deltas, Event, Range, Sample, SmoothSample, Transport};
 use super::layers::Layers;
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 
 /// A BSDF at a point: numbers only. Small: one diffuse lobe is held by value, anything else behind a
@@ -20,7 +20,7 @@ pub(super) enum Content<'a> {
 /// One diffuse lobe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lambertian {
-    pub reflectance: Rgb,
+    pub reflectance: Color,
     pub opacity: f32,
     /// Which side reflects: 1 the front, −1 the back.
     pub side: f32,
@@ -46,7 +46,7 @@ impl Closure<'_> {
     /// The reflectance when the surface is Lambertian as seen from `wi`: such a surface needs no
     /// directions in a density estimate.
     #[inline]
-    pub fn lambertian(&self, wi: Vec3) -> Option<Rgb> {
+    pub fn lambertian(&self, wi: Vec3) -> Option<Color> {
         match self.content() {
             Ok(d) if wi.z * d.side > 0.0 => Some(d.reflectance * d.opacity),
             _ => None,
@@ -55,10 +55,10 @@ impl Closure<'_> {
 
     /// f of the smooth lobes in `range`, in 1/sr, without cosine.
     #[inline(always)]
-    pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+    pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         match self.content() {
             Ok(d) if range.diffuse() && d.lit(wi, wo) => d.reflectance * (FRAC_1_PI * d.opacity),
-            Ok(_) => Rgb::ZERO,
+            Ok(_) => Color::ZERO,
             Err(layers) => layers.eval(wi, wo, mode, range),
         }
     }
@@ -75,10 +75,10 @@ impl Closure<'_> {
 
     /// Share of what arrives along `wi` that is scattered by the smooth lobes in `range` (directional
     /// albedo; exact for diffuse and plastic, an estimate for others).
-    pub fn smooth_albedo(&self, wi: Vec3, range: Range) -> Rgb {
+    pub fn smooth_albedo(&self, wi: Vec3, range: Range) -> Color {
         match self.content() {
             Ok(d) if range.diffuse() && wi.z * d.side > 0.0 => d.reflectance * d.opacity,
-            Ok(_) => Rgb::ZERO,
+            Ok(_) => Color::ZERO,
             Err(layers) => layers.albedo(wi, range),
         }
     }
@@ -141,7 +141,7 @@ impl Closure<'_> {
             Ok(d) => {
                 let through = 1.0 - d.opacity;
                 if u_lobe < through {
-                    let weight = Rgb::ONE;
+                    let weight = Color::ONE;
                     return Some(Sample { wo: -wi, weight, pdf: 0.0, eta: 1.0, event: Event::Null });
                 }
                 let wo = warp::cosine_hemisphere(u);

@@ -8,7 +8,7 @@ use super::{
     DeltaLobe, Deltas, Nature, Node, PARTS, Parameters, Part, PartList, Point, Range, Returned, Roughness,
     Scatter, Transmittance, Transport, fresnel,
 };
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::texture::Param;
 
 /// A dielectric layer over other models, on both sides of the surface (Weidlich and Wilkie 2007). What
@@ -82,8 +82,8 @@ impl Parameters for CoatingModel {
 #[derive(Clone, Debug)]
 pub struct Coating {
     eta: f32,
-    absorption: Rgb,
-    specular: Rgb,
+    absorption: Color,
+    specular: Color,
     rough: Option<(Microfacet, Arc<Transmittance>)>,
     interreflection: Interreflection<f32>,
     /// Above and below.
@@ -115,35 +115,35 @@ impl Coating {
         }
     }
 
-    fn absorbed(&self, inside_i: Vec3, inside_o: Vec3) -> Rgb {
-        if self.absorption == Rgb::ZERO {
-            return Rgb::ONE;
+    fn absorbed(&self, inside_i: Vec3, inside_o: Vec3) -> Color {
+        if self.absorption == Color::ZERO {
+            return Color::ONE;
         }
         (self.absorption * -(1.0 / inside_i.z.abs() + 1.0 / inside_o.z.abs())).exp()
     }
 
     /// Sum of the round trips between coat and base.
-    fn round_trips(&self, wi: Vec3, wo: Vec3) -> Rgb {
+    fn round_trips(&self, wi: Vec3, wo: Vec3) -> Color {
         let base = |w: Vec3| {
             let (w, below) = (self.inside(w), self.below(wi));
-            let deltas: Rgb = below.deltas(w, Transport::Importance).iter().map(|l| l.weight).sum();
+            let deltas: Color = below.deltas(w, Transport::Importance).iter().map(|l| l.weight).sum();
             below.albedo(w, Range::ALL) + deltas
         };
         let trips = |w: Vec3| match &self.interreflection {
-            Interreflection::None => Rgb::ONE,
+            Interreflection::None => Color::ONE,
             Interreflection::Rough(alpha, table) => table.sum(*alpha, self.inside(w).z.abs(), base(w)),
             // Equal angles have equal Fresnel reflectance on both sides of the interface.
             Interreflection::Mirror => {
                 let again =
                     base(w) * self.absorbed(self.inside(w), self.inside(w)) * (1.0 - self.transmitted(w));
-                Rgb::ONE / (Rgb::ONE - again.min(Rgb::splat(0.99)))
+                Color::ONE / (Color::ONE - again.min(Color::splat(0.99)))
             }
         };
         (trips(wi) + trips(wo)) * 0.5
     }
 
     /// What becomes of light that goes in along one and out along the other direction.
-    fn passage(&self, wi: Vec3, wo: Vec3) -> Rgb {
+    fn passage(&self, wi: Vec3, wo: Vec3) -> Color {
         self.absorbed(self.inside(wi), self.inside(wo))
             * self.round_trips(wi, wo)
             * (self.transmitted(wi) * self.transmitted(wo))
@@ -196,12 +196,12 @@ impl Scatter for Coating {
         parts
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         if wi.z * wo.z <= 0.0 {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
         let mut f = self.below(wi).eval(self.inside(wi), self.inside(wo), mode, range);
-        if f != Rgb::ZERO {
+        if f != Color::ZERO {
             f *= self.passage(wi, wo) / (self.eta * self.eta);
         }
         if let Some((microfacet, wi, wo)) = self.rough_lobe(wi, wo, range) {
@@ -241,7 +241,7 @@ impl Scatter for Coating {
         self.outside(wo).filter(|wo| wo.z * wi.z > 0.0).map(|wo| (wo, 1.0))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
         let t = self.transmitted(wi);
         let mut albedo = self.below(wi).albedo(self.inside(wi), range) * t;
         if self.rough_lobe(wi, wi, range).is_some() {
@@ -271,7 +271,7 @@ impl Scatter for Coating {
                     eta: 1.0,
                 }),
                 // Thrown back for good: it keeps its probability, so that all sum to one.
-                None => deltas.push(DeltaLobe { weight: Rgb::ZERO, probability, ..*lobe }),
+                None => deltas.push(DeltaLobe { weight: Color::ZERO, probability, ..*lobe }),
             }
         }
         deltas

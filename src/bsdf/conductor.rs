@@ -1,6 +1,6 @@
 use super::metal::MetalAt;
 use super::{DeltaLobe, Deltas, Metal, Nature, Parameters, Point, Scatter, Transport};
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
 use crate::texture::Param;
 
 /// Smooth metal or perfect mirror, reflecting from the front side.
@@ -29,7 +29,7 @@ impl Parameters for ConductorModel {
 #[derive(Clone, Copy, Debug)]
 pub struct Conductor {
     metal: MetalAt,
-    reflectance: Rgb,
+    reflectance: Color,
 }
 
 impl Scatter for Conductor {

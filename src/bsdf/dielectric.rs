@@ -1,5 +1,5 @@
 use super::{DeltaLobe, Deltas, Nature, Parameters, Point, Scatter, Transport, fresnel};
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
 use crate::texture::Param;
 
 /// Smooth boundary between two dielectrics; `eta` = index behind the normal over index before it.
@@ -33,8 +33,8 @@ impl Parameters for DielectricModel {
 #[derive(Clone, Copy, Debug)]
 pub struct Dielectric {
     pub eta: f32,
-    pub reflectance: Rgb,
-    pub transmittance: Rgb,
+    pub reflectance: Color,
+    pub transmittance: Color,
 }
 
 impl Scatter for Dielectric {

@@ -2,7 +2,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::diffuse::cosine_pdf;
 use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
 
@@ -34,8 +34,8 @@ impl Parameters for DiffuseTransmissionModel {
 
 #[derive(Clone, Copy, Debug)]
 pub struct DiffuseTransmission {
-    reflectance: Rgb,
-    transmittance: Rgb,
+    reflectance: Color,
+    transmittance: Color,
     /// Probability of reflection.
     reflects: f32,
 }
@@ -48,11 +48,11 @@ impl Scatter for DiffuseTransmission {
         parts
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
         match range.diffuse() {
             true if wi.z * wo.z > 0.0 => self.reflectance * FRAC_1_PI,
             true if wi.z * wo.z < 0.0 => self.transmittance * FRAC_1_PI,
-            _ => Rgb::ZERO,
+            _ => Color::ZERO,
         }
     }
 
@@ -67,7 +67,7 @@ impl Scatter for DiffuseTransmission {
         (w.z > 0.0).then(|| (Vec3::new(w.x, w.y, w.z * side), 1.0))
     }
 
-    fn albedo(&self, _: Vec3, range: Range) -> Rgb {
-        if range.diffuse() { self.reflectance + self.transmittance } else { Rgb::ZERO }
+    fn albedo(&self, _: Vec3, range: Range) -> Color {
+        if range.diffuse() { self.reflectance + self.transmittance } else { Color::ZERO }
     }
 }

@@ -1,7 +1,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::{Nature, Parameters, PartList, Point, Range, Scatter, Transport, one_part};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
 
@@ -30,7 +30,7 @@ impl Parameters for DiffuseModel {
 /// A closure that is nothing else than this is handled by [`super::Closure`] itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Diffuse {
-    pub reflectance: Rgb,
+    pub reflectance: Color,
 }
 
 impl Scatter for Diffuse {
@@ -38,8 +38,8 @@ impl Scatter for Diffuse {
         one_part(Range::DIFFUSE)
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
-        if wi.z > 0.0 && wo.z > 0.0 && range.diffuse() { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
+        if wi.z > 0.0 && wo.z > 0.0 && range.diffuse() { self.reflectance * FRAC_1_PI } else { Color::ZERO }
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
@@ -50,8 +50,8 @@ impl Scatter for Diffuse {
         (wi.z > 0.0).then(|| (warp::cosine_hemisphere(u), 1.0))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
-        if wi.z > 0.0 && range.diffuse() { self.reflectance } else { Rgb::ZERO }
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
+        if wi.z > 0.0 && range.diffuse() { self.reflectance } else { Color::ZERO }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What sampling a BSDF gives.
 
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
 
 /// What a path carries. Refraction scales radiance by 1/eta², importance (photons) not at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl Range {
 pub struct SmoothSample {
     pub wo: Vec3,
     /// f·|cosθo|/pdf.
-    pub weight: Rgb,
+    pub weight: Color,
     pub pdf: f32,
     /// As in [`DeltaLobe`].
     pub eta: f32,
@@ -64,7 +64,7 @@ pub struct SmoothSample {
 pub struct DeltaLobe {
     pub wo: Vec3,
     /// Share of the incident quantity that goes this way.
-    pub weight: Rgb,
+    pub weight: Color,
     /// Probability with which a path should choose it among all lobes of the BSDF.
     pub probability: f32,
     /// Index of refraction behind over before the event; 1 for reflection.
@@ -111,7 +111,7 @@ pub enum Event {
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     pub wo: Vec3,
-    pub weight: Rgb,
+    pub weight: Color,
     /// Density of `wo` among the lobes of this kind of event, including the probability of choosing
     /// them; 0 for specular and null events.
     pub pdf: f32,

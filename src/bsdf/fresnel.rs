@@ -1,6 +1,6 @@
 //! Fresnel reflectance, unpolarised.
 
-use crate::math::Rgb;
+use crate::math::Color;
 
 /// Result at a smooth dielectric boundary.
 #[derive(Clone, Copy, Debug)]
@@ -36,8 +36,8 @@ pub fn dielectric(cos_i: f32, eta: f32) -> Refraction {
 }
 
 /// Exact conductor Fresnel for complex index eta + i·k relative to the outside, per channel.
-pub fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
-    Rgb::new(conductor1(cos_i, eta.x, k.x), conductor1(cos_i, eta.y, k.y), conductor1(cos_i, eta.z, k.z))
+pub fn conductor(cos_i: f32, eta: Color, k: Color) -> Color {
+    eta.zip(k, |eta, k| conductor1(cos_i, eta, k))
 }
 
 fn conductor1(cos_i: f32, eta: f32, k: f32) -> f32 {
@@ -67,6 +67,7 @@ pub fn diffuse_reflectance(eta: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spectrum::rgb;
 
     /// Values printed by Mitsuba 3.9.1 for bk7 in air.
     #[test]
@@ -83,8 +84,8 @@ mod tests {
     /// Gold and aluminium at normal incidence, as Mitsuba 3.9.1 prints them.
     #[test]
     fn conductor_matches_mitsuba_at_normal_incidence() {
-        let r = conductor(1.0, Rgb::new(0.14304, 0.37531, 1.44205), Rgb::new(3.98300, 2.38556, 1.60336));
-        assert!((r - Rgb::new(0.9667, 0.8020, 0.3241)).abs().max_element() < 1e-4);
+        let r = conductor(1.0, rgb([0.14304, 0.37531, 1.44205]), rgb([3.98300, 2.38556, 1.60336]));
+        assert!((r - rgb([0.9667, 0.8020, 0.3241])).abs().max_element() < 1e-4);
     }
 
     #[test]

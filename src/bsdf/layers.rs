@@ -3,7 +3,7 @@
 use super::event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
 use super::tilt::Tilt;
 use super::{Lobe, Part, PartList, Scatter};
-use crate::math::{Frame, Rgb, Vec2, Vec3};
+use crate::math::{Color, Frame, Vec2, Vec3};
 
 /// A model in its place: on which side of what it lies, and how much of it there is.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl Entry {
         side(frame.map_or(w, |f| f.to_world(w)), self.mirrored)
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         let Some(tilt) = &self.tilt else {
             return self.lobe.eval(self.local(None, wi), self.local(None, wo), mode, range);
         };
@@ -49,7 +49,7 @@ impl Entry {
         let flat = light.z;
         let cos = frame.map_or(flat, |f| f.n.dot(light));
         if cos * flat <= 0.0 {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
         let f = self.lobe.eval(self.local(frame, wi), self.local(frame, wo), mode, range);
         // The cosine belongs to the tilted facet; that of the surface is applied by who asks.
@@ -104,7 +104,7 @@ impl Layers {
         self.entries.iter().map(|e| e.weight).sum()
     }
 
-    pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+    pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         self.entries.iter().map(|e| e.eval(wi, wo, mode, range) * e.weight).sum()
     }
 
@@ -146,7 +146,7 @@ impl Layers {
         draw(&self.entries[entry], part, wi, u_lobe, u)
     }
 
-    pub fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+    pub fn albedo(&self, wi: Vec3, range: Range) -> Color {
         self.entries.iter().map(|e| e.lobe.albedo(e.local(e.frame(wi), wi), range) * e.weight).sum()
     }
 
@@ -175,7 +175,7 @@ impl Layers {
     #[inline(never)]
     pub fn sample(&self, wi: Vec3, mut u_lobe: f32, u: Vec2, mode: Transport, glossy: f32) -> Option<Sample> {
         if u_lobe < self.through {
-            return Some(Sample { wo: -wi, weight: Rgb::ONE, pdf: 0.0, eta: 1.0, event: Event::Null });
+            return Some(Sample { wo: -wi, weight: Color::ONE, pdf: 0.0, eta: 1.0, event: Event::Null });
         }
         let solid = 1.0 - self.through;
         u_lobe = (u_lobe - self.through) / solid;
@@ -245,7 +245,7 @@ fn draw(entry: &Entry, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(V
 const ONE_MINUS: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// Grazing directions of nearly smooth surfaces may leave the range of f32: such a path ends.
-fn finite(weight: Rgb, pdf: f32) -> Option<Rgb> {
+fn finite(weight: Color, pdf: f32) -> Option<Color> {
     (pdf > 0.0 && pdf.is_finite() && weight.is_finite()).then_some(weight)
 }
 

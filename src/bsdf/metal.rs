@@ -1,5 +1,5 @@
 use super::{Point, fresnel};
-use crate::math::Rgb;
+use crate::math::Color;
 use crate::texture::Param;
 
 /// What a conductor is made of.
@@ -21,10 +21,10 @@ impl Metal {
                 MetalAt(Some((point.color(eta) / outside, point.color(k) / outside)))
             }
             Self::Reflectance { normal, outside } => {
-                let r = point.color(normal).clamp(Rgb::ZERO, Rgb::splat(0.9999));
-                let root = |c: Rgb| Rgb::new(c.x.sqrt(), c.y.sqrt(), c.z.sqrt());
-                let k = root(r) * 2.0 / root(Rgb::ONE - r);
-                MetalAt(Some((Rgb::ONE / outside, k / outside)))
+                let r = point.color(normal).clamp(Color::ZERO, Color::splat(0.9999));
+                let root = |c: Color| c.map(f32::sqrt);
+                let k = root(r) * 2.0 / root(Color::ONE - r);
+                MetalAt(Some((Color::ONE / outside, k / outside)))
             }
         }
     }
@@ -40,10 +40,10 @@ impl Metal {
 
 /// η and k at a point.
 #[derive(Clone, Copy, Debug)]
-pub struct MetalAt(pub(super) Option<(Rgb, Rgb)>);
+pub struct MetalAt(pub(super) Option<(Color, Color)>);
 
 impl MetalAt {
-    pub fn fresnel(&self, cos: f32) -> Rgb {
-        self.0.map_or(Rgb::ONE, |(eta, k)| fresnel::conductor(cos, eta, k))
+    pub fn fresnel(&self, cos: f32) -> Color {
+        self.0.map_or(Color::ONE, |(eta, k)| fresnel::conductor(cos, eta, k))
     }
 }

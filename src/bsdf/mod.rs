@@ -64,7 +64,8 @@ pub use tilt::{Perturbation, Relief};
 pub use transmittance::Transmittance;
 pub use ward::{WardModel, WardVariant};
 
-use crate::math::{Rgb, Vec2, Vec3, luminance};
+use crate::math::{Color, Vec2, Vec3};
+use crate::spectrum;
 use crate::texture::{Param, Site, Textures};
 
 /// Where parameters are looked up.
@@ -92,21 +93,14 @@ impl<'a> Point<'a> {
     }
 
     #[inline]
-    pub fn color(&self, param: Param) -> Rgb {
+    pub fn color(&self, param: Param) -> Color {
         self.textures.eval(param, &self.site)
     }
 
     /// Scalars are the luminance of the linear colour.
     #[inline]
     pub fn scalar(&self, param: Param) -> f32 {
-        match param {
-            // The weights of the luminance do not quite sum to 1.
-            Param::Constant(c) if c.x == c.y && c.y == c.z => c.x,
-            _ => {
-                let c = self.color(param);
-                if c.x == c.y && c.y == c.z { c.x } else { luminance(c) }
-            }
-        }
+        spectrum::scalar(self.color(param))
     }
 }
 
@@ -182,8 +176,8 @@ trait Scatter {
         PartList::default()
     }
 
-    fn eval(&self, _wi: Vec3, _wo: Vec3, _mode: Transport, _range: Range) -> Rgb {
-        Rgb::ZERO
+    fn eval(&self, _wi: Vec3, _wo: Vec3, _mode: Transport, _range: Range) -> Color {
+        Color::ZERO
     }
 
     /// Density with which `draw` gives `wo`, times the probabilities of `parts`.
@@ -198,8 +192,8 @@ trait Scatter {
 
     /// Share of what arrives along `wi` that is scattered by smooth lobes; where no closed form is
     /// known it is an estimate, good enough for choosing among lobes.
-    fn albedo(&self, _wi: Vec3, _range: Range) -> Rgb {
-        Rgb::ZERO
+    fn albedo(&self, _wi: Vec3, _range: Range) -> Color {
+        Color::ZERO
     }
 
     fn deltas(&self, _wi: Vec3, _mode: Transport) -> Deltas {
@@ -246,7 +240,7 @@ macro_rules! models {
                 match self { $(Self::$name(l) => l.parts(wi)),+ }
             }
 
-            fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+            fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
                 match self { $(Self::$name(l) => l.eval(wi, wo, mode, range)),+ }
             }
 
@@ -258,7 +252,7 @@ macro_rules! models {
                 match self { $(Self::$name(l) => l.draw(part, wi, u_lobe, u)),+ }
             }
 
-            fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+            fn albedo(&self, wi: Vec3, range: Range) -> Color {
                 match self { $(Self::$name(l) => l.albedo(wi, range)),+ }
             }
 

@@ -3,8 +3,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use super::diffuse::cosine_pdf;
 use super::plastic::specular_weight;
 use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport};
-use crate::math::{Frame, Rgb, Vec2, Vec3};
+use crate::math::{Color, Frame, Vec2, Vec3};
 use crate::sampling::warp;
+use crate::spectrum::scalar;
 use crate::texture::Param;
 
 /// Modified Phong model (Lafortune and Willems 1994): a cosine power about the mirror direction.
@@ -29,13 +30,13 @@ impl Parameters for PhongModel {
     }
 
     fn nature(&self) -> Nature {
-        let least = self.exponent.constant().map_or(0.0, |n| roughness(n.x.max(0.0)));
+        let least = self.exponent.constant().map_or(0.0, |n| roughness(scalar(n).max(0.0)));
         Nature { smooth: Some([least, Range::DIFFUSE]), ..Nature::default() }
     }
 }
 
 /// Both scaled down where they would reflect more than there is.
-pub(super) fn conserving(diffuse: Rgb, specular: Rgb) -> [Rgb; 2] {
+pub(super) fn conserving(diffuse: Color, specular: Color) -> [Color; 2] {
     let most = (diffuse + specular).max_element().max(1.0);
     [diffuse / most, specular / most]
 }
@@ -47,8 +48,8 @@ fn roughness(exponent: f32) -> f32 {
 
 #[derive(Clone, Copy, Debug)]
 pub struct Phong {
-    diffuse: Rgb,
-    specular: Rgb,
+    diffuse: Color,
+    specular: Color,
     specular_weight: f32,
     exponent: f32,
 }
@@ -72,8 +73,8 @@ impl Scatter for Phong {
         parts
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
-        let mut f = Rgb::ZERO;
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
+        let mut f = Color::ZERO;
         if wi.z <= 0.0 || wo.z <= 0.0 {
             return f;
         }
@@ -114,8 +115,8 @@ impl Scatter for Phong {
         (wo.z > 0.0).then_some((wo, 1.0))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
-        let mut albedo = Rgb::ZERO;
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
+        let mut albedo = Color::ZERO;
         if wi.z > 0.0 && range.contains(roughness(self.exponent)) {
             albedo += self.specular;
         }

@@ -5,7 +5,7 @@ use super::{
     Between, DeltaLobe, Deltas, Nature, Parameters, PartList, Point, Range, Scatter, Transport, fresnel,
     one_part,
 };
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
 
@@ -46,8 +46,8 @@ impl Parameters for PlasticModel {
 }
 
 /// How much of sampling the coat should get, before Fresnel.
-pub(super) fn specular_weight(diffuse: Rgb, specular: Rgb) -> f32 {
-    let (d, s) = (diffuse.element_sum(), specular.element_sum());
+pub(super) fn specular_weight(diffuse: Color, specular: Color) -> f32 {
+    let (d, s) = (diffuse.sum_of_lanes(), specular.sum_of_lanes());
     if d + s > 0.0 { s / (d + s) } else { 0.0 }
 }
 
@@ -55,10 +55,10 @@ pub(super) fn specular_weight(diffuse: Rgb, specular: Rgb) -> f32 {
 pub struct Plastic {
     eta: f32,
     /// ρ / (1 − ρₓ·F̄) / η².
-    base: Rgb,
+    base: Color,
     leaves: f32,
     between: Between,
-    specular: Rgb,
+    specular: Color,
     specular_weight: f32,
 }
 
@@ -73,11 +73,11 @@ impl Scatter for Plastic {
         one_part(Range::DIFFUSE)
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
         if wi.z > 0.0 && wo.z > 0.0 && range.diffuse() {
             self.base * (FRAC_1_PI * self.transmitted(wi.z) * self.transmitted(wo.z))
         } else {
-            Rgb::ZERO
+            Color::ZERO
         }
     }
 
@@ -90,11 +90,11 @@ impl Scatter for Plastic {
     }
 
     /// ∫(1 − F)cosθ/π over the outside, divided by η², equals 1 − F̄ inside.
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
         if wi.z > 0.0 && range.diffuse() {
             self.base * (self.transmitted(wi.z) * self.leaves * self.eta * self.eta)
         } else {
-            Rgb::ZERO
+            Color::ZERO
         }
     }
 

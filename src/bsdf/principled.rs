@@ -4,8 +4,9 @@ use super::diffuse::cosine_pdf;
 use super::microfacet::{Kind, Microfacet, Shadowing, reflect, refract};
 use super::roughdielectric::Meeting;
 use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport, fresnel};
-use crate::math::{Rgb, Vec2, Vec3, luminance};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
+use crate::spectrum::{luminance, scalar};
 use crate::texture::Param;
 
 /// Disney's principled model in Mitsuba 3's form (Burley 2012, 2015).
@@ -43,7 +44,7 @@ impl Parameters for PrincipledModel {
             eta: self.eta,
             spec_tint: share(self.spec_tint),
             tint,
-            sheen: (Rgb::ONE + (tint - Rgb::ONE) * share(self.sheen_tint))
+            sheen: (Color::ONE + (tint - Color::ONE) * share(self.sheen_tint))
                 * (share(self.sheen) * (1.0 - metallic)),
             flatness: share(self.flatness),
             clearcoat: 0.25 * share(self.clearcoat),
@@ -85,7 +86,7 @@ impl Parameters for PrincipledModel {
 /// Bounds of the specular lobe's roughness.
 pub(super) fn bounds(roughness: Param, anisotropic: Param) -> [f32; 2] {
     match (roughness, anisotropic) {
-        (Param::Constant(r), Param::Constant(a)) => [distribution(r.x, a.x).roughness(); 2],
+        (Param::Constant(r), Param::Constant(a)) => [distribution(scalar(r), scalar(a)).roughness(); 2],
         _ => [0.0, Range::DIFFUSE],
     }
 }
@@ -99,9 +100,9 @@ pub(super) fn distribution(roughness: f32, anisotropic: f32) -> Microfacet {
 }
 
 /// A colour without its brightness.
-pub(super) fn tint(base: Rgb) -> Rgb {
+pub(super) fn tint(base: Color) -> Color {
     let lum = luminance(base);
-    if lum > 0.0 { base / lum } else { Rgb::ONE }
+    if lum > 0.0 { base / lum } else { Color::ONE }
 }
 
 /// (1 − cos)⁵.
@@ -122,7 +123,7 @@ pub(super) fn schlick_between(cos: f32, eta: f32) -> f32 {
 
 #[derive(Clone, Copy, Debug)]
 pub struct Principled {
-    base: Rgb,
+    base: Color,
     roughness: f32,
     metallic: f32,
     /// Weights of the diffuse and of the refracting lobes.
@@ -130,8 +131,8 @@ pub struct Principled {
     bsdf: f32,
     eta: f32,
     spec_tint: f32,
-    tint: Rgb,
-    sheen: Rgb,
+    tint: Color,
+    sheen: Color,
     flatness: f32,
     clearcoat: f32,
     clearcoat_alpha: f32,
@@ -144,25 +145,25 @@ const CLEARCOAT: usize = 2;
 
 impl Principled {
     /// Fresnel factor of the main reflection.
-    fn reflected(&self, dielectric: f32, cos: f32, front: bool) -> Rgb {
+    fn reflected(&self, dielectric: f32, cos: f32, front: bool) -> Color {
         if !front {
-            return Rgb::splat(self.bsdf * dielectric);
+            return Color::splat(self.bsdf * dielectric);
         }
         let weight = schlick_between(cos, self.eta);
-        let between = |r0: Rgb| r0 + (Rgb::ONE - r0) * weight;
+        let between = |r0: Color| r0 + (Color::ONE - r0) * weight;
         let r = (self.eta - 1.0) / (self.eta + 1.0);
         let plain = 1.0 - self.metallic;
         between(self.base) * self.metallic
-            + Rgb::splat(plain * (1.0 - self.spec_tint) * dielectric)
+            + Color::splat(plain * (1.0 - self.spec_tint) * dielectric)
             + between(self.tint * (r * r)) * (plain * self.spec_tint)
     }
 
-    fn diffuse(&self, wi: Vec3, wo: Vec3) -> Rgb {
+    fn diffuse(&self, wi: Vec3, wo: Vec3) -> Color {
         let h = (wi + wo).normalize();
         let cos_d = h.dot(wo);
         let retro = 2.0 * self.roughness * cos_d * cos_d;
         diffuse_lobes(self.base, self.flatness, retro, wi.z, wo.z) * self.brdf
-            + if self.brdf > 0.0 { self.sheen * schlick(cos_d.abs()) } else { Rgb::ZERO }
+            + if self.brdf > 0.0 { self.sheen * schlick(cos_d.abs()) } else { Color::ZERO }
     }
 
     /// Without the 1/(4 cosθi cosθo) that a microfacet lobe would have: so it is in Disney's code.
@@ -183,7 +184,7 @@ impl Principled {
 }
 
 /// Diffuse, retro-reflecting and fake subsurface lobes, with 1/π and without cosine.
-pub(super) fn diffuse_lobes(base: Rgb, flatness: f32, retro: f32, cos_i: f32, cos_o: f32) -> Rgb {
+pub(super) fn diffuse_lobes(base: Color, flatness: f32, retro: f32, cos_i: f32, cos_o: f32) -> Color {
     let (fi, fo) = (schlick(cos_i.abs()), schlick(cos_o.abs()));
     let diffuse = (1.0 - 0.5 * fi) * (1.0 - 0.5 * fo) + retro * (fo + fi + fo * fi * (retro - 1.0));
     let toward = |f: f32| 1.0 + (0.5 * retro - 1.0) * f;
@@ -214,9 +215,9 @@ impl Scatter for Principled {
         parts
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         let front = wi.z > 0.0;
-        let mut f = Rgb::ZERO;
+        let mut f = Color::ZERO;
         if range.diffuse() && front && wo.z > 0.0 {
             f += self.diffuse(wi, wo);
         }
@@ -232,12 +233,12 @@ impl Scatter for Principled {
             let color = if m.reflected {
                 self.reflected(m.fresnel, wi.dot(m.m), front)
             } else {
-                self.base.max(Rgb::ZERO).map(f32::sqrt) * (self.bsdf * (1.0 - m.fresnel))
+                self.base.max(Color::ZERO).map(f32::sqrt) * (self.bsdf * (1.0 - m.fresnel))
             };
             f += color * m.f(&self.microfacet, wi, wo, mode);
         }
         if coat && m.reflected {
-            f += Rgb::splat(self.coat(wi, wo, m.m));
+            f += Color::splat(self.coat(wi, wo, m.m));
         }
         f
     }
@@ -286,9 +287,9 @@ impl Scatter for Principled {
         }
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
         let front = wi.z > 0.0;
-        let mut albedo = Rgb::ZERO;
+        let mut albedo = Color::ZERO;
         if range.diffuse() && front {
             albedo += self.base * self.brdf + self.sheen * (0.2 * schlick(wi.z));
         }
@@ -297,8 +298,8 @@ impl Scatter for Principled {
             albedo += self.reflected(f, wi.z, front) + self.base * (self.bsdf * (1.0 - f));
         }
         if range.contains(self.clearcoat_alpha) && self.has_clearcoat(wi) {
-            albedo += Rgb::splat(self.clearcoat * (0.04 + 0.96 * schlick(wi.z)));
+            albedo += Color::splat(self.clearcoat * (0.04 + 0.96 * schlick(wi.z)));
         }
-        albedo.min(Rgb::ONE)
+        albedo.min(Color::ONE)
     }
 }

@@ -5,8 +5,9 @@ use super::microfacet::{Microfacet, reflect};
 use super::principled::{bounds, diffuse_lobes, distribution, schlick, schlick_between, tint};
 use super::roughconductor::reflected_pdf;
 use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport, fresnel};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
+use crate::spectrum::scalar;
 use crate::texture::Param;
 
 /// Disney's model for thin sheets: both sides are alike, and what is refracted leaves at once, blurred.
@@ -43,7 +44,7 @@ impl Parameters for PrincipledThinModel {
             eta,
             spec_tint,
             tint,
-            sheen: (Rgb::ONE + (tint - Rgb::ONE) * share(self.sheen_tint)) * share(self.sheen),
+            sheen: (Color::ONE + (tint - Color::ONE) * share(self.sheen_tint)) * share(self.sheen),
             flatness: share(self.flatness),
             diff_trans,
             reflection: distribution(roughness, anisotropic),
@@ -71,7 +72,7 @@ impl Parameters for PrincipledThinModel {
         let [min, max] = bounds(self.roughness, self.anisotropic);
         let least = match (self.spec_trans == Param::gray(0.0), self.eta) {
             (true, _) => Range::DIFFUSE,
-            (false, Param::Constant(eta)) => min * (0.65 * eta.x - 0.35).abs().powi(2).min(1.0),
+            (false, Param::Constant(eta)) => min * (0.65 * scalar(eta) - 0.35).abs().powi(2).min(1.0),
             (false, Param::Texture(_)) => 0.0,
         };
         let most = if self.spec_trans == Param::gray(1.0) { max } else { Range::DIFFUSE };
@@ -86,13 +87,13 @@ impl Parameters for PrincipledThinModel {
 
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledThin {
-    base: Rgb,
+    base: Color,
     roughness: f32,
     spec_trans: f32,
     eta: f32,
     spec_tint: f32,
-    tint: Rgb,
-    sheen: Rgb,
+    tint: Color,
+    sheen: Color,
     flatness: f32,
     diff_trans: f32,
     reflection: Microfacet,
@@ -111,15 +112,15 @@ fn mirrored(w: Vec3) -> Vec3 {
 }
 
 impl PrincipledThin {
-    fn fresnel(&self, cos: f32) -> Rgb {
+    fn fresnel(&self, cos: f32) -> Color {
         let r = (self.eta - 1.0) / (self.eta + 1.0);
         let r0 = self.tint * (r * r);
-        let tinted = r0 + (Rgb::ONE - r0) * schlick_between(cos, self.eta);
-        let plain = Rgb::splat(fresnel::dielectric(cos, self.eta).reflectance);
+        let tinted = r0 + (Color::ONE - r0) * schlick_between(cos, self.eta);
+        let plain = Color::splat(fresnel::dielectric(cos, self.eta).reflectance);
         plain + (tinted - plain) * self.spec_tint
     }
 
-    fn diffuse(&self, wi: Vec3, wo: Vec3) -> Rgb {
+    fn diffuse(&self, wi: Vec3, wo: Vec3) -> Color {
         let cos_d = (wi + wo).normalize().dot(wo);
         let retro = 2.0 * self.roughness * cos_d * cos_d;
         (diffuse_lobes(self.base, self.flatness, retro, wi.z, wo.z) + self.sheen * schlick(cos_d.abs()))
@@ -127,13 +128,13 @@ impl PrincipledThin {
     }
 
     /// The blurred straight passage is a reflection turned to the other side.
-    fn refracted(&self, wi: Vec3, wo: Vec3, mode: Transport) -> Rgb {
+    fn refracted(&self, wi: Vec3, wo: Vec3, mode: Transport) -> Color {
         let above = mirrored(wo);
         let h = (wi + above).normalize();
         // Mitsuba masks facets whose front the turned direction would not see, as seen from the camera.
         let light = if mode == Transport::Radiance { above } else { wi };
         if mirrored(light).dot(h) >= 0.0 {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
         let (f, t) = (fresnel::dielectric(wi.dot(h), self.eta).reflectance, &self.transmission);
         let dg = t.d(h) * t.g(wi, above, h);
@@ -154,9 +155,9 @@ impl Scatter for PrincipledThin {
         parts
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         let (wi, wo, reflected) = upright(wi, wo);
-        let mut f = Rgb::ZERO;
+        let mut f = Color::ZERO;
         if wi.z == 0.0 || wo.z == 0.0 {
             return f;
         }
@@ -213,9 +214,9 @@ impl Scatter for PrincipledThin {
         Some((wo * 1.0f32.copysign(wi.z), 1.0))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
         let f = fresnel::dielectric(wi.z.abs(), self.eta).reflectance;
-        let mut albedo = Rgb::ZERO;
+        let mut albedo = Color::ZERO;
         if range.contains(self.reflection.roughness()) {
             albedo += self.fresnel(wi.z.abs()) * self.spec_trans;
         }

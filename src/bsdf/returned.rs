@@ -4,7 +4,7 @@ use super::microfacet::{Microfacet, reflect};
 use super::rows::{Rows, between};
 use super::special::gauss_legendre;
 use super::{Roughness, fresnel};
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
 
 /// Entries over cosθ from 0 to 1.
 const ENTRIES: usize = 32;
@@ -38,13 +38,13 @@ impl Returned {
     }
 
     /// Sum over all trips for a metal of reflectance `base`, of one of the two ends: 1 without any.
-    pub fn sum(&self, alpha: f32, cos: f32, base: Rgb) -> Rgb {
+    pub fn sum(&self, alpha: f32, cos: f32, base: Color) -> Color {
         let (i, x) = between(cos, ENTRIES);
         // Horner's rule, longest trip first.
-        (0..TRIPS).rev().fold(Rgb::ZERO, |sum, k| {
+        (0..TRIPS).rev().fold(Color::ZERO, |sum, k| {
             let trip = self.0.at(alpha, |t| t[i][k] + (t[i + 1][k] - t[i][k]) * x);
-            (sum + Rgb::splat(trip)) * base
-        }) + Rgb::ONE
+            (sum + Color::splat(trip)) * base
+        }) + Color::ONE
     }
 }
 

@@ -1,7 +1,7 @@
 use super::metal::MetalAt;
 use super::microfacet::{Microfacet, reflect};
 use super::{Metal, Nature, Parameters, PartList, Point, Range, Roughness, Scatter, Transport, one_part};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::texture::Param;
 
 /// Metal with a rough surface, reflecting from the front side (Walter et al. 2007).
@@ -39,7 +39,7 @@ impl Parameters for RoughConductorModel {
 #[derive(Clone, Copy, Debug)]
 pub struct RoughConductor {
     metal: MetalAt,
-    reflectance: Rgb,
+    reflectance: Color,
     microfacet: Microfacet,
 }
 
@@ -48,14 +48,14 @@ impl Scatter for RoughConductor {
         one_part(self.microfacet.roughness())
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
         if wi.z <= 0.0 || wo.z <= 0.0 || !range.contains(self.microfacet.roughness()) {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
         let m = (wi + wo).normalize();
         let dg = self.microfacet.d(m) * self.microfacet.g(wi, wo, m);
         if dg == 0.0 {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
         self.reflectance * self.metal.fresnel(wi.dot(m)) * (dg / (4.0 * wi.z * wo.z))
     }
@@ -75,9 +75,9 @@ impl Scatter for RoughConductor {
         (wo.z > 0.0).then_some((wo, 1.0))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
         if wi.z <= 0.0 || !range.contains(self.microfacet.roughness()) {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
         self.reflectance * self.metal.fresnel(wi.z)
     }

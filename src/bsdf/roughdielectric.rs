@@ -1,6 +1,6 @@
 use super::microfacet::{Microfacet, reflect, refract};
 use super::{Nature, Parameters, PartList, Point, Range, Roughness, Scatter, Transport, fresnel, one_part};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::texture::Param;
 
 /// Rough boundary between two dielectrics (Walter et al. 2007); `eta` as in `DielectricModel`.
@@ -41,8 +41,8 @@ impl Parameters for RoughDielectricModel {
 #[derive(Clone, Copy, Debug)]
 pub struct RoughDielectric {
     eta: f32,
-    reflectance: Rgb,
-    transmittance: Rgb,
+    reflectance: Color,
+    transmittance: Color,
     microfacet: Microfacet,
 }
 
@@ -104,11 +104,11 @@ impl Scatter for RoughDielectric {
         one_part(self.microfacet.roughness())
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Rgb {
+    fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         if !range.contains(self.microfacet.roughness()) {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
-        let Some(meeting) = Meeting::new(wi, wo, self.eta) else { return Rgb::ZERO };
+        let Some(meeting) = Meeting::new(wi, wo, self.eta) else { return Color::ZERO };
         let color = if meeting.reflected {
             self.reflectance * meeting.fresnel
         } else {
@@ -139,9 +139,9 @@ impl Scatter for RoughDielectric {
         ((wi.z * wo.z > 0.0) == (eta == 1.0)).then_some((wo, eta))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
         if !range.contains(self.microfacet.roughness()) {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
         let r = fresnel::dielectric(wi.z, self.eta).reflectance;
         self.reflectance * r + self.transmittance * (1.0 - r)

@@ -2,7 +2,7 @@ use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI};
 
 use super::diffuse::cosine_pdf;
 use super::{Nature, Parameters, PartList, Point, Range, Scatter, Transport, one_part};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
 
@@ -34,13 +34,13 @@ impl Parameters for RoughDiffuseModel {
 
 #[derive(Clone, Copy, Debug)]
 pub struct RoughDiffuse {
-    reflectance: Rgb,
+    reflectance: Color,
     sigma2: f32,
     fast: bool,
 }
 
 impl RoughDiffuse {
-    fn f(&self, wi: Vec3, wo: Vec3) -> Rgb {
+    fn f(&self, wi: Vec3, wo: Vec3) -> Color {
         let sin = |w: Vec3| (1.0 - w.z * w.z).max(0.0).sqrt();
         let (sin_i, sin_o) = (sin(wi), sin(wo));
         let cos_phi = if sin_i > 1e-4 && sin_o > 1e-4 {
@@ -74,8 +74,8 @@ impl Scatter for RoughDiffuse {
         one_part(Range::DIFFUSE)
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
-        if wi.z > 0.0 && wo.z > 0.0 && range.diffuse() { self.f(wi, wo) } else { Rgb::ZERO }
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
+        if wi.z > 0.0 && wo.z > 0.0 && range.diffuse() { self.f(wi, wo) } else { Color::ZERO }
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
@@ -86,7 +86,7 @@ impl Scatter for RoughDiffuse {
         (wi.z > 0.0).then(|| (warp::cosine_hemisphere(u), 1.0))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
-        if wi.z > 0.0 && range.diffuse() { self.reflectance } else { Rgb::ZERO }
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
+        if wi.z > 0.0 && range.diffuse() { self.reflectance } else { Color::ZERO }
     }
 }

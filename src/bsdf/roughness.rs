@@ -1,5 +1,6 @@
 use super::microfacet::{Kind, Microfacet, Shadowing};
 use super::{Point, Range};
+use crate::spectrum::scalar;
 use crate::texture::Param;
 
 /// Parameters of a microfacet distribution.
@@ -31,7 +32,7 @@ impl Roughness {
     /// α where it is the same everywhere.
     pub fn constant(&self) -> Option<[f32; 2]> {
         match (self.u, self.v) {
-            (Param::Constant(u), Param::Constant(v)) => Some([self.alpha(u.x), self.alpha(v.x)]),
+            (Param::Constant(u), Param::Constant(v)) => Some([self.alpha(scalar(u)), self.alpha(scalar(v))]),
             _ => None,
         }
     }

@@ -9,7 +9,7 @@ use super::{
     Between, Nature, Parameters, Part, PartList, Point, Range, Roughness, Scatter, Transmittance, Transport,
     fresnel,
 };
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
 
@@ -62,10 +62,10 @@ impl Parameters for RoughPlasticModel {
 #[derive(Clone, Debug)]
 pub struct RoughPlastic {
     eta: f32,
-    base: Rgb,
+    base: Color,
     leaves: f32,
     between: Between,
-    specular: Rgb,
+    specular: Color,
     specular_weight: f32,
     microfacet: Microfacet,
     transmittance: Arc<Transmittance>,
@@ -98,8 +98,8 @@ impl Scatter for RoughPlastic {
         parts
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
-        let mut f = Rgb::ZERO;
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
+        let mut f = Color::ZERO;
         if wi.z <= 0.0 || wo.z <= 0.0 {
             return f;
         }
@@ -141,8 +141,8 @@ impl Scatter for RoughPlastic {
         (wo.z > 0.0).then_some((wo, 1.0))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
-        let mut albedo = Rgb::ZERO;
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
+        let mut albedo = Color::ZERO;
         if wi.z <= 0.0 {
             return albedo;
         }

@@ -2,6 +2,7 @@
 
 use super::Point;
 use crate::math::{Frame, Vec2, Vec3};
+use crate::spectrum::to_rgb;
 use crate::texture::Param;
 
 /// Where the tilted normal comes from.
@@ -39,7 +40,7 @@ const STEP: f32 = 1.0 / 16_384.0;
 impl Perturbation {
     pub(super) fn at(&self, point: &Point<'_>) -> Tilt {
         let n = match self.relief {
-            Relief::Normal(param) => point.color(param) * 2.0 - Vec3::ONE,
+            Relief::Normal(param) => Vec3::from(to_rgb(point.color(param))) * 2.0 - Vec3::ONE,
             Relief::Bump { height, scale } => {
                 let h = |d: Vec2| point.shifted(d).scalar(height);
                 let slope = |d: Vec2| (h(d) - h(-d)) * (scale / (2.0 * STEP));

@@ -4,8 +4,9 @@ use super::diffuse::cosine_pdf;
 use super::microfacet::{MIN_ALPHA, reflect};
 use super::plastic::specular_weight;
 use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
+use crate::spectrum::scalar;
 use crate::texture::Param;
 
 /// How the Gaussian lobe is normalised.
@@ -45,7 +46,7 @@ impl Parameters for WardModel {
 
     fn nature(&self) -> Nature {
         let least = match (self.alpha_u, self.alpha_v) {
-            (Param::Constant(u), Param::Constant(v)) => (u.x * v.x).max(0.0).sqrt(),
+            (Param::Constant(u), Param::Constant(v)) => (scalar(u) * scalar(v)).max(0.0).sqrt(),
             _ => 0.0,
         };
         Nature {
@@ -59,8 +60,8 @@ impl Parameters for WardModel {
 #[derive(Clone, Copy, Debug)]
 pub struct Ward {
     variant: WardVariant,
-    diffuse: Rgb,
-    specular: Rgb,
+    diffuse: Color,
+    specular: Color,
     specular_weight: f32,
     au: f32,
     av: f32,
@@ -96,8 +97,8 @@ impl Scatter for Ward {
         parts
     }
 
-    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Rgb {
-        let mut f = Rgb::ZERO;
+    fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
+        let mut f = Color::ZERO;
         if wi.z <= 0.0 || wo.z <= 0.0 {
             return f;
         }
@@ -141,8 +142,8 @@ impl Scatter for Ward {
         (wo.z > 0.0).then_some((wo, 1.0))
     }
 
-    fn albedo(&self, wi: Vec3, range: Range) -> Rgb {
-        let mut albedo = Rgb::ZERO;
+    fn albedo(&self, wi: Vec3, range: Range) -> Color {
+        let mut albedo = Color::ZERO;
         if wi.z > 0.0 && range.contains(self.roughness()) {
             albedo += self.specular;
         }

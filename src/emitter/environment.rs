@@ -1,8 +1,10 @@
 use std::f64::consts::PI;
 
 use super::table::{Table, linear};
-use super::{Arena, DirectSample, Emission, Picture, SceneSphere, equal_area};
-use crate::math::{Frame, Rgb, Vec2, Vec3, luminance};
+use super::{Arena, DirectSample, Emission, Light, Picture, SceneSphere, equal_area};
+use crate::math::{Color, Frame, Vec2, Vec3};
+use crate::spectrum::{luminance, rgb, to_rgb};
+use crate::texture::Textures;
 
 /// Radiance from infinity by a picture. Directions are drawn in proportion to luminance exactly, as it
 /// is looked up, so the density needs no table.
@@ -18,7 +20,7 @@ pub struct Environment {
     /// Mean over the square of luminance times `sines`.
     mean: f32,
     /// ∫L dω, W/m² per channel.
-    total: Rgb,
+    total: Color,
 }
 
 /// How directions lie on the picture.
@@ -105,7 +107,7 @@ impl Environment {
 
     /// Radiance of a point of the square, and the row of cells it lies in.
     #[inline]
-    fn look_up(&self, uv: Vec2) -> (Rgb, usize) {
+    fn look_up(&self, uv: Vec2) -> (Color, usize) {
         let p = &self.picture;
         if self.mapping == Mapping::EqualArea {
             let [x, y] = p.at(uv.x, uv.y);
@@ -138,7 +140,7 @@ impl Environment {
     }
 
     /// Radiance arriving from the unit direction `d`.
-    pub fn radiance(&self, d: Vec3) -> Rgb {
+    pub fn radiance(&self, d: Vec3) -> Color {
         self.look_up(self.place(d).0).0
     }
 
@@ -149,7 +151,7 @@ impl Environment {
         self.density(radiance, row, sine)
     }
 
-    fn density(&self, radiance: Rgb, row: usize, sine: f32) -> f32 {
+    fn density(&self, radiance: Color, row: usize, sine: f32) -> f32 {
         use std::f32::consts::PI;
         let square = luminance(radiance) * self.sines[row] / self.mean;
         match self.mapping {
@@ -159,7 +161,7 @@ impl Environment {
     }
 
     /// A direction, its radiance divided by its density, and the density.
-    fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
+    fn sample(&self, u: Vec2) -> Option<(Vec3, Color, f32)> {
         let p = &self.picture;
         let (x, y, rest) = self.table.sample(u);
         let (uv, local, sine) = match self.mapping {
@@ -187,38 +189,50 @@ impl Environment {
         (pdf > 0.0 && pdf.is_finite()).then(|| (self.axes.to_world(local).normalize(), radiance / pdf, pdf))
     }
 
-    pub fn sample_direct(&self, u: Vec2) -> Option<DirectSample> {
-        let (dir, value, pdf) = self.sample(u)?;
-        Some(DirectSample { dir, target: None, value, pdf })
-    }
-
-    /// A direction as for direct light, and a place on the disk that the scene's sphere shows to it.
-    pub fn sample_emission(&self, arena: &Arena<'_>, place: Vec2, direction: Vec2) -> Option<Emission> {
-        let (dir, value, _) = self.sample(direction)?;
-        let (o, weight) = arena.enter(-dir, place);
-        Some(Emission { o, d: -dir, flux: value * (arena.sphere.disk() * weight) })
-    }
-
-    pub fn power(&self, scene: &SceneSphere) -> Rgb {
-        self.total * scene.disk()
-    }
-
     pub fn bytes(&self) -> usize {
         self.picture.bytes() + self.table.bytes()
     }
 }
 
+impl Light for Environment {
+    fn sample_direct(&self, _textures: &Textures, _p: Vec3, u: Vec2) -> Option<DirectSample> {
+        let (dir, value, pdf) = self.sample(u)?;
+        Some(DirectSample { dir, target: None, value, pdf })
+    }
+
+    /// A direction as for direct light, and a place on the disk that the scene's sphere shows to it.
+    fn sample_emission(
+        &self,
+        _textures: &Textures,
+        arena: &Arena<'_>,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
+        let (dir, value, _) = self.sample(direction)?;
+        let (o, weight) = arena.enter(-dir, place);
+        Some(Emission { o, d: -dir, flux: value * (arena.sphere.disk() * weight) })
+    }
+
+    fn power(&self, _textures: &Textures, scene: &SceneSphere) -> Color {
+        self.total * scene.disk()
+    }
+
+    fn is_infinite(&self) -> bool {
+        true
+    }
+}
+
 /// Sum over the texels, each row with its weight.
-fn sum(picture: &Picture, weight: impl Fn(usize) -> f64) -> Rgb {
+fn sum(picture: &Picture, weight: impl Fn(usize) -> f64) -> Color {
     let mut total = [0.0f64; 3];
     for y in 0..picture.height {
         let w = weight(y);
         for x in 0..picture.width {
-            let texel = picture.texel(x, y);
+            let texel = to_rgb(picture.texel(x, y));
             (0..3).for_each(|c| total[c] += w * f64::from(texel[c]));
         }
     }
-    Rgb::from(total.map(|t| t as f32))
+    rgb(total.map(|t| t as f32))
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-use crate::math::{Rgb, luminance};
+use crate::math::Color;
+use crate::spectrum::{luminance, rgb};
 
 /// The picture of an emitter: linear, row 0 at the top.
 #[derive(Clone, Debug)]
@@ -18,8 +19,8 @@ impl Picture {
     }
 
     #[inline]
-    pub fn texel(&self, x: usize, y: usize) -> Rgb {
-        Rgb::from(self.texels[y * self.width + x])
+    pub fn texel(&self, x: usize, y: usize) -> Color {
+        rgb(self.texels[y * self.width + x])
     }
 
     pub fn luminance(&self, x: usize, y: usize) -> f32 {

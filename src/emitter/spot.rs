@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
-use super::{DirectSample, Emission, just_before};
-use crate::math::{Frame, Rgb, Vec2, Vec3};
+use super::{Arena, DirectSample, Emission, Light, SceneSphere, just_before};
+use crate::math::{Color, Frame, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::{Param, Site, Textures};
 
@@ -20,7 +20,7 @@ pub struct Spot {
     pub position: Vec3,
     /// `n` is the axis; `s` and `t` orient the texture.
     pub frame: Frame,
-    pub intensity: Rgb,
+    pub intensity: Color,
     pub cutoff: f32,
     pub beam: f32,
     pub falloff: Falloff,
@@ -29,11 +29,11 @@ pub struct Spot {
 
 impl Spot {
     /// Intensity towards the local unit direction `d`.
-    fn toward(&self, textures: &Textures, d: Vec3) -> Rgb {
+    fn toward(&self, textures: &Textures, d: Vec3) -> Color {
         // atan2 keeps small angles that acos(z) would round to zero.
         let angle = d.truncate().length().atan2(d.z);
         if angle >= self.cutoff {
-            return Rgb::ZERO;
+            return Color::ZERO;
         }
         let falloff = match self.falloff {
             _ if angle <= self.beam => 1.0,
@@ -44,14 +44,16 @@ impl Spot {
                 x * x * (3.0 - 2.0 * x)
             }
         };
-        let color = self.texture.map_or(Rgb::ONE, |t| {
+        let color = self.texture.map_or(Color::ONE, |t| {
             let scale = 0.5 / (d.z * self.cutoff.tan());
             textures.eval(t, &Site::flat(Vec2::new(0.5 + d.x * scale, 0.5 + d.y * scale)))
         });
         self.intensity * color * falloff
     }
+}
 
-    pub fn sample_direct(&self, textures: &Textures, p: Vec3) -> Option<DirectSample> {
+impl Light for Spot {
+    fn sample_direct(&self, textures: &Textures, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         let d = self.position - p;
         let d2 = d.length_squared();
         let dir = d / d2.sqrt();
@@ -64,7 +66,13 @@ impl Spot {
         })
     }
 
-    pub fn sample_emission(&self, textures: &Textures, direction: Vec2) -> Option<Emission> {
+    fn sample_emission(
+        &self,
+        textures: &Textures,
+        _arena: &Arena<'_>,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
         let gap = 2.0 * (self.cutoff * 0.5).sin().powi(2);
         let local = warp::cone(direction, gap);
         let flux = self.toward(textures, local) * (2.0 * PI * gap);
@@ -72,7 +80,7 @@ impl Spot {
     }
 
     /// Without the texture: 2π∫ falloff·sinθ dθ, in closed form.
-    pub fn power(&self) -> Rgb {
+    fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         let (b, c) = (f64::from(self.beam), f64::from(self.cutoff));
         let ramp = match self.falloff {
             Falloff::Linear if c > b => b.cos() - (c.sin() - b.sin()) / (c - b),
@@ -92,7 +100,7 @@ mod tests {
         Spot {
             position: Vec3::ZERO,
             frame: Frame::from_normal(Vec3::Z),
-            intensity: Rgb::ONE,
+            intensity: Color::ONE,
             cutoff: 20f32.to_radians(),
             beam: 15f32.to_radians(),
             falloff: Falloff::Linear,
@@ -105,7 +113,7 @@ mod tests {
     fn falloff_is_linear_in_the_angle() {
         for (degrees, expected) in [(10.0f32, 1.0), (16.0, 0.8), (17.5, 0.5), (19.0, 0.2), (21.0, 0.0)] {
             let a = degrees.to_radians();
-            let got = spot().toward(&Textures::default(), Vec3::new(a.sin(), 0.0, a.cos())).x;
+            let got = spot().toward(&Textures::default(), Vec3::new(a.sin(), 0.0, a.cos())).lanes()[0];
             assert!((got - expected).abs() < 1e-4, "{degrees}: {got}");
         }
     }
@@ -119,13 +127,19 @@ mod tests {
     }
 
     fn adds_up(s: &Spot) {
+        let textures = Textures::default();
+        let scene = SceneSphere { center: Vec3::ZERO, radius: 1.0 };
+        let arena = Arena::even(scene);
         let n = 64;
         let mut sum = 0.0;
         for i in 0..n * n {
             let u = Vec2::new(((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32);
-            sum += s.sample_emission(&Textures::default(), u).map_or(0.0, |e| f64::from(e.flux.x));
+            sum += s
+                .sample_emission(&textures, &arena, Vec2::ZERO, u)
+                .map_or(0.0, |e| f64::from(e.flux.lanes()[0]));
         }
         let mean = sum / f64::from(n * n);
-        assert!((mean / f64::from(s.power().x) - 1.0).abs() < 2.5e-4, "{mean} {}", s.power().x);
+        let power = s.power(&textures, &scene).lanes()[0];
+        assert!((mean / f64::from(power) - 1.0).abs() < 2.5e-4, "{mean} {power}");
     }
 }

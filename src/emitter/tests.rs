@@ -5,6 +5,7 @@ use crate::math::DVec3;
 use crate::math::Frame;
 use crate::sampling::warp;
 use crate::shape::{Analytic, Sphere};
+use crate::spectrum::rgb;
 use crate::texture::Param;
 
 const SCENE: SceneSphere = SceneSphere { center: Vec3::ZERO, radius: 5.0 };
@@ -28,19 +29,19 @@ fn square(n: usize) -> impl Iterator<Item = Vec2> {
 }
 
 /// Mean flux of the samples, over places and directions.
-fn emitted(e: &Emitter) -> Rgb {
+fn emitted(e: &Emitter) -> Color {
     let n = 256;
     let mut sum = [0.0f64; 3];
     for (i, u) in square(n).enumerate() {
         let place = Vec2::new((i as f32 * 0.618_034).fract(), (i as f32 * 0.754_877_7).fract());
         if let Some(s) = e.sample_emission(&Textures::default(), &Arena::even(SCENE), place, u) {
-            (0..3).for_each(|c| sum[c] += f64::from(s.flux[c]));
+            (0..3).for_each(|c| sum[c] += f64::from(s.flux.lanes()[c]));
         }
     }
-    Rgb::from(sum.map(|s| (s / (n * n) as f64) as f32))
+    rgb(sum.map(|s| (s / (n * n) as f64) as f32))
 }
 
-fn close(what: &str, a: Rgb, b: Rgb, bound: f32) {
+fn close(what: &str, a: Color, b: Color, bound: f32) {
     assert!((a - b).abs().max_element() <= bound * b.max_element(), "{what}: {a} against {b}");
 }
 
@@ -53,12 +54,12 @@ fn photons_and_direct_light_have_the_same_power() {
         let to_object = axes();
         Surface::Analytic(Analytic::Sphere(Sphere { center: DVec3::X, radius: 0.5, to_object, inward }))
     };
-    let radiance = Param::Constant(Rgb::new(1.0, 2.0, 3.0));
+    let radiance = Param::Constant(rgb([1.0, 2.0, 3.0]));
     let lamp =
         |inward, sides| Emitter::Area(Area::new(sphere(inward), radiance, sides, 1e-6, &Textures::default()));
     let projector = Projector { frustum: frustum(), irradiance: radiance };
     let projection = |power| Emitter::Projection(Box::new(Projection::new(frustum(), picture(3), power)));
-    let gonio = Goniometric::new(Vec3::new(0.0, 0.5, 0.0), axes(), Rgb::new(3.0, 2.0, 1.0), &picture(4));
+    let gonio = Goniometric::new(Vec3::new(0.0, 0.5, 0.0), axes(), rgb([3.0, 2.0, 1.0]), &picture(4));
     let rows = [
         ("projector", Emitter::Projector(projector), Some(frustum().position)),
         ("projection", projection(None), Some(frustum().position)),
@@ -71,7 +72,7 @@ fn photons_and_direct_light_have_the_same_power() {
         let power = e.power(&Textures::default(), &SCENE);
         close(what, emitted(&e), power, 0.01);
         if what.ends_with("7 W") {
-            assert!((crate::math::luminance(power) - 7.0).abs() < 1e-4);
+            assert!((crate::spectrum::luminance(power) - 7.0).abs() < 1e-4);
         }
         let Some(place) = place else { continue };
         let n = 512;
@@ -79,11 +80,11 @@ fn photons_and_direct_light_have_the_same_power() {
         for u in square(n) {
             let p = place + warp::sphere(u) * 2.0;
             if let Some(s) = e.sample_direct(&Textures::default(), p, Vec2::ZERO) {
-                (0..3).for_each(|c| around[c] += f64::from(s.value[c]) * 4.0);
+                (0..3).for_each(|c| around[c] += f64::from(s.value.lanes()[c]) * 4.0);
             }
         }
         let solid = 4.0 * std::f64::consts::PI / (n * n) as f64;
-        close(what, Rgb::from(around.map(|a| (a * solid) as f32)), power, 0.02);
+        close(what, rgb(around.map(|a| (a * solid) as f32)), power, 0.02);
     }
 }
 
@@ -102,7 +103,7 @@ fn both_sides_of_a_lamp_are_sampled() {
             (Vec3::new(2.0, 0.0, 0.0), 2.0 * std::f32::consts::PI * (1.0 - 0.75f32.sqrt())),
         ] {
             let samples = square(64).map(|u| lamp.sample_direct(&Textures::default(), p, u));
-            let sum: f32 = samples.map(|s| s.map_or(0.0, |s| s.value.x)).sum();
+            let sum: f32 = samples.map(|s| s.map_or(0.0, |s| s.value.lanes()[0])).sum();
             assert!((sum / 4096.0 / (2.0 * solid) - 1.0).abs() < 0.005, "{inward} {p}: {}", sum / 4096.0);
         }
     }

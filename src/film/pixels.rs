@@ -1,5 +1,6 @@
 use super::{Doublings, Rejected};
-use crate::math::Rgb;
+use crate::math::Color;
+use crate::spectrum::to_rgb;
 
 /// The parts a picture is made of; they sum to the beauty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,24 +26,24 @@ pub const LAYERS: [(Layer, &str); 4] = [
 /// One camera sample, by layer.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Radiance {
-    pub layers: [Rgb; LAYERS.len()],
+    pub layers: [Color; LAYERS.len()],
     /// 1 where the camera ray met a surface.
     pub alpha: f32,
 }
 
 impl Radiance {
     #[inline]
-    pub fn add(&mut self, layer: Layer, value: Rgb) {
+    pub fn add(&mut self, layer: Layer, value: Color) {
         self.layers[layer as usize] += value;
     }
 
     /// Changes the light, not the coverage.
     #[inline]
-    pub fn map(&mut self, change: impl Fn(Rgb) -> Rgb) {
+    pub fn map(&mut self, change: impl Fn(Color) -> Color) {
         self.layers.iter_mut().for_each(|l| *l = change(*l));
     }
 
-    pub fn sum(&self) -> Rgb {
+    pub fn sum(&self) -> Color {
         self.layers.iter().copied().sum()
     }
 }
@@ -156,14 +157,14 @@ impl Mean {
     #[inline]
     pub fn add(&mut self, sample: &Radiance, weight: f32, rejected: &mut Rejected) {
         let layers = sample.layers.map(|layer| layer * weight);
-        let total: Rgb = layers.iter().copied().sum();
+        let total: Color = layers.iter().copied().sum();
         if !total.is_finite() {
             return reject(&layers, rejected);
         }
         for (l, layer) in layers.iter().enumerate() {
-            self.0[3 * l] += f64::from(layer.x);
-            self.0[3 * l + 1] += f64::from(layer.y);
-            self.0[3 * l + 2] += f64::from(layer.z);
+            for (c, value) in to_rgb(*layer).into_iter().enumerate() {
+                self.0[3 * l + c] += f64::from(value);
+            }
         }
         self.0[ALPHA] += f64::from(sample.alpha * weight);
     }
@@ -179,8 +180,8 @@ impl Mean {
 }
 
 #[cold]
-fn reject(layers: &[Rgb; LAYERS.len()], rejected: &mut Rejected) {
-    let layer = |bad: &dyn Fn(&Rgb) -> bool| LAYERS.iter().find(|(l, _)| bad(&layers[*l as usize]));
+fn reject(layers: &[Color; LAYERS.len()], rejected: &mut Rejected) {
+    let layer = |bad: &dyn Fn(&Color) -> bool| LAYERS.iter().find(|(l, _)| bad(&layers[*l as usize]));
     if let Some((l, _)) = layer(&|l| l.is_nan()) {
         rejected.sample(*l, true);
     } else {

@@ -1,5 +1,6 @@
 use super::Radiance;
-use crate::math::Rgb;
+use crate::math::Color;
+use crate::spectrum::to_rgb;
 
 /// What the film stores of radiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,7 +8,7 @@ pub enum Response {
     /// That times a number.
     Ratio(f32),
     /// The images of red, green and blue.
-    Colors([Rgb; 3]),
+    Colors([Color; 3]),
 }
 
 impl Response {
@@ -15,7 +16,10 @@ impl Response {
     pub fn apply(&self, radiance: &mut Radiance) {
         match self {
             Self::Ratio(ratio) => radiance.map(|c| c * *ratio),
-            Self::Colors([r, g, b]) => radiance.map(|c| *r * c.x + *g * c.y + *b * c.z),
+            Self::Colors([r, g, b]) => radiance.map(|c| {
+                let [red, green, blue] = to_rgb(c);
+                *r * red + *g * green + *b * blue
+            }),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::direct::power_heuristic;
 use crate::film::{Layer, Radiance};
-use crate::math::{Ray, Rgb, Vec3};
+use crate::math::{Color, Ray, Vec3};
 use crate::scene::{Hit, Scene, Surface};
 
 /// How a lamp at the end of the ray counts.
@@ -10,6 +10,8 @@ use crate::scene::{Hit, Scene, Surface};
 pub struct Sight {
     /// Lamps and environment are seen: always, but by camera rays of a scene that hides them.
     pub lamps: bool,
+    /// Lamps that are not seen let the ray pass.
+    pub through: bool,
     /// Density and place of the scattering that next event estimation shares its light with; 0 where
     /// nothing else finds the light.
     pub pdf: f32,
@@ -41,7 +43,7 @@ pub fn arrive(
     ray: &mut Ray,
     hit: Option<&Hit>,
     sight: Sight,
-    throughput: Rgb,
+    throughput: Color,
     layer: Layer,
     out: &mut Radiance,
 ) -> Arrival {
@@ -54,7 +56,7 @@ pub fn arrive(
         return Arrival::Gone;
     };
     let s = scene.surface(ray, hit);
-    if !sight.lamps && scene.hidden_lamps_are_transparent && scene.is_lamp(&s) {
+    if !sight.lamps && sight.through && scene.is_lamp(&s) {
         *ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
         return Arrival::Behind;
     }

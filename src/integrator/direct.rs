@@ -3,9 +3,9 @@
 
 use crate::bsdf::{Closure, Range, Transport};
 use crate::emitter::DirectSample;
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Plan, Scene, Surface};
+use crate::scene::{Facts, Scene, Surface};
 
 /// β = 2.
 #[inline]
@@ -21,7 +21,7 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
 #[derive(Clone, Copy, Debug)]
 pub struct Proposal {
     /// Scattered towards the viewer.
-    pub value: Rgb,
+    pub value: Color,
     pub light: DirectSample,
 }
 
@@ -30,7 +30,7 @@ pub struct Proposal {
 #[inline(always)]
 pub fn propose(
     scene: &Scene,
-    plan: &Plan,
+    facts: &Facts,
     s: &Surface,
     closure: &Closure<'_>,
     lobes: Range,
@@ -39,7 +39,7 @@ pub fn propose(
     segments: u32,
     sampler: &mut Sampler,
 ) -> Option<Proposal> {
-    let pick = if plan.many_lamps { sampler.next_1d() } else { 0.0 };
+    let pick = if facts.many_lamps { sampler.next_1d() } else { 0.0 };
     let u = sampler.next_2d();
     if segments == 0 || !closure.has_smooth(wi, lobes) {
         return None;
@@ -59,7 +59,7 @@ pub fn propose(
 #[inline(always)]
 pub fn next_event(
     scene: &Scene,
-    plan: &Plan,
+    facts: &Facts,
     s: &Surface,
     closure: &Closure<'_>,
     lobes: Range,
@@ -68,12 +68,12 @@ pub fn next_event(
     segments: u32,
     sampler: &mut Sampler,
     rays: &mut u64,
-) -> Rgb {
-    let Some(p) = propose(scene, plan, s, closure, lobes, wi, mis, segments, sampler) else {
-        return Rgb::ZERO;
+) -> Color {
+    let Some(p) = propose(scene, facts, s, closure, lobes, wi, mis, segments, sampler) else {
+        return Color::ZERO;
     };
     *rays += 1;
-    p.value * scene.visibility(s, &p.light, plan.transparent_shadows, segments)
+    p.value * scene.visibility(s, &p.light, facts.transparent_shadows, segments)
 }
 
 /// The other half of multiple importance sampling: a direction from `lobes` of the BSDF, and the lamp it
@@ -87,13 +87,13 @@ pub fn scattered_lamp(
     segments: u32,
     sampler: &mut Sampler,
     rays: &mut u64,
-) -> Rgb {
+) -> Color {
     let (u, u_lobe) = (sampler.next_2d(), sampler.next_1d());
     if segments == 0 {
-        return Rgb::ZERO;
+        return Color::ZERO;
     }
     let sample = closure.sample_smooth(wi, u_lobe, u, Transport::Radiance, lobes);
-    let Some(sample) = sample else { return Rgb::ZERO };
+    let Some(sample) = sample else { return Color::ZERO };
     // The density that next_event compares with includes the choice of the lobes.
     let pdf = closure.pdf(wi, sample.wo, lobes);
     let d = s.frame.to_world(sample.wo);
@@ -102,7 +102,7 @@ pub fn scattered_lamp(
     for _ in 0..segments {
         *rays += 1;
         let Some(hit) = scene.geometry.closest(&ray) else {
-            let mut seen = Rgb::ZERO;
+            let mut seen = Color::ZERO;
             for (radiance, direct) in scene.background(d) {
                 seen += radiance * power_heuristic(pdf, direct);
             }
@@ -120,7 +120,7 @@ pub fn scattered_lamp(
         }
         ray = at.leave(d);
     }
-    Rgb::ZERO
+    Color::ZERO
 }
 
 #[cfg(test)]

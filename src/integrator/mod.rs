@@ -7,7 +7,7 @@
 mod arrive;
 mod direct;
 mod path;
-mod photon_map;
+pub mod photon_map;
 
 pub use path::PathTracer;
 pub use photon_map::PhotonMapper;
@@ -16,6 +16,21 @@ use crate::film::{Radiance, Rejected};
 use crate::math::Ray;
 use crate::photon::Gather;
 use crate::sampling::Sampler;
+use crate::scene::{Facts, Scene, View};
+use crate::settings::Settings;
+
+/// What to render: a scene, how it is seen and how it is computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    /// The compiled scene.
+    pub scene: &'a Scene,
+    /// What the scene needs.
+    pub facts: &'a Facts,
+    /// Camera and film.
+    pub view: &'a View,
+    /// The integrator and its settings.
+    pub settings: &'a Settings,
+}
 
 /// Scratch and counters of one thread's share of a pass.
 #[derive(Debug, Default)]

@@ -2,23 +2,25 @@
 
 use super::arrive::{Arrival, Sight, arrive};
 use super::direct::propose;
-use super::{CameraSample, Integrator, PassStats, Scratch};
+use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::{Closure, Event, Range, Transport};
 use crate::film::Layer;
 use crate::math::simd::widest;
-use crate::math::{Ray, Rgb, Vec3};
+use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Hit, Plan, Scene, Settings, Surface, shadow_ray};
+use crate::scene::{Facts, Hit, Scene, Surface, shadow_ray};
 
 #[derive(Debug)]
 pub struct PathTracer<'a> {
     scene: &'a Scene,
-    plan: &'a Plan,
+    facts: &'a Facts,
     max_depth: u32,
     rr_depth: u32,
     /// Glossy surfaces count as specular ones: it decides the layer, never the sum.
     glossy: f32,
     hide_emitters: bool,
+    /// Hidden lamps let camera rays pass.
+    see_through: bool,
 }
 
 /// Which layer light met from here on belongs to.
@@ -60,14 +62,16 @@ impl Stage {
 }
 
 impl<'a> PathTracer<'a> {
-    pub fn new(scene: &'a Scene, plan: &'a Plan, settings: &Settings) -> Self {
+    pub fn new(task: Task<'a>) -> Self {
+        let settings = task.settings;
         Self {
-            scene,
-            plan,
+            scene: task.scene,
+            facts: task.facts,
             max_depth: settings.max_depth.0,
             rr_depth: settings.rr_depth,
             glossy: settings.glossy,
             hide_emitters: settings.hide_emitters,
+            see_through: task.view.hidden_lamps_are_transparent,
         }
     }
 }
@@ -75,7 +79,7 @@ impl<'a> PathTracer<'a> {
 /// A path between two surfaces.
 #[derive(Clone, Copy, Debug)]
 struct Walk {
-    throughput: Rgb,
+    throughput: Color,
     eta: f32,
     stage: Stage,
     /// Density and place of the last rough scattering; 0 where lamps count in full.
@@ -89,7 +93,7 @@ struct Walk {
 #[derive(Debug, Default)]
 struct Shadows {
     rays: Vec<Ray>,
-    values: Vec<(usize, Layer, Rgb)>,
+    values: Vec<(usize, Layer, Color)>,
     occluded: Vec<bool>,
     /// Counts those that were answered at once, too.
     sent: u64,
@@ -121,7 +125,7 @@ impl Wave {
 
 impl Walk {
     const START: Self = Self {
-        throughput: Rgb::ONE,
+        throughput: Color::ONE,
         eta: 1.0,
         stage: Stage::Camera,
         pdf: 0.0,
@@ -197,7 +201,12 @@ impl PathTracer<'_> {
     ) -> bool {
         let scene = self.scene;
         walk.depth += 1;
-        let sight = Sight { lamps: !self.hide_emitters || walk.seen, pdf: walk.pdf, from: walk.from };
+        let sight = Sight {
+            lamps: !self.hide_emitters || walk.seen,
+            through: self.see_through,
+            pdf: walk.pdf,
+            from: walk.from,
+        };
         let s = match arrive(scene, ray, hit, sight, walk.throughput, walk.stage.layer(), &mut sample.out) {
             Arrival::Gone => return false,
             Arrival::Behind => {
@@ -228,17 +237,17 @@ impl PathTracer<'_> {
         sample: &mut CameraSample,
         shadows: &mut Shadows,
     ) {
-        let (scene, plan) = (self.scene, self.plan);
+        let (scene, facts) = (self.scene, self.facts);
         let left = self.max_depth - walk.depth;
         let rough = (Range::rough(self.glossy), walk.stage.direct_layer());
         let glossy = (Range::glossy(self.glossy), walk.stage.after(Event::Glossy).layer());
         let lobes = if closure.has_smooth(wi, glossy.0) { &[rough, glossy][..] } else { &[rough] };
         for &(range, layer) in lobes {
-            let proposal = propose(scene, plan, s, closure, range, wi, true, left, &mut sample.sampler);
+            let proposal = propose(scene, facts, s, closure, range, wi, true, left, &mut sample.sampler);
             let Some(p) = proposal else { continue };
             shadows.sent += 1;
             let value = walk.throughput * p.value;
-            if plan.transparent_shadows {
+            if facts.transparent_shadows {
                 sample.out.add(layer, value * scene.visibility(s, &p.light, true, left));
             } else {
                 shadows.rays.push(shadow_ray(s, &p.light));
@@ -258,7 +267,7 @@ impl PathTracer<'_> {
         wi: Vec3,
         sampler: &mut Sampler,
     ) -> bool {
-        let u_lobe = if self.plan.many_lobes { sampler.next_1d() } else { 0.0 };
+        let u_lobe = if self.facts.many_lobes { sampler.next_1d() } else { 0.0 };
         let u = sampler.next_2d();
         let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Radiance, self.glossy) else {
             return false;

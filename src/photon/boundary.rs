@@ -9,11 +9,11 @@
 //! Photons lie on the surface even where the query cannot see it, behind a thin wall or across a corner:
 //! where a trial met an obstacle, only photons in sight may be counted, by the same test.
 
-use super::kernel::KernelKind;
 use super::store::HEIGHT;
+use crate::math::kernel::KernelKind;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Plan, Scene, Surface};
+use crate::scene::{Facts, Scene, Surface};
 
 /// Points that must be found on the surface.
 const WANTED: u32 = 2;
@@ -24,7 +24,7 @@ const MOST: u32 = 20;
 #[derive(Debug)]
 pub struct Boundary<'a> {
     pub scene: &'a Scene,
-    pub plan: &'a Plan,
+    pub facts: &'a Facts,
     pub sampler: &'a mut Sampler,
     pub rays: &'a mut u64,
 }
@@ -105,7 +105,7 @@ impl Boundary<'_> {
         if !self.scene.geometry.occluded(&ray) {
             return false;
         }
-        !self.plan.transmission || self.opaque_beyond_glass(ray, to)
+        !self.facts.transmission || self.opaque_beyond_glass(ray, to)
     }
 
     #[inline(never)]

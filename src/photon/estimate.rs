@@ -4,12 +4,12 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::boundary::Boundary;
-use super::kernel::{Kernel, KernelKind, with_kernel};
 use super::store::{PhotonMap, Query};
 use super::{LightPath, scan};
 use crate::bsdf::{Closure, Range, Transport};
 use crate::film::Radiance;
-use crate::math::{Rgb, Vec3, decode_direction};
+use crate::math::kernel::{Kernel, KernelKind, with_kernel};
+use crate::math::{Color, Vec3, decode_direction};
 use crate::scene::{PhotonSide, Surface};
 use crate::settings::Lookup;
 
@@ -53,7 +53,7 @@ impl Gather {
         side: PhotonSide,
         closure: &Closure,
         wi: Vec3,
-        throughput: Rgb,
+        throughput: Color,
         max_photon_depth: u32,
         mut boundary: Option<Boundary<'_>>,
         out: &mut Radiance,
@@ -116,7 +116,7 @@ impl Gather {
                         closure.eval(local, wo, Transport::Radiance, estimator.lobes)
                     }
                 };
-                let flux = Rgb::new(map.flux[0][i], map.flux[1][i], map.flux[2][i]);
+                let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
                 let weight = K::shape(d2 / r2) * scale;
                 out.add(LightPath::from_tag(map.path[i]).layer(), throughput * f * flux * weight);
             }

@@ -2,7 +2,6 @@
 
 mod boundary;
 pub mod estimate;
-pub mod kernel;
 pub mod owner;
 pub mod radius;
 mod scan;

@@ -4,9 +4,9 @@
 //! instruction set and chosen at run time. No fused operations are used, so every variant gives the
 //! same bits.
 
-use super::kernel::Kernel;
 use super::store::{HEIGHT, NORMAL_AGREEMENT, PhotonMap, Query};
-use crate::math::Rgb;
+use crate::math::Color;
+use crate::math::kernel::Kernel;
 
 /// Photons tested together.
 pub const LANES: usize = 16;
@@ -67,7 +67,7 @@ fn test(map: &PhotonMap, q: &Query, base: usize, end: usize) -> Block {
 }
 
 #[inline(always)]
-fn accumulate_body<K: Kernel>(map: &PhotonMap, q: &Query) -> (Rgb, u32) {
+fn accumulate_body<K: Kernel>(map: &PhotonMap, q: &Query) -> (Color, u32) {
     let inv = 1.0 / (q.radius * q.radius);
     let mut sum = [[0.0f32; LANES]; 3];
     let mut count = [0u32; LANES];
@@ -87,8 +87,7 @@ fn accumulate_body<K: Kernel>(map: &PhotonMap, q: &Query) -> (Rgb, u32) {
             base += LANES;
         }
     }
-    let [r, g, b] = sum.map(|s| s.iter().sum());
-    (Rgb::new(r, g, b), count.iter().sum())
+    (Color::from_lanes(sum.map(|s| s.iter().sum())), count.iter().sum())
 }
 
 #[inline(always)]
@@ -122,7 +121,7 @@ macro_rules! variants {
             $(pub mod $name {
                 use super::*;
                 #[target_feature(enable = $features)]
-                pub fn accumulate<K: Kernel>(map: &PhotonMap, q: &Query) -> (Rgb, u32) {
+                pub fn accumulate<K: Kernel>(map: &PhotonMap, q: &Query) -> (Color, u32) {
                     accumulate_body::<K>(map, q)
                 }
                 #[target_feature(enable = $features)]
@@ -148,7 +147,7 @@ fn has_avx512() -> bool {
 
 /// Σ shape(d²/r²)·flux over the disc (un-normalised), and how many photons it holds.
 #[inline]
-pub fn accumulate<K: Kernel>(map: &PhotonMap, q: &Query) -> (Rgb, u32) {
+pub fn accumulate<K: Kernel>(map: &PhotonMap, q: &Query) -> (Color, u32) {
     #[cfg(target_arch = "x86_64")]
     {
         if has_avx512() {

@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 use super::LightPath;
 use super::scan::{self, LANES};
-use crate::math::{Bounds, Rgb, Vec3, encode_direction};
+use crate::math::{Bounds, Color, Vec3, encode_direction};
 
 /// A photon as traced.
 #[derive(Clone, Copy, Debug)]
 pub struct Photon {
     pub p: Vec3,
     /// W per channel.
-    pub flux: Rgb,
+    pub flux: Color,
     /// Unit, back towards where it came from.
     pub wi: Vec3,
     /// Unit geometric normal of the side it arrived at.
@@ -172,8 +172,12 @@ impl PhotonMap {
         self.count == 0
     }
 
+    /// Memory of one photon in a map: position and flux, normal, direction, path and depth.
+    pub const PHOTON_BYTES: usize = 6 * size_of::<f32>() + 3 + size_of::<u32>() + 2;
+
+    /// Memory of all columns and of the grid.
     pub fn bytes(&self) -> usize {
-        (self.count + LANES) * (6 * 4 + 3) + self.count * 6 + self.starts.len() * 4
+        self.count * Self::PHOTON_BYTES + LANES * (6 * 4 + 3) + self.starts.len() * size_of::<u32>()
     }
 
     /// Sum of stored flux.
@@ -269,9 +273,10 @@ struct Columns {
 
 impl Columns {
     fn push(&mut self, photon: &Photon) {
-        for c in 0..3 {
+        let flux = photon.flux.lanes();
+        for (c, flux) in flux.into_iter().enumerate() {
             self.position[c].push(photon.p[c]);
-            self.flux[c].push(photon.flux[c]);
+            self.flux[c].push(flux);
             self.normal[c].push((photon.n[c] * 127.0).round() as i8);
         }
         self.direction.push(encode_direction(photon.wi));

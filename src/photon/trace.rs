@@ -9,7 +9,7 @@ use super::{LightPath, Owner, Photon};
 use crate::bsdf::{Event, Range, Transport};
 use crate::emitter::{Aim, Arrow, Emitter, SceneSphere};
 use crate::film::Rejected;
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Scene, Surface};
 
@@ -60,8 +60,8 @@ pub struct Traced {
     pub rejected: Rejected,
 }
 
-/// Paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
-const CHUNK: u64 = 2048;
+/// Light paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
+pub const CHUNK: u64 = 2048;
 
 /// Chunks that are traced however late it is: a map of fewer paths shows nothing.
 const LEAST_CHUNKS: u64 = 32;
@@ -254,7 +254,7 @@ fn store(
     s: &Surface,
     wi: Vec3,
     wi_ns: f32,
-    flux: Rgb,
+    flux: Color,
     path: LightPath,
     depth: u32,
     out: &mut Traced,

@@ -5,15 +5,15 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::film::{Mean, Pixels, Radiance, Rejected, STRIDE};
-use crate::integrator::{CameraSample, Integrator, PassStats, PathTracer, PhotonMapper, Scratch};
+use crate::integrator::{CameraSample, Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task};
 use crate::math::Vec2;
 use crate::photon::trace::Halt;
 use crate::sampling::{Sampler, mix};
-use crate::scene::{Plan, Scene, Settings};
+use crate::scene::View;
 use crate::settings::IntegratorKind;
 
-/// When to end; whichever comes first.
-#[derive(Clone, Copy, Debug)]
+/// When to end; whichever comes first. The default is never.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Budget<'a> {
     /// Passes in all, resumed ones included.
     pub passes: Option<u32>,
@@ -26,7 +26,12 @@ pub struct Budget<'a> {
 }
 
 impl Budget<'_> {
-    /// Until when something may go on in a render that began at `start`, of whose time `until` makes that.
+    /// This many passes, resumed ones included.
+    pub fn passes(n: u32) -> Self {
+        Self { passes: Some(n), ..Self::default() }
+    }
+
+    /// The halt for work in a render begun at `start`; `until` maps its time budget to a deadline.
     fn halt(&self, start: Instant, until: fn(Duration) -> Duration) -> Halt<'_> {
         Halt { stop: self.interrupt, deadline: self.time.and_then(|t| start.checked_add(until(t))) }
     }
@@ -89,28 +94,40 @@ pub struct Outcome {
     pub stop: Stop,
 }
 
-/// Renders passes `done..` into `pixels` (sums of the passes before). `progress` is called after each.
+/// What some passes have summed up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sums {
+    /// For every rendered pixel, row by row.
+    pub pixels: Pixels,
+    /// How many passes are in them, from the first.
+    pub passes: u32,
+}
+
+impl Sums {
+    /// Of no passes, for so many pixels.
+    pub fn none(pixels: usize) -> Self {
+        Self { pixels: Pixels::new(pixels), passes: 0 }
+    }
+}
+
+/// Renders passes on top of `sums`, in order, and calls `progress` after each.
 pub fn render(
-    scene: &Scene,
-    plan: &Plan,
-    settings: &Settings,
+    task: Task<'_>,
     budget: Budget<'_>,
-    pixels: Pixels,
-    done: u32,
+    sums: Sums,
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
     let start = Instant::now();
-    match settings.integrator {
+    match task.settings.integrator {
         IntegratorKind::Path => {
-            let integrator = PathTracer::new(scene, plan, settings);
-            run(scene, &integrator, settings, budget, pixels, done, start, progress)
+            let integrator = PathTracer::new(task);
+            run(task, &integrator, budget, sums, start, progress)
         }
         IntegratorKind::PhotonMap => {
             let later = budget.halt(start, overdue);
-            let first = if done == 0 { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
-            let halts = [first, later];
-            let integrator = PhotonMapper::halting(scene, plan, settings, halts);
-            run(scene, &integrator, settings, budget, pixels, done, start, progress)
+            let first = if sums.passes == 0 { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
+            let integrator = PhotonMapper::halting(task, [first, later]);
+            run(task, &integrator, budget, sums, start, progress)
         }
     }
 }
@@ -133,19 +150,18 @@ const FIRST_TRACE: f64 = 0.6;
 const BLOCK: usize = 8;
 
 fn run<I: Integrator>(
-    scene: &Scene,
+    task: Task<'_>,
     integrator: &I,
-    settings: &Settings,
     budget: Budget<'_>,
-    mut pixels: Pixels,
-    done: u32,
+    sums: Sums,
     start: Instant,
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
+    let Sums { mut pixels, passes: done } = sums;
     let mut stats = Statistics {
         prepare_seconds: start.elapsed().as_secs_f64(),
         film_bytes: size_of_val(pixels.as_slice()) as u64,
-        scene_bytes: (scene.geometry.bytes() + scene.textures.bytes()) as u64,
+        scene_bytes: (task.scene.geometry.bytes() + task.scene.textures.bytes()) as u64,
         ..Statistics::default()
     };
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
@@ -180,10 +196,10 @@ fn run<I: Integrator>(
         }
         let camera = Instant::now();
         let whole = sample_all(
-            scene,
+            task.view,
             integrator,
             &shared,
-            settings.seed,
+            task.settings.seed,
             passes,
             // The first samples of a picture are made however late it is.
             if passes > 0 { halt } else { Halt { deadline: None, ..halt } },
@@ -230,7 +246,7 @@ fn count(stats: &mut Statistics, pass: &PassStats) {
 /// One sample of every pixel; false when halted before all were made. What the pixels were goes
 /// into `before`.
 fn sample_all<I: Integrator>(
-    scene: &Scene,
+    view: &View,
     integrator: &I,
     shared: &I::Pass,
     seed: u64,
@@ -240,10 +256,10 @@ fn sample_all<I: Integrator>(
     before: &mut [[f64; STRIDE]],
     stats: &mut Statistics,
 ) -> bool {
-    let [x0, y0, width, height] = scene.film.crop.map(|v| v as usize);
-    let inverse = Vec2::new(1.0 / scene.film.width as f32, 1.0 / scene.film.height as f32);
+    let [x0, y0, width, height] = view.film.crop.map(|v| v as usize);
+    let inverse = Vec2::new(1.0 / view.film.width as f32, 1.0 / view.film.height as f32);
     let band = width * BLOCK;
-    let has_aperture = scene.sensor.has_aperture();
+    let has_aperture = view.sensor.has_aperture();
     let each = integrator.samples_a_pass();
     let counted: Vec<(Scratch, Rejected, bool)> = pixels
         .as_mut_slice()
@@ -274,10 +290,10 @@ fn sample_all<I: Integrator>(
                             let index = pass.wrapping_mul(each).wrapping_add(number);
                             let mut sampler =
                                 Sampler::new(mix(seed ^ mix(pixel)), index).stratified(I::STRATIFIED_PAIRS);
-                            let (offset, weight) = scene.filter.sample(sampler.next_2d());
+                            let (offset, weight) = view.filter.sample(sampler.next_2d());
                             let film = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * inverse;
                             let aperture = if has_aperture { sampler.next_2d() } else { Vec2::ZERO };
-                            let ray = scene.sensor.ray(film, aperture);
+                            let ray = view.sensor.ray(film, aperture);
                             samples.push(CameraSample { ray, sampler, out: Radiance::default() });
                             weights.push(weight);
                         }
@@ -290,7 +306,7 @@ fn sample_all<I: Integrator>(
                 for ((samples, weights), &at) in pixels {
                     let mut mean = Mean::default();
                     for (sample, weight) in samples.iter_mut().zip(weights) {
-                        scene.response.apply(&mut sample.out);
+                        view.response.apply(&mut sample.out);
                         mean.add(&sample.out, weight / each as f32, &mut rejected);
                     }
                     mean.add_to(&mut sums[at]);

@@ -1,5 +1,6 @@
 use super::OnMesh;
-use crate::math::Rgb;
+use crate::math::Color;
+use crate::spectrum::rgb;
 
 /// Values stored with the meshes that show them (Mitsuba's `mesh_attribute`).
 #[derive(Clone, Debug)]
@@ -27,9 +28,9 @@ impl MeshAttribute {
     }
 
     /// Linear over a triangle, or constant on it; black where there is no mesh.
-    pub fn eval(&self, on: &OnMesh) -> Rgb {
-        let Some(Some(mesh)) = self.by_shape.get(on.shape as usize) else { return Rgb::ZERO };
-        let at = |i: usize| mesh.values.get(i).map_or(Rgb::ZERO, |v| Rgb::from(*v));
+    pub fn eval(&self, on: &OnMesh) -> Color {
+        let Some(Some(mesh)) = self.by_shape.get(on.shape as usize) else { return Color::ZERO };
+        let at = |i: usize| mesh.values.get(i).map_or(Color::ZERO, |v| rgb(*v));
         let triangle = on.triangle as usize;
         let value = match mesh.corners.get(triangle) {
             Some(t) => {
@@ -58,7 +59,7 @@ mod tests {
         let mut t = MeshAttribute { name: "vertex_x".into(), scale: 2.0, by_shape: Vec::new() };
         t.give(1, Values { corners: vec![[0, 1, 2], [2, 1, 0]], values: values.clone() });
         t.give(2, Values { corners: Vec::new(), values });
-        let at = |shape, triangle| t.eval(&OnMesh { shape, triangle, weights: [0.25, 0.5] }).x;
+        let at = |shape, triangle| t.eval(&OnMesh { shape, triangle, weights: [0.25, 0.5] }).lanes()[0];
         assert_eq!(at(1, 0), 2.0 * (0.25 + 0.5 + 2.0));
         assert_eq!(at(1, 1), 2.0 * (1.0 + 0.5 + 0.5));
         assert_eq!(at(2, 1), 4.0);

@@ -1,5 +1,6 @@
 use super::{Mapping, Site};
-use crate::math::Rgb;
+use crate::math::Color;
+use crate::spectrum::rgb;
 
 /// What lies outside the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,10 +42,10 @@ pub struct Bytes {
 
 impl Texels {
     #[inline]
-    fn get(&self, i: usize) -> Rgb {
+    fn get(&self, i: usize) -> Color {
         match self {
-            Self::Floats(texels) => Rgb::from(texels[i]),
-            Self::Bytes(b) => Rgb::from(b.channels.map(|c| b.table[usize::from(b.data[i * b.stride + c])])),
+            Self::Floats(texels) => rgb(texels[i]),
+            Self::Bytes(b) => rgb(b.channels.map(|c| b.table[usize::from(b.data[i * b.stride + c])])),
         }
     }
 }
@@ -72,14 +73,14 @@ fn wrapped(i: i64, n: usize, mode: Wrap) -> Texel {
 }
 
 impl Bitmap {
-    fn texel(&self, x: i64, y: i64) -> Rgb {
+    fn texel(&self, x: i64, y: i64) -> Color {
         match (wrapped(x, self.width, self.wrap[0]), wrapped(y, self.height, self.wrap[1])) {
             (Texel::At(x), Texel::At(y)) => self.texels.get(y * self.width + x),
-            (Texel::Constant(c), _) | (_, Texel::Constant(c)) => Rgb::splat(c),
+            (Texel::Constant(c), _) | (_, Texel::Constant(c)) => Color::splat(c),
         }
     }
 
-    pub fn eval(&self, at: &Site) -> Rgb {
+    pub fn eval(&self, at: &Site) -> Color {
         let uv = self.mapping.apply(at);
         // uv of a degenerate or hostile mesh may be huge or NaN; the cast saturates, NaN becomes 0.
         let (x, y) = (uv.x * self.width as f32, uv.y * self.height as f32);
@@ -122,7 +123,7 @@ mod tests {
 
     #[test]
     fn wrap_modes_continue_the_ramp_as_named() {
-        let at = |w, u| ramp(w, false).eval(&Site::flat(Vec2::new(u, 0.5))).x;
+        let at = |w, u| ramp(w, false).eval(&Site::flat(Vec2::new(u, 0.5))).lanes()[0];
         assert_eq!(at(Wrap::Repeat, 1.1), 0.0);
         assert_eq!(at(Wrap::Mirror, 1.1), 3.0);
         assert_eq!(at(Wrap::Mirror, -0.3), 1.0);
@@ -134,9 +135,9 @@ mod tests {
     #[test]
     fn bilinear_reproduces_texel_centres_and_interpolates_between() {
         let b = ramp(Wrap::Repeat, true);
-        assert_eq!(b.eval(&Site::flat(Vec2::new(0.375, 0.5))).x, 1.0);
-        assert_eq!(b.eval(&Site::flat(Vec2::new(0.5, 0.5))).x, 1.5);
-        assert_eq!(b.eval(&Site::flat(Vec2::new(0.0, 0.5))).x, 1.5);
+        assert_eq!(b.eval(&Site::flat(Vec2::new(0.375, 0.5))).lanes()[0], 1.0);
+        assert_eq!(b.eval(&Site::flat(Vec2::new(0.5, 0.5))).lanes()[0], 1.5);
+        assert_eq!(b.eval(&Site::flat(Vec2::new(0.0, 0.5))).lanes()[0], 1.5);
         assert!(b.eval(&Site::flat(Vec2::new(f32::NAN, f32::INFINITY))).is_finite() || b.bilinear);
     }
 }

@@ -1,5 +1,5 @@
 use super::{Param, Site, Textures, UvTransform};
-use crate::math::Rgb;
+use crate::math::Color;
 
 /// Two colours by the parity of floor(2u) and floor(2v) (Mitsuba's `checkerboard`).
 #[derive(Clone, Debug)]
@@ -9,7 +9,7 @@ pub struct Checkerboard {
 }
 
 impl Checkerboard {
-    pub fn eval(&self, textures: &Textures, at: &Site) -> Rgb {
+    pub fn eval(&self, textures: &Textures, at: &Site) -> Color {
         let t = self.to_uv.apply(at.uv);
         let upper = |x: f32| x - x.floor() > 0.5;
         let color = self.colors[usize::from(upper(t.x) != upper(t.y))];

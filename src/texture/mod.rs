@@ -18,19 +18,19 @@ pub use patterns::{Bilerp, Grid, Mix, UnitChecks};
 pub use site::{OnMesh, Site};
 pub use solid::{DirectionMix, Dots, SolidChecks};
 
-use crate::math::{Rgb, Vec2};
+use crate::math::{Color, Vec2};
 
 /// A colour parameter of a material or lamp. Scalars use the luminance of the colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Param {
-    Constant(Rgb),
+    Constant(Color),
     /// Index into [`Textures`].
     Texture(u32),
 }
 
 impl Param {
     pub fn gray(value: f32) -> Self {
-        Self::Constant(Rgb::splat(value))
+        Self::Constant(Color::splat(value))
     }
 
     pub fn texture(self, textures: &Textures) -> Option<&Texture> {
@@ -40,7 +40,7 @@ impl Param {
         }
     }
 
-    pub fn constant(&self) -> Option<Rgb> {
+    pub fn constant(&self) -> Option<Color> {
         match self {
             Self::Constant(c) => Some(*c),
             Self::Texture(_) => None,
@@ -53,7 +53,7 @@ pub enum Texture {
     Bitmap(Bitmap),
     Checkerboard(Checkerboard),
     /// A parameter times a constant.
-    Scaled(Param, Rgb),
+    Scaled(Param, Color),
     Product(Param, Param),
     Grid(Grid),
     UnitChecks(UnitChecks),
@@ -90,7 +90,7 @@ pub struct Textures(pub Vec<Texture>);
 
 impl Textures {
     #[inline]
-    pub fn eval(&self, param: Param, at: &Site) -> Rgb {
+    pub fn eval(&self, param: Param, at: &Site) -> Color {
         match param {
             Param::Constant(c) => c,
             Param::Texture(i) => match &self.0[i as usize] {
@@ -113,13 +113,13 @@ impl Textures {
 
     /// Average over the unit square of a picture that lies on no surface, for choosing lamps by power. Exact for constants; textures
     /// are read on a 64 × 64 grid, which is enough for a sampling weight.
-    pub fn mean(&self, param: Param) -> Rgb {
+    pub fn mean(&self, param: Param) -> Color {
         match param {
             Param::Constant(c) => c,
             Param::Texture(_) => {
                 let n = 64;
                 let at = |i: u32| (i as f32 + 0.5) / n as f32;
-                let sum = (0..n * n).fold(Rgb::ZERO, |s, i| {
+                let sum = (0..n * n).fold(Color::ZERO, |s, i| {
                     s + self.eval(param, &Site::flat(Vec2::new(at(i % n), at(i / n))))
                 });
                 sum / (n * n) as f32

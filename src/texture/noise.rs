@@ -1,5 +1,6 @@
 use super::ToTexture;
-use crate::math::{Rgb, Vec3};
+use crate::math::{Color, Vec3};
+use crate::spectrum::rgb;
 
 /// Perlin's permutation of 0..256 (Perlin 2002, "Improving noise").
 const PERMUTATION: [u8; 256] = [
@@ -80,16 +81,16 @@ pub struct Noise {
 }
 
 impl Noise {
-    pub fn eval(&self, p: Vec3) -> Rgb {
+    pub fn eval(&self, p: Vec3) -> Color {
         let p = self.to_texture.point(p);
         match self.kind {
-            NoiseKind::Fbm { octaves, roughness } => Rgb::splat(fbm(p, octaves, roughness)),
+            NoiseKind::Fbm { octaves, roughness } => Color::splat(fbm(p, octaves, roughness)),
             NoiseKind::Wrinkled { octaves: count, roughness } => {
                 // pbrt stands in for the octave after the last by its mean.
                 let rest = 0.2 * roughness.powi(count as i32);
-                Rgb::splat(octaves(p, count, roughness, f32::abs) + rest)
+                Color::splat(octaves(p, count, roughness, f32::abs) + rest)
             }
-            NoiseKind::Windy => Rgb::splat(fbm(p * 0.1, 3, 0.5).abs() * fbm(p, 6, 0.5)),
+            NoiseKind::Windy => Color::splat(fbm(p * 0.1, 3, 0.5).abs() * fbm(p, 6, 0.5)),
             NoiseKind::Marble { octaves, roughness, scale, variation } => {
                 let p = p * scale;
                 vein(0.5 + 0.5 * (p.y + variation * fbm(p, octaves, roughness)).sin())
@@ -111,20 +112,21 @@ const MARBLE: [[f32; 3]; 9] = [
     [0.58, 0.58, 0.6],
 ];
 
-fn vein(t: f32) -> Rgb {
+fn vein(t: f32) -> Color {
     let curves = MARBLE.len() - 3;
     let along = t.clamp(0.0, 1.0) * curves as f32;
     let first = (along as usize).min(curves - 1);
     let t = along - first as f32;
     let s = 1.0 - t;
     let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
-    let color: Rgb = weights.iter().zip(&MARBLE[first..]).map(|(w, c)| Rgb::from(*c) * *w).sum();
+    let color: Color = weights.iter().zip(&MARBLE[first..]).map(|(w, c)| rgb(*c) * *w).sum();
     color * 1.5
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spectrum::to_rgb;
 
     #[test]
     fn the_table_is_a_permutation() {
@@ -161,8 +163,8 @@ mod tests {
 
     #[test]
     fn veins_are_dark_between_pale_stone() {
-        assert!((vein(0.0) - Rgb::new(0.87, 0.87, 0.9)).length() < 1e-5);
-        let darkest = (0..=100).map(|i| vein(i as f32 / 100.0).x).fold(1.0, f32::min);
+        assert!((vein(0.0) - rgb([0.87, 0.87, 0.9])).abs().max_element() < 1e-5);
+        let darkest = (0..=100).map(|i| to_rgb(vein(i as f32 / 100.0))[0]).fold(1.0, f32::min);
         assert!(darkest < 0.65, "{darkest}");
     }
 }

@@ -1,6 +1,6 @@
 use super::noise::perlin;
 use super::{Mapping, Param, Site, Textures, ToTexture};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3};
 
 /// Unit cubes by the parity of floor(x) + floor(y) + floor(z).
 #[derive(Clone, Copy, Debug)]
@@ -10,7 +10,7 @@ pub struct SolidChecks {
 }
 
 impl SolidChecks {
-    pub fn eval(&self, textures: &Textures, at: &Site) -> Rgb {
+    pub fn eval(&self, textures: &Textures, at: &Site) -> Color {
         let cell = self.to_texture.point(at.p).floor();
         let odd = (cell.x + cell.y + cell.z).rem_euclid(2.0) >= 1.0;
         textures.eval(self.colors[usize::from(odd)], at)
@@ -28,7 +28,7 @@ pub struct Dots {
 const RADIUS: f32 = 0.35;
 
 impl Dots {
-    pub fn eval(&self, textures: &Textures, at: &Site) -> Rgb {
+    pub fn eval(&self, textures: &Textures, at: &Site) -> Color {
         let inside = Self::hits(self.mapping.apply(at));
         textures.eval(self.colors[usize::from(inside)], at)
     }
@@ -53,7 +53,7 @@ pub struct DirectionMix {
 }
 
 impl DirectionMix {
-    pub fn eval(&self, textures: &Textures, at: &Site) -> Rgb {
+    pub fn eval(&self, textures: &Textures, at: &Site) -> Color {
         let amount = at.n.dot(self.direction).abs().min(1.0);
         let [first, second] = self.inputs.map(|p| textures.eval(p, at));
         first * (1.0 - amount) + second * amount
@@ -80,7 +80,7 @@ mod tests {
             ([0.5, 1.5, 2.5], 0.8),
             ([-0.5, 0.5, -0.5], 0.2),
         ] {
-            assert_eq!(checks.eval(&Textures::default(), &site(p)).x, expected, "{p:?}");
+            assert_eq!(checks.eval(&Textures::default(), &site(p)).lanes()[0], expected, "{p:?}");
         }
     }
 
@@ -109,7 +109,7 @@ mod tests {
             [(Vec3::X, 0.0), (Vec3::Y, 1.0), (-Vec3::Y, 1.0), (Vec3::new(0.6, 0.8, 0.0), 0.8)]
         {
             let at = Site { n, ..site([0.0; 3]) };
-            assert_eq!(mix.eval(&Textures::default(), &at).x, expected);
+            assert_eq!(mix.eval(&Textures::default(), &at).lanes()[0], expected);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! White furnace: what a surface reflects of uniform light.
 
 use caustica::bsdf::Transport;
-use caustica::math::{Rgb, Vec2};
+use caustica::math::{Color, Vec2};
 use caustica::sampling::CounterRng;
 
 use super::{NONLINEAR, bsdf, closure, direction, float, ggx, material, rgb};
@@ -33,7 +33,7 @@ fn directional_albedo_matches_mitsuba() {
             for _ in 0..n {
                 let (lobe, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
                 let sample = c.sample(wi, lobe, u, Transport::Radiance, 0.0);
-                let weight = f64::from(sample.map_or(Rgb::ZERO, |s| s.weight).x);
+                let weight = f64::from(sample.map_or(Color::ZERO, |s| s.weight).lanes()[0]);
                 sum += weight;
                 square += weight * weight;
             }

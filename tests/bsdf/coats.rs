@@ -6,12 +6,12 @@ use caustica::sampling::CounterRng;
 use caustica::scene::Scene;
 
 use super::{closure, direction};
-use crate::support::{SIGMAS, pbrt_scene};
+use crate::support::{SIGMAS, Stage, pbrt_scene};
 
 const THICKNESS: f32 = 0.01;
 const MAX_DEPTH: u32 = 10;
 
-fn sphere(material: &str) -> Scene {
+fn sphere(material: &str) -> Stage {
     pbrt_scene(&format!("LightSource \"infinite\"\nMaterial {material}\nShape \"sphere\""), vec![])
 }
 
@@ -19,7 +19,7 @@ fn sphere(material: &str) -> Scene {
 fn meet(surface: &Scene, wi: Vec3, rng: &mut CounterRng) -> Option<(Vec3, f32)> {
     let (lobe, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
     let sample = closure(surface, wi).sample(wi, lobe, u, Transport::Radiance, 0.0)?;
-    Some((sample.wo, sample.weight.x))
+    Some((sample.wo, sample.weight.lanes()[0]))
 }
 
 /// Weight of one walk: light that enters along `wi` meets base and coat in turn.

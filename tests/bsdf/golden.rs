@@ -1,7 +1,6 @@
 //! Values and densities against Mitsuba's.
 
 use caustica::bsdf::{Range, Transport};
-use caustica::math::Vec3;
 
 use super::{NONLINEAR, RHO, bsdf, closure, direction, float, ggx, ggx_uv, material, plastic, rgb, string};
 
@@ -76,8 +75,8 @@ fn values_and_densities_match_mitsuba() {
         let c = closure(scene, wi);
         let importance = row.get(8..11).unwrap_or(&row[4..7]);
         for (mode, expected) in [(Transport::Radiance, &row[4..7]), (Transport::Importance, importance)] {
-            let f: Vec3 = c.eval(wi, wo, mode, Range::ALL) * wo.z.abs();
-            assert!((0..3).all(|k| near(f[k], expected[k])), "{name}, {mode:?}: {f} against {line}");
+            let f = (c.eval(wi, wo, mode, Range::ALL) * wo.z.abs()).lanes();
+            assert!((0..3).all(|k| near(f[k], expected[k])), "{name}, {mode:?}: {f:?} against {line}");
         }
         let pdf = c.pdf(wi, wo, Range::ALL);
         // Mitsuba's default never draws from the clear coat; here it has its share. And Mitsuba states

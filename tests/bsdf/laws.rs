@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use caustica::bsdf::{Event, Range, Transport};
-use caustica::math::{Rgb, Vec2, Vec3};
+use caustica::math::{Color, Vec2, Vec3};
 use caustica::sampling::CounterRng;
 
 use super::{VIEWS, closure, direction, examples};
@@ -118,16 +118,16 @@ fn no_surface_returns_more_than_it_received() {
             for _ in 0..n {
                 let (lobe, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
                 let sample = c.sample(wi, lobe, u, Transport::Importance, 0.0);
-                let weight = sample.map_or(Rgb::ZERO, |s| s.weight);
+                let weight = sample.map_or(Color::ZERO, |s| s.weight);
                 for i in 0..3 {
-                    let w = f64::from(weight[i]);
+                    let w = f64::from(weight.lanes()[i]);
                     sum[i] += w;
                     square[i] += w * w;
                 }
             }
             let through = c.transparency();
-            let deltas: Rgb = c.deltas(wi, Transport::Importance).iter().map(|l| l.weight).sum();
-            let stated = c.smooth_albedo(wi, Range::ALL) + deltas * (1.0 - through) + Rgb::splat(through);
+            let deltas: Color = c.deltas(wi, Transport::Importance).iter().map(|l| l.weight).sum();
+            let stated = c.smooth_albedo(wi, Range::ALL) + deltas * (1.0 - through) + Color::splat(through);
             for i in 0..3 {
                 let mean = sum[i] / f64::from(n);
                 let sigma = ((square[i] / f64::from(n) - mean * mean).max(0.0) / f64::from(n)).sqrt();
@@ -136,7 +136,7 @@ fn no_surface_returns_more_than_it_received() {
                 // Photons on a tilted facet bring the facet's cosine instead of the surface's.
                 let bound = if name.starts_with("tilted") { 2.0 } else { 1.0 + 2e-3 };
                 assert!(mean <= bound + 4.5 * sigma, "{name} at {theta}: {mean}");
-                let stated = f64::from(stated[i]);
+                let stated = f64::from(stated.lanes()[i]);
                 if EXACT.contains(&name) {
                     // 1e-3: the internal reflectance of plastic is a fit, and it enters the stated albedo.
                     let error = (mean - stated).abs();
@@ -173,7 +173,7 @@ fn photons_and_cameras_see_the_same_surface() {
             assert!((f - apart).abs().max_element() <= 1e-6 * f.max_element(), "{name}: {f} and {apart}");
             let (lobe, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
             let Some(s) = a.sample(wi, lobe, u, Transport::Radiance, GLOSSY) else { continue };
-            if s.weight == Rgb::ZERO {
+            if s.weight == Color::ZERO {
                 continue;
             }
             let range = match s.event {

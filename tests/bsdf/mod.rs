@@ -11,11 +11,11 @@ use caustica::bsdf::{Closure, Point};
 use caustica::math::{Vec2, Vec3};
 use caustica::scene::Scene;
 
-use crate::support::{camera, pbrt_scene, scene};
+use crate::support::{Stage, camera, pbrt_scene, scene};
 
 const RHO: &str = "<rgb name='reflectance' value='0.2,0.5,0.8'/>";
 
-fn material(bsdf: &str) -> Scene {
+fn material(bsdf: &str) -> Stage {
     scene(&format!("{}<shape type='rectangle'>{bsdf}</shape>", camera("0,0,3", "0,0,0", 40.0, 4)))
 }
 
@@ -56,7 +56,7 @@ fn plastic(kind: &str, rest: &str) -> String {
 const NONLINEAR: &str = "<boolean name='nonlinear' value='true'/>";
 
 /// Every model that is rendered, by name.
-fn examples() -> Vec<(&'static str, Scene)> {
+fn examples() -> Vec<(&'static str, Stage)> {
     let diffuse = bsdf("diffuse", RHO);
     let base = rgb("base_color", "0.2,0.5,0.8");
     let shiny = rgb("specular_reflectance", "0.3") + &rgb("diffuse_reflectance", "0.2,0.5,0.6");
@@ -216,7 +216,7 @@ fn examples() -> Vec<(&'static str, Scene)> {
 }
 
 /// pbrt's own models: another masking, roughness by its square root, coats.
-fn of_pbrt() -> Vec<(&'static str, Scene)> {
+fn of_pbrt() -> Vec<(&'static str, Stage)> {
     let colour = "\"rgb reflectance\" [0.2 0.5 0.8]";
     let mix = format!(
         "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" {colour}\n\

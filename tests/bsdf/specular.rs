@@ -15,21 +15,30 @@ fn glass_scales_radiance_on_the_way_in_and_back_on_the_way_out() {
     let wi = direction(60.0, 0.0);
     let r = 0.089880;
     let into = lobes(wi, Transport::Radiance);
-    assert!((into[0].weight.x - r).abs() < 1e-5 && (into[1].weight.x - (1.0 - r) / (eta * eta)).abs() < 1e-5);
+    assert!(
+        (into[0].weight.lanes()[0] - r).abs() < 1e-5
+            && (into[1].weight.lanes()[0] - (1.0 - r) / (eta * eta)).abs() < 1e-5
+    );
     assert!((into[1].eta - eta).abs() < 1e-6 && into[0].eta == 1.0);
     let power = lobes(wi, Transport::Importance);
-    assert!((power[0].weight.x - r).abs() < 1e-5 && (power[1].weight.x - (1.0 - r)).abs() < 1e-5);
+    assert!(
+        (power[0].weight.lanes()[0] - r).abs() < 1e-5
+            && (power[1].weight.lanes()[0] - (1.0 - r)).abs() < 1e-5
+    );
     // Back along the refracted ray: the same reflectance, the inverse factor, the first direction.
     let inside = into[1].wo;
     assert!((inside.x + wi.x / eta).abs() < 1e-6);
     let out = lobes(inside, Transport::Radiance);
-    assert!((out[0].weight.x - r).abs() < 1e-5 && (out[1].weight.x - (1.0 - r) * eta * eta).abs() < 1e-4);
+    assert!(
+        (out[0].weight.lanes()[0] - r).abs() < 1e-5
+            && (out[1].weight.lanes()[0] - (1.0 - r) * eta * eta).abs() < 1e-4
+    );
     assert!((out[1].wo - wi).length() < 1e-5);
-    assert!((into[1].weight.x * out[1].weight.x - (1.0 - r) * (1.0 - r)).abs() < 1e-5);
+    assert!((into[1].weight.lanes()[0] * out[1].weight.lanes()[0] - (1.0 - r) * (1.0 - r)).abs() < 1e-5);
     // Beyond the critical angle nothing leaves.
     let beyond = direction(180.0 - 60.0, 0.0);
     let total = lobes(beyond, Transport::Radiance);
-    assert_eq!((total[0].weight.x, total[1].weight.x), (1.0, 0.0));
+    assert_eq!((total[0].weight.lanes()[0], total[1].weight.lanes()[0]), (1.0, 0.0));
 }
 
 /// A pane reflects R + TRT + TRRRT + … = 2R/(1 + R) and lets the rest straight through, unscaled.
@@ -43,7 +52,8 @@ fn a_pane_transmits_straight_on() {
         for mode in [Transport::Radiance, Transport::Importance] {
             let lobes: Vec<_> = closure(&scene, wi).deltas(wi, mode).iter().copied().collect();
             assert!(
-                (lobes[0].weight.x - both).abs() < 1e-6 && (lobes[1].weight.x - (1.0 - both)).abs() < 1e-6
+                (lobes[0].weight.lanes()[0] - both).abs() < 1e-6
+                    && (lobes[1].weight.lanes()[0] - (1.0 - both)).abs() < 1e-6
             );
             assert_eq!(lobes[1].wo, -wi);
             assert_eq!(lobes[0].wo, Vec3::new(-wi.x, -wi.y, wi.z));

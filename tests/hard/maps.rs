@@ -1,18 +1,16 @@
 //! Photon maps at their limits.
 
-use caustica::film::Pixels;
-use caustica::math::{Rgb, Vec3};
-use caustica::photon::kernel::KernelKind;
+use caustica::math::kernel::KernelKind;
+use caustica::math::{Color, Vec3};
 use caustica::photon::radius::shrinkage;
 use caustica::photon::{LightPath, Photon, PhotonMap, Query};
 use caustica::render::Outcome;
-use caustica::scene::{Plan, Scene};
 
 use super::{agree, record};
-use crate::support::{Estimate, UP, area, budget, camera, diffuse, rectangle, scene, settings, sphere};
+use crate::support::{Estimate, Stage, UP, area, camera, diffuse, outcome, rectangle, scene, sphere};
 
 fn photon(p: Vec3) -> Photon {
-    Photon { p, flux: Rgb::ONE, wi: Vec3::Z, n: Vec3::Z, path: LightPath::Direct, depth: 1 }
+    Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, path: LightPath::Direct, depth: 1 }
 }
 
 fn found(map: &PhotonMap, p: Vec3, radius: f32) -> usize {
@@ -68,11 +66,8 @@ fn kernels_have_unit_mass_on_a_plane() {
     assert!(worst < 1e-6);
 }
 
-fn run(scene: &Scene, changes: &[(&str, &str)], passes: u32) -> Outcome {
-    let settings = settings(scene, changes);
-    let plan = Plan::new(scene, &settings);
-    let pixels = Pixels::new(scene.film.pixel_count());
-    caustica::render::render(scene, &plan, &settings, budget(passes), pixels, 0, &mut |_| {})
+fn run(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Outcome {
+    outcome(scene, changes, passes, &mut |_| {})
 }
 
 /// The radius falls as its formula says and the mean stays where it is, after ten thousand passes too.

@@ -6,6 +6,8 @@ use caustica::math::{Frame, Ray, Vec2, Vec3};
 use caustica::sampling::{CounterRng, warp};
 use caustica::scene::{Scene, Surface};
 
+use crate::support::Stage;
+
 use super::{Tally, green, mitsuba, pbrt, same};
 
 const SIZE: f32 = 0.8;
@@ -29,7 +31,7 @@ const AIM: &str =
     "<transform name='to_world'><lookat origin='1,-0.7,2' target='0.1,0.2,0' up='0,1,0.2'/></transform>";
 
 /// Every kind of light over a receiver.
-fn lights() -> Vec<(&'static str, Scene)> {
+fn lights() -> Vec<(&'static str, Stage)> {
     let receiver = format!(
         "<shape type='rectangle'><transform name='to_world'><scale value='{SIZE}'/>\
          <translate x='0.2' y='0.1'/></transform></shape>"

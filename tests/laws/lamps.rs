@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use caustica::emitter::Emitter;
 use caustica::math::Vec3;
 use caustica::sampling::CounterRng;
-use caustica::scene::Scene;
+
+use crate::support::Stage;
 
 use super::{Tally, crossings, green, line, mitsuba, pbrt, same};
 
@@ -27,7 +28,7 @@ fn light(shape: &str, twosided: bool) -> String {
 }
 
 /// Every shape there is, shining.
-fn shapes() -> Vec<(&'static str, Scene)> {
+fn shapes() -> Vec<(&'static str, Stage)> {
     let flipped = "<boolean name='flip_normals' value='true'/>";
     let mesh = "<string name='filename' value='mesh.obj'/>";
     let quarter = "\"float radius\" 1.3 \"float zmin\" -0.4 \"float zmax\" 1 \"float phimax\" 200";

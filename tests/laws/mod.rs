@@ -4,11 +4,11 @@
 mod direct;
 mod lamps;
 
-use caustica::math::{Frame, Ray, Rgb, Vec3};
+use caustica::math::{Color, Frame, Ray, Vec3};
 use caustica::sampling::{CounterRng, warp};
 use caustica::scene::{Scene, Surface};
 
-use crate::support::{camera, pbrt_scene, picture, scene_with_bytes};
+use crate::support::{Stage, camera, pbrt_scene, picture, scene_with_bytes};
 
 /// What the cases refer to.
 fn files() -> Vec<(&'static str, Vec<u8>)> {
@@ -19,11 +19,11 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
     vec![("sky.pfm", sky), ("square.pfm", square), ("mesh.obj", mesh.as_bytes().to_vec())]
 }
 
-fn mitsuba(body: &str) -> Scene {
+fn mitsuba(body: &str) -> Stage {
     scene_with_bytes(&format!("{}{body}", camera("0,0,9", "0,0,0", 40.0, 4)), files())
 }
 
-fn pbrt(world: &str) -> Scene {
+fn pbrt(world: &str) -> Stage {
     pbrt_scene(world, files())
 }
 
@@ -82,6 +82,6 @@ fn same(what: &str, a: Tally, b: Tally) {
     assert!(sigma <= 0.05 * b.mean().abs(), "{what}: {} is too noisy: {sigma}", b.mean());
 }
 
-fn green(light: Rgb) -> f64 {
-    f64::from(light.y)
+fn green(light: Color) -> f64 {
+    f64::from(light.lanes()[1])
 }

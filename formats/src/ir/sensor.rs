@@ -188,6 +188,23 @@ pub enum Filter {
     },
 }
 
+impl Filter {
+    /// Filters by the names of Mitsuba's plugins, with its default parameters.
+    pub const NAMED: &[(&str, Self)] = &[
+        ("box", Self::Box { radius: 0.5 }),
+        ("tent", Self::Tent { radius: 1.0 }),
+        ("gaussian", Self::Gaussian { stddev: 0.5 }),
+        ("mitchell", Self::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
+        ("catmullrom", Self::CatmullRom),
+        ("lanczos", Self::Lanczos { lobes: 3 }),
+    ];
+
+    /// The filter of this name in [`Filter::NAMED`].
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMED.iter().find(|(known, _)| *known == name).map(|(_, filter)| *filter)
+    }
+}
+
 /// Channels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PixelFormat {

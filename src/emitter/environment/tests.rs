@@ -34,12 +34,12 @@ fn directions_lie_on_the_picture_as_in_mitsuba() {
     let e = Environment::new(Picture::new(8, 4, texels), Mapping::LatLong, axes);
     // x = 8u − ½, y = 3v.
     for (d, x, y) in [(Vec3::Z, 3.5, 1.5), (Vec3::X, 1.5, 1.5), (-Vec3::X, 5.5, 1.5)] {
-        assert!((e.radiance(d).x - (x + 10.0 * y)).abs() < 1e-4, "{d}: {}", e.radiance(d));
+        assert!((e.radiance(d).lanes()[0] - (x + 10.0 * y)).abs() < 1e-4, "{d}: {}", e.radiance(d));
     }
     // The left edge is −Z: halfway between columns 7 and 0.
-    assert!((e.radiance(-Vec3::Z).x - 18.5).abs() < 1e-4);
+    assert!((e.radiance(-Vec3::Z).lanes()[0] - 18.5).abs() < 1e-4);
     // At the poles the first and last row are met without the others.
-    assert!(e.radiance(Vec3::Y).x < 8.0 && e.radiance(-Vec3::Y).x >= 30.0);
+    assert!(e.radiance(Vec3::Y).lanes()[0] < 8.0 && e.radiance(-Vec3::Y).lanes()[0] >= 30.0);
 }
 
 /// A midpoint sum over 512 × 1024 directions of a piecewise smooth density, which in the worst case
@@ -56,12 +56,12 @@ fn densities_integrate_to_one_and_radiance_to_the_power() {
             let d = e.axes.to_world(local);
             let solid = f64::from(theta.sin() * (PI / rows as f32) * (2.0 * PI / columns as f32));
             density += f64::from(e.pdf_direct(d)) * solid;
-            (0..3).for_each(|c| light[c] += f64::from(e.radiance(d)[c]) * solid);
+            (0..3).for_each(|c| light[c] += f64::from(e.radiance(d).lanes()[c]) * solid);
         }
         let black = e.mean == 0.0;
         assert!(black || (density - 1.0).abs() < 4e-3, "case {case}: {density}");
         for c in 0..3 {
-            let expected = f64::from(e.total[c]);
+            let expected = f64::from(e.total.lanes()[c]);
             assert!((light[c] - expected).abs() <= 4e-3 * expected, "case {case}: {light:?} {}", e.total);
         }
     }
@@ -74,16 +74,17 @@ fn samples_agree_with_density_and_radiance() {
     for (case, e) in cases().into_iter().enumerate() {
         let n = 256;
         let mut wrong = 0;
-        let mut total = Rgb::ZERO;
+        let mut total = Color::ZERO;
         for i in 0..n * n {
             let at = |k: i32| (k as f32 + 0.5) / n as f32;
-            let Some(s) = e.sample_direct(Vec2::new(at(i % n), at(i / n))) else {
+            let Some(s) = e.sample_direct(&Textures::default(), Vec3::ZERO, Vec2::new(at(i % n), at(i / n)))
+            else {
                 assert_eq!(e.mean, 0.0);
                 continue;
             };
             let expected = e.radiance(s.dir) / e.pdf_direct(s.dir);
             let close = (s.pdf / e.pdf_direct(s.dir) - 1.0).abs() < 1e-3
-                && (s.value / expected - Rgb::ONE).abs().max_element() < 2e-3;
+                && (s.value / expected - Color::ONE).abs().max_element() < 2e-3;
             wrong += i32::from(!close && expected.min_element() > 0.0);
             total += s.value / (n * n) as f32;
         }
@@ -103,8 +104,9 @@ fn photons_start_where_the_scene_can_receive_them() {
         for i in 0..64 {
             let at = |k: i32| (k as f32 + 0.5) / 8.0;
             let u = Vec2::new(at(i % 8), at(i / 8));
-            let s =
-                e.sample_emission(&Arena::even(scene), u, Vec2::new(u.y, u.x)).expect("the picture shines");
+            let s = e
+                .sample_emission(&Textures::default(), &Arena::even(scene), u, Vec2::new(u.y, u.x))
+                .expect("the picture shines");
             let from = s.o - scene.center;
             assert!((from.dot(s.d) + 2.0).abs() < 1e-4);
             assert!((from + s.d * 2.0).length() <= 2.0001);

@@ -1,0 +1,71 @@
+//! Which photon maps a scene needs, and of how many light paths each.
+
+use crate::scene::Facts;
+use crate::settings::{Count, Settings};
+
+/// Light paths of a map that is left to follow the film, at least.
+const LEAST_PATHS: u64 = 1024;
+
+/// The photon maps of a render; what is not needed is neither traced nor stored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Photons from rough surfaces (or straight from lamps, without next event estimation).
+    pub global_map: bool,
+    /// Photons through mirrors and glass, in a map of their own.
+    pub caustic_map: bool,
+    /// Light through specular surfaces exists, in whichever map.
+    pub caustics: bool,
+    /// Light paths a pass; 0 where no map is needed.
+    pub global_paths: Count,
+    /// The same for the caustic map.
+    pub caustic_paths: Count,
+}
+
+impl Plan {
+    /// No maps at all.
+    pub const NOTHING: Self = Self {
+        global_map: false,
+        caustic_map: false,
+        caustics: false,
+        global_paths: Count::Paths(0),
+        caustic_paths: Count::Paths(0),
+    };
+
+    /// For a picture of `pixels` pixels, which automatic path counts follow.
+    pub fn new(facts: &Facts, settings: &Settings, pixels: usize) -> Self {
+        let (lit, rough) = (facts.lit, facts.as_rough_as(settings.glossy));
+        // Segments a path needs at least: lamp–rough–camera is 2, each further surface adds one.
+        let deepest = settings.max_depth.0;
+        // Glossy lobes are followed like mirrors, and throw caustics as they do.
+        let caustics = lit && facts.sharper_than(settings.glossy) && rough && deepest >= 3;
+        let global_map = lit && rough && deepest >= if settings.nee { 3 } else { 2 };
+        let paths = |wanted: bool, count: Count, automatic: u64| match count {
+            _ if !wanted => Count::Paths(0),
+            Count::Auto => Count::Paths(automatic.max(LEAST_PATHS)),
+            given => given,
+        };
+        let caustic_map = caustics && settings.caustic_map;
+        // Most caustic paths end at the first rough surface, after one ray: four times as many cost the
+        // same, and what they show is sharper.
+        let pixels = pixels as u64;
+        Self {
+            global_map,
+            caustic_map,
+            caustics,
+            global_paths: paths(global_map || (caustics && !caustic_map), settings.photons, pixels / 4),
+            caustic_paths: paths(caustic_map, settings.caustic_photons, pixels),
+        }
+    }
+
+    /// Why a map is left out, for people.
+    pub fn notes(facts: &Facts, settings: &Settings) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !facts.sharper_than(settings.glossy) {
+            notes.push("no specular surface: no caustic map".to_owned());
+        }
+        if settings.nee && settings.max_depth.0 == 2 {
+            notes.push("max_depth 2 is direct light only: no photon map".to_owned());
+        }
+        notes
+    }
+}

@@ -1,0 +1,140 @@
+//! Dielectric layers over other materials.
+
+use std::sync::Arc;
+
+use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
+
+use super::Compiler;
+use crate::bsdf::{
+    Between, CoatingModel, ConductorModel, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
+    Returned, RoughConductorModel, Roughness, Walk,
+};
+use crate::math::Color;
+use crate::texture::Param;
+
+const BLACK: Param = Param::Constant(Color::ZERO);
+const WHITE: Param = Param::Constant(Color::ONE);
+
+/// Each coat takes twice the time of what lies below it.
+const MAX_COATS: u32 = 4;
+
+impl Compiler<'_> {
+    pub(super) fn coat(
+        &mut self,
+        int_ior: &ir::Ior,
+        ext_ior: &ir::Ior,
+        thickness: f64,
+        sigma_a: &ColorInput,
+        specular: &ColorInput,
+        microfacet: Option<&ir::Microfacet>,
+        nested: ir::Id<ir::Bsdf>,
+        origin: ir::Origin,
+    ) -> Node {
+        let eta = self.ior(int_ior, origin) / self.ior(ext_ior, origin);
+        let absorption = match self.param(sigma_a, ColorSlot::Unbounded, origin) {
+            Param::Constant(sigma) => Param::Constant(sigma * thickness as f32),
+            Param::Texture(_) => {
+                self.unsupported("a textured absorption of a coat", "a clear coat", origin);
+                BLACK
+            }
+        };
+        let specular = self.param(specular, ColorSlot::Reflectance, origin);
+        if self.materials.coats == MAX_COATS {
+            self.error(format!("more than {MAX_COATS} coats over each other cannot be rendered"), origin);
+            return DiffuseModel { reflectance: BLACK }.into();
+        }
+        self.materials.coats += 1;
+        let nested = self.node(nested);
+        self.materials.coats -= 1;
+        let rough = microfacet.and_then(|m| self.roughness(m));
+        let coat = Coat { eta, absorption, specular, rough, interreflection: Interreflection::None };
+        self.coating(coat, nested, origin)
+    }
+
+    fn coating(&mut self, coat: Coat, nested: Node, origin: ir::Origin) -> Node {
+        if nested.nature().transmits {
+            self.error("only materials that let no light through can be coated", origin);
+        }
+        if nested.models() > 2 {
+            self.error("a coat over more than two blended materials cannot be rendered", origin);
+        }
+        let Coat { eta, absorption, specular, rough, interreflection } = coat;
+        let rough = rough.map(|r| (r, self.transmittance(&r, eta)));
+        CoatingModel { eta, absorption, specular, rough, interreflection, nested: Box::new(nested) }.into()
+    }
+
+    /// pbrt walks randomly between coat and base. The same sum in closed form: exact for a smooth coat; a rough one lets
+    /// light pass at the angles of a smooth one.
+    pub(super) fn coated_diffuse(
+        &mut self,
+        reflectance: &ColorInput,
+        coat: &ir::Coat,
+        origin: ir::Origin,
+    ) -> Node {
+        self.empty_coat(coat, origin);
+        let eta = self.ior(&coat.eta, origin);
+        let diffuse = self.param(reflectance, ColorSlot::Reflectance, origin);
+        let walk = Walk::new(self.thickness(coat, origin), coat.max_depth, eta);
+        let smooth = PlasticModel { eta, diffuse, specular: WHITE, between: Between::Walk(walk) };
+        match self.roughness(&coat.microfacet) {
+            Some(roughness) => self.rough_plastic(smooth, roughness).into(),
+            None => smooth.into(),
+        }
+    }
+
+    pub(super) fn coated_conductor(
+        &mut self,
+        conductor: &ir::Conductor,
+        microfacet: &ir::Microfacet,
+        coat: &ir::Coat,
+        origin: ir::Origin,
+    ) -> Node {
+        self.empty_coat(coat, origin);
+        let eta = self.ior(&coat.eta, origin);
+        let ConductorModel { metal, reflectance } = self.conductor(conductor, origin);
+        let metal = match metal {
+            Metal::Mirror => Metal::Mirror,
+            Metal::Index { eta: n, k, outside } => Metal::Index { eta: n, k, outside: outside * eta },
+            Metal::Reflectance { normal, outside } => Metal::Reflectance { normal, outside: outside * eta },
+        };
+        let thickness = self.thickness(coat, origin);
+        let (nested, interreflection): (Node, _) = match self.roughness(microfacet) {
+            Some(roughness) => {
+                let returned = Arc::new(Returned::new(&roughness, eta, thickness));
+                let rough = Interreflection::Rough(roughness, returned);
+                (RoughConductorModel { metal, reflectance, roughness }.into(), rough)
+            }
+            None => (ConductorModel { metal, reflectance }.into(), Interreflection::Mirror),
+        };
+        let rough = self.roughness(&coat.microfacet);
+        let absorption = Param::gray(thickness);
+        let coat = Coat { eta, absorption, specular: WHITE, rough, interreflection };
+        self.coating(coat, nested, origin)
+    }
+
+    /// In pbrt's sense: the optical thickness of a passage straight through.
+    fn thickness(&mut self, coat: &ir::Coat, origin: ir::Origin) -> f32 {
+        match &coat.thickness {
+            FloatInput::Value(v) => v.max(0.0) as f32,
+            FloatInput::Texture(_) => {
+                self.unsupported("a textured thickness of a coat", "a thickness of 0.01", origin);
+                0.01
+            }
+        }
+    }
+
+    fn empty_coat(&mut self, coat: &ir::Coat, origin: ir::Origin) {
+        if self.param(&coat.albedo, ColorSlot::Reflectance, origin) != BLACK {
+            self.warn("the medium inside a coat is not rendered: the coat is clear", origin);
+        }
+    }
+}
+
+/// What [`CoatingModel`] is made from.
+struct Coat {
+    eta: f32,
+    absorption: Param,
+    specular: Param,
+    rough: Option<Roughness>,
+    interreflection: Interreflection<Roughness>,
+}

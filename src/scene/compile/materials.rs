@@ -1,0 +1,367 @@
+//! BSDFs of the IR → materials.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use caustica_formats::ir::{self, BsdfKind, ColorSlot, ConductorMaterial, Ior};
+use caustica_formats::spectrum;
+
+use super::Compiler;
+use super::textures::DEFAULT_REFLECTANCE;
+use crate::bsdf::microfacet::{Kind, Shadowing};
+use crate::bsdf::{
+    Between, ConductorModel, DielectricModel, DiffuseModel, DiffuseTransmissionModel, Material, Metal, Node,
+    Perturbation, PhongModel, PlasticModel, Relief, RoughConductorModel, RoughDielectricModel,
+    RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
+    WardVariant,
+};
+use crate::math::Color;
+use crate::spectrum::rgb;
+use crate::texture::Param;
+
+/// α below which pbrt-v4 drops the microfacets.
+const PBRT_SMOOTH: f32 = 1e-3;
+
+/// Blends or two-sided materials that double each other thirty times would fill the memory.
+const MAX_PARTS: u32 = 1024;
+
+#[derive(Default)]
+pub struct MaterialTable {
+    materials: Vec<Material>,
+    known: HashMap<usize, u32>,
+    default: Option<u32>,
+    black: Option<u32>,
+    /// BSDFs of the material that is being built.
+    parts: u32,
+    /// Coats around what is being built.
+    pub(super) coats: u32,
+    /// By distribution, bits of α (none: any α) and of the relative index.
+    transmittances: HashMap<(Kind, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
+}
+
+impl MaterialTable {
+    pub fn finish(self) -> Vec<Material> {
+        self.materials
+    }
+
+    /// Every parameter of a material that may be a texture.
+    pub fn params(&self, material: u32) -> Vec<Param> {
+        self.materials[material as usize].params()
+    }
+
+    fn push(&mut self, material: Material) -> u32 {
+        self.materials.push(material);
+        self.materials.len() as u32 - 1
+    }
+}
+
+fn diffuse(reflectance: Param) -> Node {
+    DiffuseModel { reflectance }.into()
+}
+
+impl Compiler<'_> {
+    /// Material of a shape: its BSDF, or the format's default (black under an area light).
+    pub(super) fn material(&mut self, bsdf: Option<ir::Id<ir::Bsdf>>, emits: bool) -> u32 {
+        let Some(id) = bsdf else {
+            let (slot, color) = if emits {
+                (&mut self.materials.black, Color::ZERO)
+            } else {
+                (&mut self.materials.default, DEFAULT_REFLECTANCE)
+            };
+            if let Some(index) = *slot {
+                return index;
+            }
+            let index = self.materials.materials.len() as u32;
+            *slot = Some(index);
+            self.materials.materials.push(Material::new(diffuse(Param::Constant(color))));
+            return index;
+        };
+        if let Some(index) = self.materials.known.get(&id.index()) {
+            return *index;
+        }
+        self.materials.parts = 0;
+        let node = self.node(id);
+        if self.materials.parts > MAX_PARTS {
+            let origin = self.ir.bsdfs[id].origin;
+            self.error(format!("the material consists of more than {MAX_PARTS} BSDFs"), origin);
+        }
+        if node.tilts_twice() {
+            let origin = self.ir.bsdfs[id].origin;
+            self.error("a bump or normal map inside another one cannot be rendered", origin);
+        }
+        let index = self.materials.push(Material::new(node));
+        self.materials.known.insert(id.index(), index);
+        index
+    }
+
+    /// Whether a material differs from point to point.
+    pub(super) fn varies(&self, material: u32) -> bool {
+        self.materials.materials[material as usize].varies()
+    }
+
+    /// Whether a material wants frames that follow uv.
+    pub(super) fn oriented(&self, material: u32) -> bool {
+        self.materials.materials[material as usize].nature().oriented
+    }
+
+    /// Whether light reaches the other side.
+    pub(super) fn transmits(&self, material: u32) -> bool {
+        self.materials.materials[material as usize].nature().transmits
+    }
+
+    pub(super) fn node(&mut self, id: ir::Id<ir::Bsdf>) -> Node {
+        let bsdf = &self.ir.bsdfs[id];
+        let origin = bsdf.origin;
+        self.materials.parts = self.materials.parts.saturating_add(1);
+        if self.materials.parts > MAX_PARTS {
+            return diffuse(Param::Constant(DEFAULT_REFLECTANCE));
+        }
+        match &bsdf.kind {
+            BsdfKind::Diffuse { reflectance } => {
+                diffuse(self.param(reflectance, ColorSlot::Reflectance, origin))
+            }
+            BsdfKind::Dielectric(d) => self.dielectric(d, origin).into(),
+            BsdfKind::ThinDielectric(d) => ThinDielectricModel(self.dielectric(d, origin)).into(),
+            BsdfKind::RoughDielectric { interface, microfacet } => {
+                let smooth = self.dielectric(interface, origin);
+                match self.roughness(microfacet) {
+                    // Without a step of the index no facet bends or reflects anything.
+                    Some(roughness) if smooth.eta != 1.0 => {
+                        let DielectricModel { eta, reflectance, transmittance } = smooth;
+                        RoughDielectricModel { eta, reflectance, transmittance, roughness }.into()
+                    }
+                    _ => smooth.into(),
+                }
+            }
+            BsdfKind::Conductor(c) => self.conductor(c, origin).into(),
+            BsdfKind::RoughConductor { conductor, microfacet } => {
+                let smooth = self.conductor(conductor, origin);
+                match self.roughness(microfacet) {
+                    Some(roughness) => {
+                        let ConductorModel { metal, reflectance } = smooth;
+                        RoughConductorModel { metal, reflectance, roughness }.into()
+                    }
+                    None => smooth.into(),
+                }
+            }
+            BsdfKind::Plastic(p) => self.plastic(p, origin).into(),
+            BsdfKind::RoughPlastic { plastic, microfacet } => {
+                let smooth = self.plastic(plastic, origin);
+                match self.roughness(microfacet) {
+                    Some(roughness) => self.rough_plastic(smooth, roughness).into(),
+                    None => smooth.into(),
+                }
+            }
+            BsdfKind::TwoSided { front, back } => {
+                let before = self.materials.parts;
+                let f = self.node(*front);
+                let b = match back {
+                    Some(back) => self.node(*back),
+                    None => self.twin(&f, self.materials.parts - before),
+                };
+                if f.nature().transmits || b.nature().transmits {
+                    self.error("only materials that let no light through can be made two-sided", origin);
+                }
+                Node::TwoSided(Box::new([f, b]))
+            }
+            BsdfKind::Mask { opacity, nested } => {
+                let nested = self.node(*nested);
+                match self.scalar_param(opacity) {
+                    // No mask: the plan need not look through it.
+                    Param::Constant(o) if o == Color::ONE => nested,
+                    opacity => Node::Mask(opacity, Box::new(nested)),
+                }
+            }
+            BsdfKind::Null => Node::Null,
+            BsdfKind::BumpMap { height, scale, shading, nested } => {
+                let height = self.scalar_param(height);
+                if !self.textures.so_far().attributes_in(&[height]).is_empty() {
+                    self.unsupported("a bump map from an attribute of the mesh", "a flat surface", origin);
+                }
+                let relief = Relief::Bump { height, scale: *scale as f32 };
+                self.tilted(relief, *shading, *nested)
+            }
+            BsdfKind::NormalMap { normals, shading, nested } => {
+                let relief = Relief::Normal(self.param(normals, ColorSlot::Unbounded, origin));
+                self.tilted(relief, *shading, *nested)
+            }
+            BsdfKind::Blend { weight, first, second } => {
+                let weight = self.scalar_param(weight);
+                Node::Blend(weight, Box::new([self.node(*first), self.node(*second)]))
+            }
+            BsdfKind::Mixture { parts } => {
+                let sum = parts.iter().map(|(w, _)| *w).sum::<f64>().max(1.0);
+                Node::Mixture(parts.iter().map(|(w, id)| ((w / sum) as f32, self.node(*id))).collect())
+            }
+            BsdfKind::Principled(p) => self.principled(p, origin).into(),
+            BsdfKind::PrincipledThin(p) => self.principled_thin(p, origin).into(),
+            BsdfKind::RoughDiffuse { reflectance, alpha, fast } => RoughDiffuseModel {
+                reflectance: self.param(reflectance, ColorSlot::Reflectance, origin),
+                alpha: self.scalar_param(alpha),
+                fast: *fast,
+            }
+            .into(),
+            BsdfKind::Phong { exponent, diffuse_reflectance, specular_reflectance } => PhongModel {
+                diffuse: self.param(diffuse_reflectance, ColorSlot::Reflectance, origin),
+                specular: self.param(specular_reflectance, ColorSlot::Reflectance, origin),
+                exponent: self.scalar_param(exponent),
+            }
+            .into(),
+            BsdfKind::Ward { variant, alpha_u, alpha_v, diffuse_reflectance, specular_reflectance } => {
+                WardModel {
+                    variant: match variant {
+                        ir::WardVariant::Ward => WardVariant::Ward,
+                        ir::WardVariant::Duer => WardVariant::Duer,
+                        ir::WardVariant::Balanced => WardVariant::Balanced,
+                    },
+                    diffuse: self.param(diffuse_reflectance, ColorSlot::Reflectance, origin),
+                    specular: self.param(specular_reflectance, ColorSlot::Reflectance, origin),
+                    alpha_u: self.scalar_param(alpha_u),
+                    alpha_v: self.scalar_param(alpha_v),
+                }
+                .into()
+            }
+            BsdfKind::DiffuseTransmission { reflectance, transmittance } => DiffuseTransmissionModel {
+                reflectance: self.param(reflectance, ColorSlot::Reflectance, origin),
+                transmittance: self.param(transmittance, ColorSlot::Reflectance, origin),
+            }
+            .into(),
+            BsdfKind::Coating {
+                int_ior,
+                ext_ior,
+                thickness,
+                sigma_a,
+                specular_reflectance,
+                microfacet,
+                nested,
+            } => {
+                let (specular, rough) = (specular_reflectance, microfacet.as_ref());
+                self.coat(int_ior, ext_ior, *thickness, sigma_a, specular, rough, *nested, origin)
+            }
+            BsdfKind::CoatedDiffuse { reflectance, coat } => self.coated_diffuse(reflectance, coat, origin),
+            BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
+                self.coated_conductor(conductor, microfacet, coat, origin)
+            }
+        }
+    }
+
+    /// The same once more, which counts as so many parts again.
+    fn twin(&mut self, node: &Node, parts: u32) -> Node {
+        self.materials.parts = self.materials.parts.saturating_add(parts);
+        if self.materials.parts > MAX_PARTS {
+            return diffuse(Param::Constant(DEFAULT_REFLECTANCE));
+        }
+        node.clone()
+    }
+
+    fn tilted(&mut self, relief: Relief, shading: ir::PerturbedShading, nested: ir::Id<ir::Bsdf>) -> Node {
+        let nested = self.node(nested);
+        let (flip_invalid, shadowing) = (shading.flip_invalid_normals, shading.shadowing);
+        Node::Tilted(Perturbation { relief, flip_invalid, shadowing }, Box::new(nested))
+    }
+
+    /// `None` is a surface so smooth that pbrt treats it as perfectly specular. Mitsuba never does.
+    pub(super) fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
+        let roughness = Roughness {
+            kind: match m.distribution {
+                ir::MicrofacetDistribution::Beckmann => Kind::Beckmann,
+                ir::MicrofacetDistribution::Ggx => Kind::Ggx,
+                ir::MicrofacetDistribution::Phong => Kind::Phong,
+            },
+            shadowing: match m.shadowing {
+                ir::Shadowing::Separable => Shadowing::Separable,
+                ir::Shadowing::HeightCorrelated => Shadowing::HeightCorrelated,
+            },
+            u: self.scalar_param(&m.alpha_u),
+            v: self.scalar_param(&m.alpha_v),
+            root: m.remap == ir::RoughnessRemap::Sqrt,
+        };
+        let smooth = roughness.shadowing == Shadowing::HeightCorrelated
+            && roughness.constant().is_some_and(|[u, v]| u.max(v) < PBRT_SMOOTH);
+        (!smooth).then_some(roughness)
+    }
+
+    pub(super) fn rough_plastic(&mut self, smooth: PlasticModel, roughness: Roughness) -> RoughPlasticModel {
+        let PlasticModel { eta, diffuse, specular, between } = smooth;
+        let transmittance = self.transmittance(&roughness, eta);
+        RoughPlasticModel { eta, diffuse, specular, between, roughness, transmittance }
+    }
+
+    pub(super) fn transmittance(&mut self, roughness: &Roughness, eta: f32) -> Arc<Transmittance> {
+        let alpha = roughness.isotropic();
+        let (kind, shadowing) = (roughness.kind, roughness.shadowing);
+        let table = self
+            .materials
+            .transmittances
+            .entry((kind, shadowing, alpha.map(f32::to_bits), eta.to_bits()))
+            .or_insert_with(|| {
+                Arc::new(match alpha {
+                    Some(alpha) => Transmittance::new(kind, shadowing, alpha, eta),
+                    None => Transmittance::all(kind, shadowing, eta),
+                })
+            });
+        table.clone()
+    }
+
+    pub(super) fn ior(&mut self, ior: &Ior, origin: ir::Origin) -> f32 {
+        match ior {
+            Ior::Value(v) if *v > 0.0 => *v as f32,
+            Ior::Value(v) => {
+                self.error(format!("an index of refraction must be positive, not {v}"), origin);
+                1.0
+            }
+            Ior::Named(name) => spectrum::ior(name).map_or_else(
+                || {
+                    self.error(format!("no index of refraction is known for `{name}`"), origin);
+                    1.0
+                },
+                |v| v as f32,
+            ),
+        }
+    }
+
+    fn dielectric(&mut self, d: &ir::Dielectric, origin: ir::Origin) -> DielectricModel {
+        DielectricModel {
+            eta: self.ior(&d.int_ior, origin) / self.ior(&d.ext_ior, origin),
+            reflectance: self.param(&d.specular_reflectance, ColorSlot::Reflectance, origin),
+            transmittance: self.param(&d.specular_transmittance, ColorSlot::Reflectance, origin),
+        }
+    }
+
+    pub(super) fn conductor(&mut self, c: &ir::Conductor, origin: ir::Origin) -> ConductorModel {
+        let reflectance = self.param(&c.specular_reflectance, ColorSlot::Reflectance, origin);
+        let outside = |b: &mut Self, ext: &Option<Ior>| ext.as_ref().map_or(1.0, |e| b.ior(e, origin));
+        let metal = match &c.material {
+            ConductorMaterial::Mirror => Metal::Mirror,
+            ConductorMaterial::Named { name, ext_eta } => {
+                let outside = outside(self, ext_eta);
+                let constant = |c: [f64; 3]| Param::Constant(rgb(c.map(|v| v as f32)));
+                match spectrum::conductor(name) {
+                    Some(metal) => Metal::Index { eta: constant(metal.eta), k: constant(metal.k), outside },
+                    None => {
+                        self.error(format!("no metal is known by the name `{name}`"), origin);
+                        Metal::Mirror
+                    }
+                }
+            }
+            ConductorMaterial::EtaK { eta, k, ext_eta } => Metal::Index {
+                eta: self.param(eta, ColorSlot::Unbounded, origin),
+                k: self.param(k, ColorSlot::Unbounded, origin),
+                outside: outside(self, ext_eta),
+            },
+            ConductorMaterial::Reflectance(r) => {
+                Metal::Reflectance { normal: self.param(r, ColorSlot::Reflectance, origin), outside: 1.0 }
+            }
+        };
+        ConductorModel { metal, reflectance }
+    }
+
+    fn plastic(&mut self, p: &ir::Plastic, origin: ir::Origin) -> PlasticModel {
+        PlasticModel {
+            eta: self.ior(&p.int_ior, origin) / self.ior(&p.ext_ior, origin),
+            diffuse: self.param(&p.diffuse_reflectance, ColorSlot::Reflectance, origin),
+            specular: self.param(&p.specular_reflectance, ColorSlot::Reflectance, origin),
+            between: if p.nonlinear { Between::Colored } else { Between::White },
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! One level: packets of primitives and the tree over them.
+
+use super::Hit;
+use super::primitive::{Kind, Primitive, kind};
+use crate::accel::Bvh;
+use crate::math::{Bounds, Vec3};
+use crate::shape::Analytic;
+use crate::shape::triangle::{Block, Corners, WIDTH};
+
+/// The primitives of a leaf: up to eight triangles, or up to eight other things.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Packet {
+    pub(super) triangles: Block,
+    shape: [u32; WIDTH],
+    pub(super) tag: [u32; WIDTH],
+    /// Lanes in use when these are no triangles, else 0.
+    pub(super) others: u32,
+}
+
+/// A triangle as shading wants it.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    pub(super) corners: Corners,
+    /// Unit normal by the winding.
+    pub normal: Vec3,
+    /// Largest coordinate of a corner.
+    pub magnitude: f32,
+}
+
+impl Face {
+    #[inline(always)]
+    fn new(block: &Block, lane: usize) -> Self {
+        let [a, b, c] = [block.corner(0, lane), block.corner(1, lane), block.corner(2, lane)];
+        Self {
+            corners: [a, b, c].map(|v| v.extend(0.0).to_array()),
+            normal: (b - a).cross(c - a).normalize_or(Vec3::Z),
+            magnitude: a.abs().max(b.abs()).max(c.abs()).max_element(),
+        }
+    }
+
+    #[inline(always)]
+    pub fn corners(&self) -> [Vec3; 3] {
+        self.corners.map(|v| Vec3::from_vec4(v.into()))
+    }
+}
+
+/// One level: packets of primitives and the tree over them.
+#[derive(Debug)]
+pub struct Level {
+    pub(super) packets: Vec<Packet>,
+    /// All triangles in the order of the packets, when there is no tree and nothing else.
+    pub(super) flat: Vec<Face>,
+    pub primitives: usize,
+    pub analytic: Vec<Analytic>,
+    pub(super) bvh: Bvh,
+    pub bounds: Bounds,
+}
+
+impl Level {
+    pub fn new(primitives: &[Primitive], analytic: Vec<Analytic>, instance_bounds: &[Bounds]) -> Self {
+        let boxes: Vec<Bounds> = primitives.iter().map(|p| p.bounds(&analytic, instance_bounds)).collect();
+        let mut bounds = Bounds::EMPTY;
+        boxes.iter().for_each(|b| bounds.union(b));
+        let (bvh, packets) = Bvh::build(&boxes, |items, packets: &mut Vec<Packet>| {
+            let flat = |&&i: &&u32| matches!(kind(primitives[i as usize].tag), Kind::Triangle(_));
+            let (triangles, others): (Vec<&u32>, Vec<&u32>) = items.iter().partition(flat);
+            for (list, are_triangles) in [(triangles, true), (others, false)] {
+                packets.extend(list.chunks(WIDTH).map(|lanes| packet(primitives, lanes, are_triangles)));
+            }
+        });
+        let flat = if bvh.is_flat() && packets.iter().all(|p| p.others == 0) {
+            (0..primitives.len()).map(|i| Face::new(&packets[i / WIDTH].triangles, i % WIDTH)).collect()
+        } else {
+            Vec::new()
+        };
+        Self { packets, flat, primitives: primitives.len(), analytic, bvh, bounds }
+    }
+
+    pub fn bytes(&self) -> usize {
+        self.bvh.bytes() + size_of_val(self.packets.as_slice())
+    }
+
+    /// What a hit in this level met.
+    #[inline(always)]
+    pub fn kind(&self, hit: &Hit) -> Kind {
+        kind(self.packets[hit.packet as usize].tag[hit.lane as usize])
+    }
+
+    /// Shape of the primitive that was hit.
+    #[inline(always)]
+    pub fn shape(&self, hit: &Hit) -> u32 {
+        self.packets[hit.packet as usize].shape[hit.lane as usize]
+    }
+
+    /// The triangle that was hit.
+    #[inline(always)]
+    pub fn face(&self, hit: &Hit) -> Face {
+        let (packet, lane) = (hit.packet as usize, hit.lane as usize % WIDTH);
+        // Large scenes would wait longer for a stored face than it takes to make it from what the search
+        // for the hit has just read.
+        match self.flat.get(packet * WIDTH + lane) {
+            Some(face) => *face,
+            None => Face::new(&self.packets[packet].triangles, lane),
+        }
+    }
+}
+
+fn packet(primitives: &[Primitive], lanes: &[&u32], are_triangles: bool) -> Packet {
+    let mut packet = Packet { triangles: Block::EMPTY, shape: [u32::MAX; WIDTH], tag: [0; WIDTH], others: 0 };
+    for (lane, &&i) in lanes.iter().enumerate() {
+        let p = &primitives[i as usize];
+        (packet.shape[lane], packet.tag[lane]) = (p.shape, p.tag);
+        if are_triangles {
+            packet.triangles.set(lane, &p.v);
+        } else {
+            packet.others += 1;
+        }
+    }
+    packet
+}

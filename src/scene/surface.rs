@@ -1,0 +1,242 @@
+//! Where a ray meets a shape: position, normals, uv, and how light scatters there.
+
+use super::{Face, Hit, Kind, NO_INSTANCE, Scene, ShapeRecord};
+use crate::bsdf::{Closure, Material, Point};
+use crate::math::{Frame, LIFT, Ray, Vec2, Vec3};
+use crate::texture::{OnMesh, Site};
+
+/// A point on a surface, in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    pub p: Vec3,
+    /// Unit geometric normal.
+    pub ng: Vec3,
+    /// Shading frame.
+    pub frame: Frame,
+    pub uv: Vec2,
+    /// ∂p/∂u and ∂p/∂v along `frame.s` and `frame.t`, for shapes whose material asks for them.
+    pub tangents: [Vec2; 2],
+    /// How far a ray must start from the surface for rounding not to find it again.
+    pub lift: f32,
+    pub shape: u32,
+    /// Triangle of the shape's mesh, and the weights of its second and third corner.
+    pub triangle: u32,
+    pub weights: [f32; 2],
+}
+
+impl Surface {
+    /// Origin for a ray leaving along `d`, on that side of the surface.
+    #[inline(always)]
+    pub fn origin(&self, d: Vec3) -> Vec3 {
+        self.p + self.ng * self.lift.copysign(self.ng.dot(d))
+    }
+
+    #[inline(always)]
+    pub fn leave(&self, d: Vec3) -> Ray {
+        Ray::new(self.origin(d), d)
+    }
+
+    /// For textures.
+    #[inline(always)]
+    pub(super) fn site(&self) -> Site {
+        let on = OnMesh { shape: self.shape, triangle: self.triangle, weights: self.weights };
+        Site { uv: self.uv, p: self.p, n: self.ng, on }
+    }
+
+    /// Turns the frame around `n` so that s follows the first of the partial derivatives of the position.
+    #[inline(never)]
+    fn orient(&mut self, n: Vec3, partials: [Vec3; 2]) {
+        let Some(s) = (partials[0] - n * n.dot(partials[0])).try_normalize() else {
+            self.frame = Frame::from_normal(n);
+            return;
+        };
+        self.frame = Frame { s, t: n.cross(s), n };
+        self.tangents = partials.map(|d| Vec2::new(self.frame.s.dot(d), self.frame.t.dot(d)));
+    }
+
+    /// ∂p/∂u and ∂p/∂v in the tangent plane of the shading normal.
+    fn partials(&self) -> [Vec3; 2] {
+        self.tangents.map(|t| self.frame.s * t.x + self.frame.t * t.y)
+    }
+}
+
+/// A side of a surface as photons know it.
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonSide {
+    /// Unit normal that its photons carry.
+    pub n: Vec3,
+    /// Photons of the other side are among them.
+    pub both: bool,
+}
+
+impl Scene {
+    /// Position, normals and uv at a hit.
+    #[inline(always)]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let level = &self.geometry.world;
+        if hit.instance == NO_INSTANCE
+            && let Kind::Triangle(triangle) = level.kind(hit)
+        {
+            let index = level.shape(hit);
+            let shape = &self.shapes[index as usize];
+            return triangle_surface(&level.face(hit), shape, index, triangle as usize, hit);
+        }
+        self.other_surface(ray, hit)
+    }
+
+    /// [`Scene::surface`] for what is no triangle of the world itself.
+    #[inline(never)]
+    fn other_surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let level = self.geometry.level(hit.instance);
+        let index = level.shape(hit);
+        let shape = &self.shapes[index as usize];
+        let mut s = match level.kind(hit) {
+            Kind::Triangle(triangle) => {
+                triangle_surface(&level.face(hit), shape, index, triangle as usize, hit)
+            }
+            Kind::Analytic(i) => {
+                let p = match self.geometry.instances.get(hit.instance as usize) {
+                    Some(i) => i.placement.inverse_point(ray.at(hit.t)),
+                    None => ray.at(hit.t),
+                };
+                let l = level.analytic[i as usize].local(p);
+                let n = if shape.flip { -l.n } else { l.n };
+                let extent = level.analytic[i as usize].magnitude(l.p);
+                let mut s = Surface {
+                    p: l.p,
+                    ng: n,
+                    frame: Frame::from_normal(n),
+                    uv: l.uv,
+                    tangents: NO_TANGENTS,
+                    lift: extent * LIFT,
+                    shape: index,
+                    triangle: 0,
+                    weights: [0.0; 2],
+                };
+                if shape.oriented {
+                    s.orient(n, level.analytic[i as usize].partials(l.p));
+                }
+                s
+            }
+            Kind::Instance(_) => unreachable!("an instance's hit names a primitive of its group"),
+        };
+        if let Some(instance) = self.geometry.instances.get(hit.instance as usize) {
+            let m = &instance.placement;
+            let scale = m.columns[..3].iter().map(|c| c.length()).fold(0.0, f32::max);
+            s.p = m.point(s.p);
+            s.ng = m.normal(s.ng);
+            let n = m.normal(s.frame.n);
+            if shape.oriented {
+                s.orient(n, s.partials().map(|d| m.vector(d)));
+            } else {
+                s.frame = Frame::from_normal(n);
+            }
+            s.lift = s.lift * scale + s.p.abs().max_element() * LIFT;
+        }
+        s
+    }
+
+    /// Scattering at a surface point for light handled on the side of the local direction `wi`.
+    #[inline(always)]
+    pub fn closure(&self, s: &Surface, wi: Vec3) -> Closure<'_> {
+        let material = self.shapes[s.shape as usize].material;
+        let axes = [s.frame.s, s.frame.t];
+        let point = Point { textures: &self.textures, site: s.site(), tangents: s.tangents, axes };
+        self.materials[material as usize].closure(&point, wi)
+    }
+
+    /// The side of the surface whose photons tell of the light along `w` (world): that of `w`, and the
+    /// front for both sides where light of either comes through in all directions.
+    #[inline]
+    pub fn photon_side(&self, s: &Surface, w: Vec3) -> PhotonSide {
+        let both = self.material(s).nature().diffuses_through;
+        PhotonSide { n: if both || s.ng.dot(w) >= 0.0 { s.ng } else { -s.ng }, both }
+    }
+
+    #[inline]
+    pub fn material(&self, s: &Surface) -> &Material {
+        &self.materials[self.shapes[s.shape as usize].material as usize]
+    }
+}
+
+#[inline(always)]
+fn triangle_surface(face: &Face, shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
+    let [v0, v1, v2] = face.corners();
+    let b0 = 1.0 - hit.b1 - hit.b2;
+    let mix = |a: Vec3, b: Vec3, c: Vec3| a * b0 + b * hit.b1 + c * hit.b2;
+    let flip = if shape.flip { -1.0 } else { 1.0 };
+    let ng = face.normal * flip;
+    let mut ns = ng;
+    let mut uv = Vec2::new(hit.b1, hit.b2);
+    if !shape.normals.is_empty() || !shape.uvs.is_empty() {
+        let t = shape.triangles[triangle].map(|i| i as usize);
+        if !shape.normals.is_empty() {
+            let n = t.map(|i| Vec3::from(shape.normals[i]));
+            ns = (mix(n[0], n[1], n[2]) * flip).normalize_or(ng);
+        }
+        if !shape.uvs.is_empty() {
+            let c = t.map(|i| Vec2::from(shape.uvs[i]));
+            uv = c[0] * b0 + c[1] * hit.b1 + c[2] * hit.b2;
+        }
+    }
+    let lift = face.magnitude * LIFT;
+    let mut p = mix(v0, v1, v2);
+    if b0.min(hit.b1).min(hit.b2) < NEAR_EDGE {
+        p = off_edges(p, &[v0, v1, v2], [b0, hit.b1, hit.b2], 0.5 * lift);
+    }
+    let mut s = Surface {
+        p,
+        ng,
+        frame: Frame::from_normal(ns),
+        uv,
+        tangents: NO_TANGENTS,
+        lift,
+        shape: index,
+        triangle: triangle as u32,
+        weights: [hit.b1, hit.b2],
+    };
+    if shape.oriented {
+        s.orient(ns, triangle_partials(&face.corners(), shape, triangle));
+    }
+    s
+}
+
+/// Weight of a corner below which a hit may lie on the edge opposite of it.
+const NEAR_EDGE: f32 = 1.0 / 4096.0;
+
+/// The point at least `least` away from the edges. Rounding may put a hit in the corner of a room behind
+/// the wall it meets there, and a ray from behind it leaves the room: of the bounces in a mirror box one
+/// in some 10⁷ did.
+#[cold]
+fn off_edges(p: Vec3, corners: &[Vec3; 3], weights: [f32; 3], least: f32) -> Vec3 {
+    let [v0, v1, v2] = *corners;
+    let double_area = (v1 - v0).cross(v2 - v0).length();
+    let edges = [v2 - v1, v0 - v2, v1 - v0];
+    // A weight is the distance to the edge over the height there.
+    let wanted: [f32; 3] = std::array::from_fn(|i| {
+        let share = least * edges[i].length() / double_area;
+        if share.is_finite() { weights[i].max(share.min(1.0 / 3.0)) } else { weights[i] }
+    });
+    let sum: f32 = wanted.iter().sum();
+    let moved = (v0 * wanted[0] + v1 * wanted[1] + v2 * wanted[2]) / sum;
+    if wanted == weights || !moved.is_finite() { p } else { moved }
+}
+
+/// ∂p/∂u and ∂p/∂v over a triangle; without usable uv, those of the barycentric coordinates.
+#[inline(never)]
+fn triangle_partials(v: &[Vec3; 3], shape: &ShapeRecord, triangle: usize) -> [Vec3; 2] {
+    let (e1, e2) = (v[1] - v[0], v[2] - v[0]);
+    if shape.uvs.is_empty() {
+        return [e1, e2];
+    }
+    let [a, b, c] = shape.triangles[triangle].map(|i| Vec2::from(shape.uvs[i as usize]));
+    let (d1, d2) = (b - a, c - a);
+    let det = d1.perp_dot(d2);
+    if det == 0.0 {
+        return [e1, e2];
+    }
+    [(e1 * d2.y - e2 * d1.y) / det, (e2 * d1.x - e1 * d2.x) / det]
+}
+
+/// Of a surface where nobody asks.
+const NO_TANGENTS: [Vec2; 2] = [Vec2::X, Vec2::Y];
