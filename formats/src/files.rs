@@ -138,7 +138,7 @@ impl Included {
     }
 }
 
-/// A compressed file may grow this much; more is no scene but a bomb. Plain text reaches 1:50.
+/// Most expansion of a compressed file: text reaches 1:50, and a decompression bomb far more.
 const MAX_GROWTH: u64 = 400;
 
 pub(crate) fn is_gzip(bytes: &[u8]) -> bool {

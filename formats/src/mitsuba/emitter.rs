@@ -34,7 +34,7 @@ pub(super) const EMITTERS: &[Plugin<ReadEmitter>] = &[
 
 const BAKED: &str = "render it into a latitude-longitude picture and use an `envmap`";
 
-/// Emitters that are a shape's surface; true where they shine along the normal only.
+/// Emitters on the surface of a shape; true for those that emit along the normal only.
 pub(super) const AREA_EMITTERS: &[Plugin<bool>] =
     &[read("area", false), read("directionalarea", true), unsupported("projector")];
 
@@ -42,7 +42,7 @@ impl<'a> Reader<'a> {
     pub fn top_level_emitter(&mut self, index: ObjectIndex) {
         let object = &self.objects[index];
         if object.plugin == "area" || object.plugin == "directionalarea" {
-            // It may stand here only to be referred to by shapes.
+            // It may be defined here only for shapes to refer to.
             if !object.used {
                 let text = format!("an {} emitter must be part of a shape", object.plugin);
                 self.problems.push(
@@ -85,7 +85,7 @@ impl<'a> Reader<'a> {
         emission
     }
 
-    /// Rules about all emitters together.
+    /// Checks that concern all emitters together.
     pub fn check_emitters(&mut self) {
         let environments: Vec<_> = self.scene.emitters.iter().filter(|e| e.kind.fills_the_sky()).collect();
         if let [first, second, ..] = environments.as_slice() {

@@ -54,14 +54,14 @@ impl<'a> Props<'a> {
         self.object.entries.iter().any(|e| e.name.as_deref() == Some(name))
     }
 
-    /// Entries that neither change the picture nor deserve a word.
+    /// Accepts entries that do not change the image, without a message.
     pub fn ignore(&mut self, names: &[&'static str]) {
         for name in names {
             self.entry(name);
         }
     }
 
-    /// Entries that would change the picture if they were heeded.
+    /// Accepts entries that would change the image if they were supported, with a warning.
     pub fn ignore_with_warning(&mut self, names: &[&'static str], why: &str) {
         for name in names {
             if let Some(entry) = self.entry(name) {
@@ -71,7 +71,7 @@ impl<'a> Props<'a> {
         }
     }
 
-    /// Leaves nothing to report.
+    /// Accepts all remaining entries without a message.
     pub fn ignore_rest(&mut self) {
         self.taken.fill(true);
     }
@@ -252,7 +252,7 @@ impl<'a> Props<'a> {
         Some(first)
     }
 
-    /// Two ways to say the same thing may not be given together.
+    /// Reports an error when two alternative parameters are both given.
     pub fn exclusive(&mut self, a: &str, b: &str) {
         let place = |name: &str| {
             let entry = self.object.entries.iter().find(|e| e.name.as_deref() == Some(name));

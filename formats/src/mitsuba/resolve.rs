@@ -1,4 +1,4 @@
-//! Fourth pass: elements become objects with typed entries; ids, aliases and references meet.
+//! Fourth pass: elements become objects with typed entries; ids, aliases and references are resolved.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -232,7 +232,7 @@ impl<'a> Resolver<'a> {
                 let problem = Diagnostic::error(format!("no object has the id `{id}`"), Some(entry.span));
                 let mut known: Vec<&str> = self.ids.keys().map(String::as_str).collect();
                 known.sort_unstable();
-                // Comparing with more would take longer than finding the slip by hand.
+                // Comparing with more would take too long.
                 known.truncate(10_000);
                 self.problems.push(problem.suggest(id, known));
                 entry.value = Value::Broken;
@@ -260,7 +260,7 @@ impl<'a> Resolver<'a> {
         for entry in &self.objects[0].entries {
             if let Value::Object(index) = entry.value {
                 let object = &self.objects[index];
-                // These stand in the scene only to be referred to.
+                // These are at the top level only to be referred to.
                 let passive =
                     matches!(object.class, Class::Bsdf | Class::Texture | Class::Spectrum | Class::Medium)
                         || matches!(object.plugin.as_str(), "area" | "directionalarea");

@@ -1,5 +1,5 @@
-//! Third pass: names of old versions become those of today. Meanings that changed are left to the
-//! readers of the concepts, which know the dialect.
+//! Third pass: old names become current ones. Changes of meaning are left to the readers of the concepts, which
+//! know the dialect.
 
 use super::tree::{Attribute, Element};
 use super::version::{Dialect, Version};
@@ -49,7 +49,7 @@ pub(super) fn snake_case(name: &str) -> String {
     out
 }
 
-/// The way back, for suggestions in old files.
+/// The inverse of [`snake_case`], for suggestions in old files.
 pub(super) fn camel_case(name: &str) -> String {
     let mut out = String::with_capacity(name.len());
     for (i, part) in name.split('_').enumerate() {

@@ -1,4 +1,4 @@
-//! XML text to an element tree. Refuses document types and entities of its own.
+//! XML text to an element tree. Document types and custom entities are refused.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! What each directive does.
+//! The effect of each directive.
 
 use std::rc::Rc;
 
@@ -163,7 +163,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Ours serves for all.
+    /// Accepts an accelerator; ours is always used.
     fn accelerator(&mut self, mut p: Params) {
         type Names = &'static [&'static str];
         const ACCELERATORS: &[Plugin<Names>] = &[

@@ -1,4 +1,4 @@
-//! What can be said only when everything is read.
+//! Checks and changes that need the whole scene.
 
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
@@ -31,7 +31,7 @@ impl Reader<'_> {
             self.problems.push(Diagnostic::warning(text, emission.origin.0.or(shape.origin.0)));
             shape.emission = None;
         }
-        // Their uv differ from those of the plain kinds.
+        // Partial quadrics have other uv than the plain kinds.
         let bsdfs = &self.scene.bsdfs;
         let uv_matter = query.textured(bsdfs, shape) || query.bsdf(bsdfs, bsdf).anisotropic;
         if !uv_matter && let ShapeKind::Partial(quadric) = shape.kind {

@@ -1,4 +1,4 @@
-//! Materials. What lets no light through is two-sided in pbrt, and wrapped accordingly.
+//! Materials. Opaque ones are two-sided in pbrt, so they are wrapped in `TwoSided`.
 
 use super::color::Use;
 use super::directive::{Directive, Param};
@@ -15,7 +15,7 @@ use crate::plugin::{Plugin, approximated, read, unsupported};
 
 type ReadMaterial = fn(&mut Reader<'_>, &mut Params) -> Option<BsdfKind>;
 
-/// What the coated materials are instead.
+/// How the coated materials are approximated.
 const CLOSED_FORM: &str = "closed form of the random walk: its albedo to 0.6 %";
 const CLOSED_FORM_OVER_METAL: &str =
     "closed form of the random walk: its albedo to 2 %, below a rough interface to 8 %";
@@ -43,7 +43,7 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
 const WHITE: ColorInput = ColorInput::Color(Color::Gray(1.0));
 const GRAY: ColorInput = ColorInput::Color(Color::Gray(0.5));
 
-/// pbrt does nothing about normals that a map turns away.
+/// pbrt does not correct normals that a map turns away.
 const SHADING: PerturbedShading = PerturbedShading { flip_invalid_normals: false, shadowing: false };
 
 impl Reader<'_> {

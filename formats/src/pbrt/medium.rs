@@ -1,4 +1,4 @@
-//! Participating media: known by name, not rendered.
+//! Participating media: recognised, but not rendered.
 
 use super::directive::{Directive, Param};
 use super::reader::{Reader, text};
@@ -63,7 +63,7 @@ impl Reader<'_> {
         self.redefined("medium", &name, span, earlier);
     }
 
-    /// Vacuum, `""`, is what everything is in here.
+    /// Everything is in vacuum, `""`.
     pub fn medium_interface(&mut self, d: &Directive) {
         for index in 0..d.arguments.len() {
             let (name, span) = (text(d, index), d.arguments[index].span);

@@ -1,4 +1,4 @@
-//! The parameters of one entity: every one must be read, and have the type and count that is asked for.
+//! The parameters of one entity: each must be read, and must have the expected type and count.
 
 use super::directive::{Param, ParamType, Values};
 use super::space::ColorSpace;

@@ -61,7 +61,7 @@ impl Parser<'_, '_> {
         self.problems.push(Diagnostic::error(text, Some(span)));
     }
 
-    /// Up to the next word that is a directive.
+    /// Skips to the next directive.
     fn skip_statement(&mut self) {
         while let Some(token) = self.cursor.peek() {
             if matches!(token, Token::Word(name) if follows(name).is_some()) {

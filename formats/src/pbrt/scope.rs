@@ -1,4 +1,4 @@
-//! Where the world begins, and the scopes in it.
+//! WorldBegin, and scopes of the graphics state.
 
 use super::reader::Reader;
 use super::state::{Saved, Scope};

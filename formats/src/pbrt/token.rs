@@ -19,7 +19,7 @@ pub(super) enum Token<'a> {
     Word(&'a str),
     Open,
     Close,
-    /// Not a token; what is wrong with it.
+    /// Not a token; the text says why.
     Bad(String),
 }
 

@@ -148,7 +148,7 @@ impl Parser<'_, '_> {
         Some(Values::Bools(out))
     }
 
-    /// To the end of a value that makes no sense: its bracket, or the next directive.
+    /// Skips an unreadable value: to its closing bracket, or to the next directive.
     pub fn skip_value(&mut self) {
         let mut ahead = self.cursor.clone();
         let bracketed = loop {

@@ -59,7 +59,7 @@ impl<'a> Output<'a> {
         (self.assets, self.losses, self.inputs)
     }
 
-    /// Records that `what` is not said, and what is said instead.
+    /// Records that `what` cannot be expressed, and what is written instead.
     pub fn lose(&mut self, origin: Origin, what: impl Into<String>, instead: impl Into<String>) {
         let place = origin.0.map(|span| self.sources.location(span));
         let loss = Loss { what: what.into(), place, instead: instead.into() };
@@ -71,7 +71,6 @@ impl<'a> Output<'a> {
 
     /// The linear triple the scene's own rule gives a colour; out of range ones are clamped and lost.
     pub fn rgb(&mut self, color: &Color, slot: ColorSlot, origin: Origin) -> [f64; 3] {
-        // A rule that refuses nothing.
         match to_linear_rgb(color, slot, self.scene.spectrum_rule) {
             Ok(rgb) => rgb,
             Err(error) => {

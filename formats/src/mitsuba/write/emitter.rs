@@ -79,7 +79,7 @@ impl Writer<'_, '_> {
         }))
     }
 
-    /// A light without an arm above.
+    /// Reports a kind that [`Self::emitter`] does not handle.
     fn lost_light(&mut self, kind: &EmitterKind, origin: Origin) -> Option<Element> {
         self.out.lose(origin, format!("a `{}` light", kind.name()), "no light");
         None

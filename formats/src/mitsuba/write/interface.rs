@@ -69,7 +69,7 @@ impl Writer<'_, '_> {
             }
             ConductorMaterial::Reflectance(ColorInput::Color(color)) => {
                 let reflectance = self.rgb(color, Reflectance, origin);
-                // As pbrt does, kept off 1, where k has no end.
+                // Kept below 1, as in pbrt: k goes to infinity there.
                 let k = reflectance.map(|r| {
                     let r = r.clamp(0.0, 0.9999);
                     2.0 * (r / (1.0 - r)).sqrt()

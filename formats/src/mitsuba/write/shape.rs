@@ -151,7 +151,7 @@ impl Writer<'_, '_> {
         .boolean_unless("face_normals", flat, false))
     }
 
-    /// Whole spheres and cylinders as such, the rest tessellated.
+    /// Whole spheres and cylinders stay analytic; other quadrics are tessellated.
     fn quadric(
         &mut self,
         shape: &Shape,

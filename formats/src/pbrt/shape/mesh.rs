@@ -63,7 +63,7 @@ pub(super) fn positions(p: &mut Params) -> Option<Vec<[f32; 3]>> {
     p.points("P", ParamType::Point3)
 }
 
-/// One item a vertex; dropped with a warning, as pbrt does, when the count is another.
+/// One item per vertex; dropped with a warning when the count differs, as in pbrt.
 fn per_vertex<const N: usize>(
     p: &mut Params,
     name: &'static str,

@@ -37,9 +37,9 @@ pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
     unsupported("nurbs"),
 ];
 
-/// Subdivided so often, one triangle becomes 4^8.
+/// Most levels of subdivision: one triangle becomes 4^8.
 const MAX_LEVELS: u32 = 8;
-/// And all subdivided meshes of a scene together not larger than this: some 5 GB while they are made.
+/// Most triangles of all subdivided meshes of a scene together: about 5 GB while they are made.
 const MAX_TRIANGLES: u64 = 1 << 24;
 
 fn inline(mesh: InlineMesh) -> ShapeKind {

@@ -1,5 +1,5 @@
-//! pbrt-v3: what its names and types became in v4. A scene is refused with the new spelling of each
-//! construct, or read all the same when the options ask for it.
+//! pbrt-v3 to v4: a v3 scene is refused with the new spelling of each construct, or converted when the options ask
+//! for it.
 
 mod table;
 
@@ -40,7 +40,7 @@ impl Old {
         Self { lenient, found: Vec::new(), index: HashMap::new(), problems: Vec::new() }
     }
 
-    /// Notes that pbrt-v4 writes `now` for `what`.
+    /// Records that pbrt-v4 writes `now` for `what`.
     pub fn found(&mut self, span: Span, what: &str, now: &str) {
         if let Some(&known) = self.index.get(what) {
             self.found[known].more += 1;
@@ -82,7 +82,7 @@ impl Old {
         }
     }
 
-    /// Brings a directive to pbrt-v4; `false` when nothing is left of it.
+    /// Converts a directive to pbrt-v4; `false` when nothing remains of it.
     pub fn directive(&mut self, d: &mut Directive) -> bool {
         match d.name.as_str() {
             "WorldEnd" => {

@@ -1,4 +1,4 @@
-//! Models that pbrt has not: the nearest it has, each with its loss.
+//! Models that pbrt lacks: the closest it has, each with its loss.
 
 use super::Writer;
 use super::material::{Said, index};
@@ -178,7 +178,7 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// pbrt looks a normal map up by plain uv.
+    /// pbrt looks up a normal map by untransformed uv.
     fn plain_normals(&self, b: &Bitmap) -> bool {
         b.encoding == TextureEncoding::Linear
             && b.channel.is_none()

@@ -148,7 +148,7 @@ impl Writer<'_, '_> {
         }))
     }
 
-    /// The file itself where pbrt takes it alike, else one that says what is rendered.
+    /// The file itself where pbrt reads it the same way, otherwise a converted one.
     fn mesh(&mut self, file: &MeshFile, origin: Origin) -> Result<String, WriteError> {
         let keep = file.authored_normals
             && file.format == MeshFormat::Ply

@@ -114,7 +114,7 @@ impl Writer<'_, '_> {
                     }
                     ColorInput::Texture(_) => false,
                 };
-                // The factor is a number in pbrt; the product does not mind the order.
+                // The factor is a number in pbrt; the order of the product does not matter.
                 let (value, factor) = if colored(self, factor) { (factor, value) } else { (value, factor) };
                 if colored(self, factor) && !numbers {
                     self.out.lose(origin, "a colour times a colour", "the first times a number");
