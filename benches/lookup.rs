@@ -1,5 +1,5 @@
-//! Density lookups in a million photons of the Cornell box, about a hundred of them found each time.
-//! Queries follow each other as neighbouring pixels' do. One thread; throughput is lookups.
+//! Density estimates in a million photons of the Cornell box, with about a hundred photons each and in the
+//! order of a render's pixels. One thread; throughput is lookups.
 
 mod support;
 
@@ -43,7 +43,7 @@ fn lookup(c: &mut Criterion) {
     let queries = |radius: f32| -> Vec<Query> {
         places.iter().map(|(s, _)| Query { p: s.p, n: s.ng, lift: s.lift, radius }).collect()
     };
-    // The radius that finds what is asked for, on average over the places.
+    // Photons within `radius`, on average over a sample of the places.
     let mean = |map: &PhotonMap, radius: f32| {
         let mut n = 0usize;
         queries(radius).iter().step_by(17).for_each(|q| map.within(q, &mut |_, _| n += 1));

@@ -1,4 +1,4 @@
-//! A small path-traced picture of the Cornell box, on one thread. Throughput is camera samples.
+//! Path tracing a small picture of the Cornell box, on one thread. Throughput is camera samples.
 
 mod support;
 

@@ -1,4 +1,4 @@
-//! Same scene, same settings, same bytes: whatever the threads, and whether in one run or two.
+//! The same scene and settings give the same bytes, for any number of threads, in one run or resumed.
 
 use std::path::Path;
 use std::process::Command;

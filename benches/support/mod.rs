@@ -1,4 +1,4 @@
-//! Scenes and photons that the benchmarks generate for themselves.
+//! Scenes and photons for the benchmarks.
 #![allow(dead_code, reason = "every benchmark uses a part")]
 
 use std::collections::BTreeMap;
@@ -68,7 +68,7 @@ pub fn hills() -> Session {
     open(xml, vec![("hills.ply", ply)], &Options::default())
 }
 
-/// Photons of the box's global map in a default render: all have scattered before.
+/// The photons of the global map in a default render, all of which have scattered at least once.
 pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
     let job = |paths| TraceJob {
         key: 1,
@@ -85,7 +85,7 @@ pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
     photons
 }
 
-/// One worker thread, for figures per core.
+/// A pool of one thread, to measure per core.
 pub fn one_thread() -> rayon::ThreadPool {
     match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
         Ok(pool) => pool,

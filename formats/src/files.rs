@@ -9,8 +9,12 @@ use flate2::read::MultiGzDecoder;
 
 /// Source of files. Paths are as produced by [`resolve`].
 pub trait Files: fmt::Debug + Sync {
-    /// Whole content. Fails when missing, unreadable, or over [`MAX_FILE_BYTES`].
+    /// The whole content of a file.
+    ///
+    /// # Errors
+    /// When it is missing, unreadable, or larger than [`MAX_FILE_BYTES`].
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
+    /// Whether `path` is a file that can be read.
     fn is_file(&self, path: &Path) -> bool;
     /// Names of the entries of a folder, for suggestions only; empty when unknown.
     fn names(&self, _folder: &Path) -> Vec<String> {

@@ -5,11 +5,17 @@ use std::path::Path;
 
 /// Writes `bytes` to `path` through a temporary file in the same folder that is flushed to disk and
 /// then renamed over the target. The temporary file is removed when anything fails.
+///
+/// # Errors
+/// When the folder or the file cannot be written; the old file is then as it was.
 pub fn atomic_write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
     write(path.as_ref(), bytes, true)
 }
 
 /// The same without the flush: whole whatever happens to the program, not to the machine.
+///
+/// # Errors
+/// When the folder or the file cannot be written; the old file is then as it was.
 pub fn atomic_replace(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
     write(path.as_ref(), bytes, false)
 }

@@ -3,11 +3,14 @@
 /// A value per vertex (`vertex_…`) or per triangle (`face_…`); a single number is repeated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
+    /// With `vertex_` or `face_` before the file's own name.
     pub name: String,
+    /// One for each vertex or triangle; a single number is repeated.
     pub values: Vec<[f32; 3]>,
 }
 
 impl Attribute {
+    /// Whether its values belong to triangles and not to vertices.
     pub fn is_per_face(&self) -> bool {
         self.name.starts_with(FACE)
     }

@@ -19,6 +19,9 @@ const DOUBLE: u32 = 0x2000;
 const MAX_RATIO: u64 = 1032;
 
 /// Reads mesh number `index` of the file.
+///
+/// # Errors
+/// When the file is malformed or has no such mesh.
 pub fn read_serialized(bytes: &[u8], index: u32, options: &MeshOptions) -> Result<Mesh, MeshError> {
     let start = offset(bytes, index)?;
     let body = bytes.get(start..).unwrap_or(&[]);
@@ -68,6 +71,9 @@ pub fn read_serialized(bytes: &[u8], index: u32, options: &MeshOptions) -> Resul
 }
 
 /// Number of meshes in the file.
+///
+/// # Errors
+/// When the table at the end of the file is malformed.
 pub fn serialized_count(bytes: &[u8]) -> Result<u32, MeshError> {
     table(bytes).map(|table| (table.entries.len() / table.width) as u32)
 }

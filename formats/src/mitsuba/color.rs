@@ -2,12 +2,12 @@
 
 use super::number;
 use super::object::{Class, Entry, Object, ObjectIndex, Value};
-use super::plugin::{Plugin, read};
 use super::props::Props;
 use super::reader::Reader;
 use super::texture::is_texture_plugin;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
+use crate::plugin::{Plugin, read};
 
 type ReadSpectrum = fn(&mut Props<'_>) -> Option<Color>;
 
@@ -34,6 +34,15 @@ pub(super) fn is_texture(object: &Object) -> bool {
 }
 
 impl<'a> Reader<'a> {
+    /// Reads a texture or spectrum for its problems; it counts only where something refers to it.
+    pub fn top_level_texture(&mut self, index: ObjectIndex) {
+        if is_texture(&self.objects[index]) {
+            self.texture(index);
+        } else {
+            self.spectrum(index);
+        }
+    }
+
     /// A colour or texture; `default` when it is not given or was reported.
     pub fn color_input(
         &mut self,

@@ -1,7 +1,6 @@
 //! Emitters: those of the scene, and those of shapes.
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported, unsupported_but};
 use super::props::Props;
 use super::reader::Reader;
 use super::sensor::{AXES, fov};
@@ -11,6 +10,7 @@ use crate::ir::{
     AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage, SpotFalloff,
     TextureEncoding,
 };
+use crate::plugin::{Plugin, read, unsupported, unsupported_but};
 
 type ReadEmitter = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<EmitterKind>;
 

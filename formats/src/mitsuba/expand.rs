@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::tree::{Element, MAX_DEPTH};
 use super::version::Version;
 use super::xml;
-use crate::diagnostic::{Diagnostic, SourceMap, Span, nearest};
+use crate::diagnostic::{Diagnostic, SourceMap, Span};
 use crate::encoding::into_utf8;
 use crate::files::{Files, Included};
 use crate::missing::{find, not_found};
@@ -317,10 +317,9 @@ pub(super) fn check_attributes(element: &Element, allowed: &[&str], problems: &m
         if !allowed.contains(&attribute.name.as_str()) {
             let text = format!("unexpected attribute `{}` of <{}>", attribute.name, element.tag);
             let problem = Diagnostic::error(text, Some(attribute.name_span));
-            problems.push(match nearest(&attribute.name, allowed.iter().copied()) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem.help(format!("it takes: {}", allowed.join(", "))),
-            });
+            problems.push(problem.suggest_or(&attribute.name, allowed.iter().copied(), || {
+                format!("it takes: {}", allowed.join(", "))
+            }));
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Films and reconstruction filters.
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{ComponentFormat, Crop, Film, Filter, Origin, PixelFormat, Tonemap};
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadTonemap = fn(&mut Props<'_>) -> Option<Tonemap>;
 type ReadFilter = fn(&mut Props<'_>) -> Filter;

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::object::{Class, ObjectIndex, Value};
-use super::plugin::{Found, Plugin, approximated, find, read, unknown, unsupported};
 use super::props::Props;
-use super::reader::Reader;
+use super::reader::{Reader, unknown};
 use crate::diagnostic::{Diagnostic, Severity, Span, nearest};
 use crate::ir::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
+use crate::plugin::{Plugin, Status, approximated, find, read, unsupported};
 
 use ScalarType::{Boolean, Float, Integer, String as Text};
 
@@ -114,25 +114,25 @@ impl<'a> Reader<'a> {
             return None;
         }
         let mut props = self.props(index);
-        let integrator = match find(INTEGRATORS, object) {
-            Found::Reader(Kind::Own(own)) => {
+        let integrator = match find(INTEGRATORS, &object.plugin) {
+            Some(Status::Read(Kind::Own(own))) => {
                 let settings = self.settings(&mut props, own);
                 let integrator =
                     Integrator { origin: props.origin(), plugin: object.plugin.clone(), settings };
                 self.finish(props);
                 integrator
             }
-            Found::Reader(Kind::Approximated) => {
+            Some(Status::Read(Kind::Approximated)) => {
                 let text = format!("integrator `{}` is approximated by `path`", object.plugin);
                 self.problems.push(Diagnostic::warning(text, Some(object.span)));
                 self.as_path(props)
             }
-            Found::Reader(Kind::Wrapper) => return self.unwrapped(props),
-            Found::Unsupported(advice) => {
+            Some(Status::Read(Kind::Wrapper)) => return self.unwrapped(props),
+            Some(Status::Unsupported(advice)) => {
                 self.unsupported(index, advice, "`path` is used");
                 self.as_path(props)
             }
-            Found::Unknown => {
+            None => {
                 // Integrators of other renderers are made up for; a slip of the pen would lose their parameters.
                 let slip = nearest(&object.plugin, INTEGRATORS.iter().map(|row| row.name)).is_some();
                 self.problems.push(if slip {

@@ -117,14 +117,11 @@ impl Parameters {
             let problem =
                 Diagnostic::error(format!("the scene never uses the parameter `{name}` given by -D"), None);
             let known = self.items.iter().filter(|p| p.used || !p.given).map(|p| p.name.as_str());
-            match nearest(name, known.clone()) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => {
-                    let mut known: Vec<_> = known.collect();
-                    known.sort_unstable();
-                    problem.help(format!("the scene's parameters: {}", list_or_none(&known)))
-                }
-            }
+            problem.suggest_or(name, known.clone(), || {
+                let mut known: Vec<_> = known.collect();
+                known.sort_unstable();
+                format!("the scene's parameters: {}", list_or_none(&known))
+            })
         })
     }
 }

@@ -173,10 +173,9 @@ impl<'a> Props<'a> {
         if found.is_none() {
             let words: Vec<&str> = table.iter().map(|(word, _)| *word).collect();
             let problem = Diagnostic::error(format!("parameter `{name}` has no value `{text}`"), Some(span));
-            self.problems.push(match nearest(text, words.iter().copied()) {
-                Some(word) => problem.help(format!("did you mean `{word}`?")),
-                None => problem.help(format!("possible: {}", words.join(", "))),
-            });
+            self.problems.push(
+                problem.suggest_or(text, words.iter().copied(), || format!("possible: {}", words.join(", "))),
+            );
         }
         found.map(|(_, value)| *value)
     }

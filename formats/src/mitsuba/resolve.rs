@@ -234,10 +234,7 @@ impl<'a> Resolver<'a> {
                 known.sort_unstable();
                 // Comparing with more would take longer than finding the slip by hand.
                 known.truncate(10_000);
-                self.problems.push(match nearest(id, known) {
-                    Some(known) => problem.help(format!("did you mean `{known}`?")),
-                    None => problem,
-                });
+                self.problems.push(problem.suggest(id, known));
                 entry.value = Value::Broken;
             }
         }

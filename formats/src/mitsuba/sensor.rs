@@ -2,11 +2,11 @@
 
 use super::number;
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform};
+use crate::plugin::{Plugin, read, unsupported};
 
 /// What is special to a sensor; the number is `far_clip`.
 type ReadOptics = fn(&mut Props<'_>, f64) -> (Projection, Option<Lens>);

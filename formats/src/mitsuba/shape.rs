@@ -1,11 +1,11 @@
 //! Shapes, groups and instances.
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{MeshFile, MeshFormat, Shape, ShapeGroup, ShapeKind};
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadShape = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<ShapeKind>;
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::ir::{Bsdf, Id, References, ShapeGroup, Texture, TextureKind};
+use crate::ir::{Part, TextureKind};
 
 /// Everything that walks along textures calls itself.
 pub(super) const MAX_DEPTH: u32 = 256;
@@ -17,24 +17,9 @@ impl Depths {
     }
 
     /// Of what the texture refers to.
-    pub fn below(&self, kind: &mut TextureKind) -> u32 {
-        let mut deepest = Deepest { depths: self, found: 0 };
-        kind.references(&mut deepest);
-        deepest.found
+    pub fn below(&self, kind: &TextureKind) -> u32 {
+        let mut deepest = 0;
+        kind.references(&mut |to| deepest = deepest.max(self.0.get(&to.index()).copied().unwrap_or(1)));
+        deepest
     }
-}
-
-struct Deepest<'a> {
-    depths: &'a Depths,
-    found: u32,
-}
-
-impl References for Deepest<'_> {
-    fn bsdf(&mut self, _: &mut Id<Bsdf>) {}
-
-    fn texture(&mut self, id: &mut Id<Texture>) {
-        self.found = self.found.max(self.depths.0.get(&id.index()).copied().unwrap_or(1));
-    }
-
-    fn group(&mut self, _: &mut Id<ShapeGroup>) {}
 }

@@ -1,12 +1,12 @@
 //! Films and pixel filters.
 
 use super::params::Params;
-use super::plugin::{Plugin, approximated, read};
 use super::reader::Reader;
 use super::sensor::default_film;
 use super::space::ColorSpace;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{ComponentFormat, Crop, Film, Filter};
+use crate::plugin::{Plugin, approximated, read};
 
 type ReadFilm = fn(&mut Params);
 

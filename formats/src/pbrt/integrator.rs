@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::params::Params;
-use super::plugin::{self, Plugin, read, unsupported};
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Integrator, Origin, Scalar, Setting};
+use crate::plugin::{self, Plugin, read, unsupported};
 
 type Settings = BTreeMap<String, Setting>;
 

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use super::color::{Use, scaled};
 use super::directive::ParamType;
 use super::params::Params;
-use super::plugin::{Plugin, Status, find, read};
 use super::reader::Reader;
 use super::texture::upside_down;
 use crate::diagnostic::Diagnostic;
@@ -14,6 +13,7 @@ use crate::ir::{
     AreaEmission, Bitmap, Color, ColorInput, Emitter, EmitterKind, EnvironmentMapping, LightImage, Mapping,
     SpotFalloff, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
 };
+use crate::plugin::{Plugin, Status, find, read};
 
 use ParamType as T;
 

@@ -1,9 +1,9 @@
 //! Participating media: known by name, not rendered.
 
 use super::directive::{Directive, Param};
-use super::plugin::{Plugin, read};
 use super::reader::{Reader, text};
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::Diagnostic;
+use crate::plugin::{Plugin, read};
 
 type Names = &'static [&'static str];
 
@@ -75,10 +75,9 @@ impl Reader<'_> {
                 continue;
             }
             let problem = Diagnostic::error(format!("no medium is called `{name}`"), Some(span));
-            self.problems.push(match nearest(name, self.media.keys().map(String::as_str)) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem.help("MakeNamedMedium defines one"),
-            });
+            self.problems.push(problem.suggest_or(name, self.media.keys().map(String::as_str), || {
+                "MakeNamedMedium defines one".to_owned()
+            }));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::directive::{Directive, Value};
 use super::reader::{Reader, text};
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::Diagnostic;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -35,10 +35,7 @@ impl Reader<'_> {
         let Some((_, kind, consequence)) = OPTIONS.iter().find(|row| row.0 == plain) else {
             let problem =
                 Diagnostic::error(format!("no option is called `{name}`"), Some(d.arguments[0].span));
-            self.problems.push(match nearest(&plain, OPTIONS.iter().map(|row| row.0)) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem,
-            });
+            self.problems.push(problem.suggest(&plain, OPTIONS.iter().map(|row| row.0)));
             return;
         };
         let Some(value) = d.arguments.get(1) else { return };

@@ -227,10 +227,9 @@ impl Params {
         }
         let known: Vec<&str> = choices.iter().map(|(known, _)| *known).collect();
         let problem = Diagnostic::error(format!("`{text}` is no value of `{name}`"), Some(span));
-        self.problems.push(match nearest(&text, known.iter().copied()) {
-            Some(near) => problem.help(format!("did you mean `{near}`?")),
-            None => problem.help(format!("it takes: {}", known.join(", "))),
-        });
+        self.problems.push(
+            problem.suggest_or(&text, known.iter().copied(), || format!("it takes: {}", known.join(", "))),
+        );
         default
     }
 

@@ -4,13 +4,13 @@ use super::color::Use;
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param, ParamType};
 use super::params::Params;
-use super::plugin::{Plugin, read, unsupported};
 use super::reader::{Reader, text};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Color, ColorInput, FloatInput, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding,
     TextureFilter, TextureKind, Transform, WrapMode,
 };
+use crate::plugin::{Plugin, read, unsupported};
 
 use ParamType as T;
 
@@ -92,9 +92,9 @@ impl Reader<'_> {
         self.done(p);
         let input = match made {
             Some(Made::Input(input)) => input,
-            Some(Made::Texture(mut kind)) => {
+            Some(Made::Texture(kind)) => {
                 let origin = crate::ir::Origin(Some(name_span));
-                let below = self.texture_depths.below(&mut kind);
+                let below = self.texture_depths.below(&kind);
                 if below == MAX_DEPTH {
                     let text = format!("textures refer to each other more than {MAX_DEPTH} deep");
                     return self.error(text, name_span);

@@ -4,10 +4,10 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
 
 use super::{Asset, Content, Loss, WriteError};
-use crate::Read;
 use crate::diagnostic::SourceMap;
 use crate::files::Files;
 use crate::ir::{Color, ColorSlot, EmitterKind, Origin, Scene, ShapeKind, TextureKind};
+use crate::read::Read;
 use crate::spectrum::to_linear_rgb;
 
 pub(crate) struct Output<'a> {

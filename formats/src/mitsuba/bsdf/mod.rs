@@ -6,10 +6,10 @@ mod principled;
 mod wrappers;
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::ir::{Bsdf, BsdfKind, Color, ColorInput, ColorSlot, Id};
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadBsdf = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<BsdfKind>;
 

@@ -5,7 +5,7 @@ use super::element::Element;
 use super::substitute;
 use crate::ir::{
     AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
-    ShapeGroup, ShapeKind, Transform, uses_textures,
+    ShapeGroup, ShapeKind, Transform,
 };
 use crate::write::WriteError;
 
@@ -73,7 +73,7 @@ impl Writer<'_, '_> {
         let mut flip = shape.flip_normals ^ (by_object && shape.to_world.determinant3() < 0.0);
         let mut to_world = shape.to_world;
         if matches!(&shape.kind, ShapeKind::Partial(quadric) if whole_sphere(quadric).is_some())
-            && uses_textures(self.scene, shape)
+            && self.query.textured(&self.scene.bsdfs, shape)
         {
             // pbrt's v runs from −Z upwards, Mitsuba's from +Z downwards; mirroring turns the normals.
             to_world = to_world.after(&Transform::scale([1.0, 1.0, -1.0]));

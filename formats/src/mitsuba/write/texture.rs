@@ -10,8 +10,13 @@ use crate::ir::{
 use crate::spectrum::luminance;
 use crate::write::{Tone, WriteError};
 
+/// Elements of a texture that is written out again for a factor: the copy of a shared one has copies of all
+/// it refers to, twice as many at each level of a checkerboard.
+const LARGEST_COPY: usize = 1000;
+
 /// What the language makes of a texture.
-enum Said {
+#[derive(Clone)]
+pub(super) enum Said {
     Plugin(Element),
     Constant([f64; 3]),
 }
@@ -56,8 +61,18 @@ impl Writer<'_, '_> {
         })
     }
 
-    /// `factor` times the texture.
+    /// `factor` times the texture. Made once for each texture and factor, however many refer to it.
     fn said(&mut self, id: Id<Texture>, factor: [f64; 3]) -> Result<Said, WriteError> {
+        let key = (id, factor.map(f64::to_bits));
+        if let Some(said) = self.said.get(&key) {
+            return Ok(said.clone());
+        }
+        let said = self.made(id, factor)?;
+        self.said.insert(key, said.clone());
+        Ok(said)
+    }
+
+    fn made(&mut self, id: Id<Texture>, factor: [f64; 3]) -> Result<Said, WriteError> {
         let scene = self.scene;
         let Texture { origin, kind, .. } = &scene.textures[id];
         let origin = *origin;
@@ -175,7 +190,11 @@ impl Writer<'_, '_> {
                         rgb_element(name, times(factor, rgb))
                     }
                     ColorInput::Texture(id) => match self.said(*id, factor)? {
-                        Said::Plugin(inner) => inner.with("name", name),
+                        Said::Plugin(inner) if inner.is_within(LARGEST_COPY) => inner.with("name", name),
+                        Said::Plugin(_) => {
+                            self.out.lose(origin, "a factor on a very large tree of textures", "gray 0.5");
+                            rgb_element(name, times(factor, [0.5; 3]))
+                        }
                         Said::Constant(rgb) => rgb_element(name, rgb),
                     },
                 })

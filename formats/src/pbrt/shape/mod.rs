@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 use super::directive::{Directive, ParamType};
 use super::params::Params;
-use super::plugin::{Plugin, read, unsupported};
 use super::reader::{Named, Reader, text};
 use super::state::Graphics;
-use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup, ShapeKind,
 };
+use crate::plugin::{Plugin, read, unsupported};
 
 use ParamType as T;
 
@@ -145,10 +145,9 @@ impl Reader<'_> {
             let (Some(span), None) = (named.used, named.defined) else { continue };
             let defined = self.groups.iter().filter(|(_, named)| named.defined.is_some());
             let problem = Diagnostic::error(format!("no object is called `{name}`"), Some(span));
-            self.problems.push(match nearest(name, defined.map(|(name, _)| name.as_str())) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem.help("ObjectBegin defines one"),
-            });
+            self.problems.push(problem.suggest_or(name, defined.map(|(name, _)| name.as_str()), || {
+                "ObjectBegin defines one".to_owned()
+            }));
         }
     }
 }

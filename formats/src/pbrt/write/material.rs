@@ -48,7 +48,9 @@ impl Writer<'_, '_> {
             }
             _ => (id, true),
         };
-        if one_sided && reflects_only(&scene.bsdfs[nested].kind) {
+        // A mix has the sides of its parts.
+        let mix = matches!(scene.bsdfs[nested].kind, BsdfKind::Blend { .. });
+        if one_sided && !mix && self.query.bsdf(&scene.bsdfs, nested).opaque() {
             self.out.lose(*origin, "a surface that is black on its back", "the same material on both sides");
         }
         let Bsdf { kind, .. } = &scene.bsdfs[nested];
@@ -274,19 +276,4 @@ pub fn index(index: &Ior) -> f64 {
         Ior::Value(v) => *v,
         Ior::Named(name) => ior(name).unwrap_or(1.0),
     }
-}
-
-/// Whether what is written for it is two-sided in pbrt.
-fn reflects_only(kind: &BsdfKind) -> bool {
-    matches!(
-        kind,
-        BsdfKind::Diffuse { .. }
-            | BsdfKind::Conductor(_)
-            | BsdfKind::RoughConductor { .. }
-            | BsdfKind::Plastic(_)
-            | BsdfKind::RoughPlastic { .. }
-            | BsdfKind::RoughDiffuse { .. }
-            | BsdfKind::Phong { .. }
-            | BsdfKind::Ward { .. }
-    )
 }

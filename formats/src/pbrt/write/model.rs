@@ -4,8 +4,9 @@ use super::Writer;
 use super::material::{Said, index};
 use super::text::Params;
 use crate::ir::{
-    Bitmap, BsdfKind, ColorInput, ColorSlot, FloatInput, Microfacet, MicrofacetDistribution, Origin,
-    PerturbedShading, Plastic, PrincipledIndex, RoughnessRemap, Shadowing, TextureEncoding, TextureKind,
+    Bitmap, Bsdf, BsdfKind, ColorInput, ColorSlot, FloatInput, Id, Microfacet, MicrofacetDistribution,
+    Origin, PerturbedShading, Plastic, Principled, PrincipledIndex, RoughnessRemap, Shadowing,
+    TextureEncoding, TextureKind,
 };
 use crate::write::{Tone, WriteError};
 
@@ -33,21 +34,7 @@ impl Writer<'_, '_> {
                 }
             }
             BsdfKind::NormalMap { normals, shading, nested } => {
-                self.lose_shading(*shading, origin);
-                let (plugin, p) = self.said_of(*nested)?;
-                let bitmap = match normals {
-                    ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
-                        TextureKind::Bitmap(bitmap) => Some(bitmap),
-                        _ => None,
-                    },
-                    ColorInput::Color(_) => None,
-                };
-                let Some(bitmap) = bitmap.filter(|b| self.plain_normals(b)) else {
-                    self.out.lose(origin, "a normal map that is transformed or no picture", "no normal map");
-                    return Ok((plugin, p));
-                };
-                let name = self.out.carry(&bitmap.path, "textures");
-                Ok((plugin, p.string("normalmap", &name)))
+                self.normal_map(normals, *shading, *nested, origin)
             }
             BsdfKind::Mixture { parts } => {
                 self.out.lose(origin, "a mixture of materials by weights", "the heaviest of them");
@@ -57,28 +44,7 @@ impl Writer<'_, '_> {
                     None => Ok(("diffuse", Params::default().rgb("reflectance", [0.0; 3]))),
                 }
             }
-            BsdfKind::Principled(p) => {
-                let metal = matches!(p.metallic, FloatInput::Value(m) if m > 0.5);
-                let glass = matches!(p.spec_trans, FloatInput::Value(t) if t > 0.5);
-                let eta = match p.index {
-                    PrincipledIndex::Eta(eta) => eta,
-                    PrincipledIndex::Specular(s) => 2.0 / (1.0 - (0.08 * s.clamp(0.0, 1.0)).sqrt()) - 1.0,
-                };
-                let squared = squared(&p.roughness);
-                if metal {
-                    self.out.lose(origin, "the `principled` model", "a metal of its colour");
-                    let m = Params::default();
-                    let m = self.color_input(m, "reflectance", &p.base_color, Reflectance, origin)?;
-                    return Ok(("conductor", self.roughness(m, &squared, ROUGHNESS, origin)?));
-                }
-                if glass {
-                    self.out.lose(origin, "the `principled` model", "rough glass");
-                    let d = Params::default().float("eta", eta);
-                    return Ok(("dielectric", self.roughness(d, &squared, ROUGHNESS, origin)?));
-                }
-                self.out.lose(origin, "the `principled` model", "a rough coat over its colour");
-                self.coated(&p.base_color, eta, Some(&squared), origin)
-            }
+            BsdfKind::Principled(p) => self.principled(p, origin),
             BsdfKind::PrincipledThin(p) => {
                 self.out.lose(origin, "the `principledthin` model", "half reflection and half transmission");
                 let m = Params::default();
@@ -114,9 +80,58 @@ impl Writer<'_, '_> {
                 self.out.lose(origin, "a coating", "the bare material below it");
                 self.said_of(*nested)
             }
-            // Every other kind has a material of its own.
-            _ => Ok(("diffuse", Params::default())),
+            other => {
+                self.out.lose(origin, format!("the `{}` model", other.name()), "diffuse gray 0.5");
+                Ok(("diffuse", Params::default()))
+            }
         }
+    }
+
+    fn principled(&mut self, p: &Principled, origin: Origin) -> Result<Said, WriteError> {
+        let metal = matches!(p.metallic, FloatInput::Value(m) if m > 0.5);
+        let glass = matches!(p.spec_trans, FloatInput::Value(t) if t > 0.5);
+        let eta = match p.index {
+            PrincipledIndex::Eta(eta) => eta,
+            PrincipledIndex::Specular(s) => 2.0 / (1.0 - (0.08 * s.clamp(0.0, 1.0)).sqrt()) - 1.0,
+        };
+        let squared = squared(&p.roughness);
+        if metal {
+            self.out.lose(origin, "the `principled` model", "a metal of its colour");
+            let m = Params::default();
+            let m = self.color_input(m, "reflectance", &p.base_color, Reflectance, origin)?;
+            return Ok(("conductor", self.roughness(m, &squared, ROUGHNESS, origin)?));
+        }
+        if glass {
+            self.out.lose(origin, "the `principled` model", "rough glass");
+            let d = Params::default().float("eta", eta);
+            return Ok(("dielectric", self.roughness(d, &squared, ROUGHNESS, origin)?));
+        }
+        self.out.lose(origin, "the `principled` model", "a rough coat over its colour");
+        self.coated(&p.base_color, eta, Some(&squared), origin)
+    }
+
+    fn normal_map(
+        &mut self,
+        normals: &ColorInput,
+        shading: PerturbedShading,
+        nested: Id<Bsdf>,
+        origin: Origin,
+    ) -> Result<Said, WriteError> {
+        self.lose_shading(shading, origin);
+        let (plugin, p) = self.said_of(nested)?;
+        let bitmap = match normals {
+            ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
+                TextureKind::Bitmap(bitmap) => Some(bitmap),
+                _ => None,
+            },
+            ColorInput::Color(_) => None,
+        };
+        let Some(bitmap) = bitmap.filter(|b| self.plain_normals(b)) else {
+            self.out.lose(origin, "a normal map that is transformed or no picture", "no normal map");
+            return Ok((plugin, p));
+        };
+        let name = self.out.carry(&bitmap.path, "textures");
+        Ok((plugin, p.string("normalmap", &name)))
     }
 
     fn plastic(

@@ -4,7 +4,7 @@ use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
     BsdfKind, FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup,
-    ShapeKind, Transform, uses_textures,
+    ShapeKind, Transform,
 };
 use crate::mesh::{Mesh, builtin};
 use crate::write::WriteError;
@@ -104,7 +104,7 @@ impl Writer<'_, '_> {
             ShapeKind::Sphere { center, radius } => {
                 // Mitsuba's v runs from +Z downwards, pbrt's upwards.
                 let mut inner = Transform::translate(*center);
-                if uses_textures(self.scene, shape) {
+                if self.query.textured(&self.scene.bsdfs, shape) {
                     inner = inner.after(&Transform::scale([1.0, 1.0, -1.0]));
                 }
                 ("sphere", none.float("radius", *radius), Some(inner))

@@ -146,31 +146,7 @@ impl Writer<'_, '_> {
                 let (p, space) = self.mapped(p, mapping, origin);
                 Ok(("dots", p, space))
             }
-            TextureKind::Noise { kind, to_texture } => {
-                let marble = matches!(kind, NoiseKind::Marble { .. });
-                if marble == numbers {
-                    self.out.lose(
-                        origin,
-                        "noise as a number or colour that pbrt has not",
-                        "the constant 0.5",
-                    );
-                    return self.constant([0.5; 3], numbers);
-                }
-                let octaves =
-                    |p: Params, n: u32, r: f64| p.integer("octaves", n.into()).float("roughness", r);
-                let (plugin, p) = match *kind {
-                    NoiseKind::Fbm { octaves: n, roughness } => ("fbm", octaves(none, n, roughness)),
-                    NoiseKind::Wrinkled { octaves: n, roughness } => {
-                        ("wrinkled", octaves(none, n, roughness))
-                    }
-                    NoiseKind::Windy => ("windy", none),
-                    NoiseKind::Marble { octaves: n, roughness, scale, variation } => {
-                        let p = octaves(none, n, roughness);
-                        ("marble", p.float("scale", scale).float("variation", variation))
-                    }
-                };
-                Ok((plugin, p, Some(*to_texture)))
-            }
+            TextureKind::Noise { kind, to_texture } => self.noise(*kind, *to_texture, numbers, origin),
             TextureKind::MeshAttribute { name, .. } => {
                 let what = format!("the mesh attribute `{name}`");
                 self.out.lose(origin, what, "the constant 0.5");
@@ -182,6 +158,33 @@ impl Writer<'_, '_> {
                 Ok(("constant", p, None))
             }
         }
+    }
+
+    fn noise(
+        &mut self,
+        kind: NoiseKind,
+        to_texture: Transform,
+        numbers: bool,
+        origin: Origin,
+    ) -> Result<Said, WriteError> {
+        let none = Params::default();
+        let marble = matches!(kind, NoiseKind::Marble { .. });
+        if marble == numbers {
+            let what = "noise as a number or colour that pbrt does not have";
+            self.out.lose(origin, what, "the constant 0.5");
+            return self.constant([0.5; 3], numbers);
+        }
+        let octaves = |p: Params, n: u32, r: f64| p.integer("octaves", n.into()).float("roughness", r);
+        let (plugin, p) = match kind {
+            NoiseKind::Fbm { octaves: n, roughness } => ("fbm", octaves(none, n, roughness)),
+            NoiseKind::Wrinkled { octaves: n, roughness } => ("wrinkled", octaves(none, n, roughness)),
+            NoiseKind::Windy => ("windy", none),
+            NoiseKind::Marble { octaves: n, roughness, scale, variation } => {
+                let p = octaves(none, n, roughness);
+                ("marble", p.float("scale", scale).float("variation", variation))
+            }
+        };
+        Ok((plugin, p, Some(to_texture)))
     }
 
     fn constant(&mut self, rgb: [f64; 3], numbers: bool) -> Result<Said, WriteError> {
