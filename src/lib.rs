@@ -1,7 +1,7 @@
 //! caustica: photon mapping for Mitsuba and pbrt scenes.
 //!
 //! Code map, upwards: `math`, `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
-//! `film` ← `scene` ← `photon` ← `integrator` ← `render` ← `cli`. Imports point downwards only;
+//! `film` ← `scene` ← `transport` ← `photon` ← `integrator` ← `render` ← `cli`. Imports point downwards only;
 //! `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` (and `cli`) alone read
 //! the scene representation of `caustica-formats`.
 
@@ -22,3 +22,4 @@ pub mod settings;
 pub mod shape;
 pub mod spectrum;
 pub mod texture;
+pub mod transport;

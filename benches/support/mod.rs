@@ -4,10 +4,11 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use caustica::photon::Photon;
 use caustica::photon::trace::{TraceJob, trace};
-use caustica::photon::{Owner, Photon};
 use caustica::scene::Scene;
 use caustica::scene::compile::{CompileOptions, Compiled, compile};
+use caustica::transport::Owner;
 use caustica_formats::files::Memory;
 use caustica_formats::{ReadOptions, read_scene};
 

@@ -4,8 +4,9 @@ use caustica::film::Pixels;
 use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Vec3};
 use caustica::photon::radius::shrinkage;
-use caustica::photon::{LightPath, Photon, PhotonMap, Query};
+use caustica::photon::{Photon, PhotonMap, Query};
 use caustica::render::Outcome;
+use caustica::transport::PathClass;
 
 use super::{agree, record};
 use crate::support::{
@@ -13,7 +14,7 @@ use crate::support::{
 };
 
 fn photon(p: Vec3) -> Photon {
-    Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, path: LightPath::Direct, depth: 1 }
+    Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, class: PathClass::Direct, depth: 1 }
 }
 
 fn found(map: &PhotonMap, p: Vec3, radius: f32) -> usize {
