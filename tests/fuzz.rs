@@ -13,10 +13,10 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use caustica::photon::Owner;
 use caustica::photon::trace::{CHUNK, TraceJob, trace};
 use caustica::render::Budget;
 use caustica::session::{Memory, Options, Session};
+use caustica::transport::Owner;
 
 #[global_allocator]
 static MEMORY: memory::Counting = memory::Counting;
