@@ -110,7 +110,7 @@ fn include_cycle() {
       ┌─ a.xml:2:22
       │
     2 │   <include filename='b.xml'/>
-      │                      ----- by way of this
+      │                      ----- through this
     "#);
 }
 

@@ -1,7 +1,7 @@
-//! Tests that count memory. A test program of its own, because it replaces the global allocator.
+//! What counts memory, in a program of its own because the allocator counts.
 //!
-//! Runs every input of `tests/fuzz-corpus` through the target of `fuzz/` that its folder is named after: it must
-//! not panic, take more memory than the target allows, or run forever.
+//! Every input of `tests/fuzz-corpus` goes through the target of `fuzz/` that its folder is named for:
+//! no panic, no more memory than stated there, and an end.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../fuzz/src/memory.rs"]
@@ -13,18 +13,18 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use caustica::photon::Owner;
 use caustica::photon::trace::{CHUNK, TraceJob, trace};
 use caustica::render::Budget;
 use caustica::session::{Memory, Options, Session};
+use caustica::transport::Owner;
 
 #[global_allocator]
 static MEMORY: memory::Counting = memory::Counting;
 
-/// Far more than the slowest input takes (0.1 s), even on a busy machine.
+/// Far above what the slowest input takes (a hundred milliseconds), on a busy machine too.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// Locked by each test, because memory is counted for the whole process.
+/// Held by each test: memory is counted for the whole process.
 static MEMORY_COUNTED: Mutex<()> = Mutex::new(());
 
 #[test]
@@ -32,7 +32,7 @@ fn the_corpus_is_harmless() {
     let _alone = MEMORY_COUNTED.lock().unwrap();
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz-corpus");
     for target in targets::TARGETS {
-        // Targets that render also take the inputs of their reader.
+        // What a target of text to picture does begins as the reader's does.
         let folders = [target.name, target.name.trim_start_matches("render_")];
         let mut inputs = Vec::new();
         for folder in folders {
@@ -51,7 +51,7 @@ fn the_corpus_is_harmless() {
     }
 }
 
-/// Inputs of the corpus with one to three mutations: bytes changed, removed, duplicated or swapped.
+/// Inputs of the corpus with bytes changed, cut out, doubled and swapped, two or three at once.
 #[test]
 fn mutations_of_the_corpus_are_harmless() {
     use proptest::prelude::*;

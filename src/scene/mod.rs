@@ -6,13 +6,11 @@ mod geometry;
 mod lamps;
 mod surface;
 mod view;
-mod visibility;
 
 pub use facts::Facts;
 pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
 pub use surface::{PhotonSide, Surface};
 pub use view::View;
-pub use visibility::shadow_ray;
 
 use crate::bsdf::Material;
 use crate::emitter::{Emitter, SceneSphere};
