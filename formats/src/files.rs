@@ -39,7 +39,7 @@ impl Files for Disk {
         let about = std::fs::metadata(path)?;
         // A device or a pipe may never end.
         if !about.is_file() {
-            return Err(io::Error::other("it is no ordinary file"));
+            return Err(io::Error::other("it is not a regular file"));
         }
         let length = about.len();
         if length > MAX_FILE_BYTES {
@@ -138,7 +138,7 @@ impl Included {
     }
 }
 
-/// A compressed file may grow this much; more is no scene but a bomb. Plain text reaches 1:50.
+/// Most expansion of a compressed file: text reaches 1:50, and a decompression bomb far more.
 const MAX_GROWTH: u64 = 400;
 
 pub(crate) fn is_gzip(bytes: &[u8]) -> bool {

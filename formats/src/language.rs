@@ -1,5 +1,5 @@
-//! The scene languages: one row each says how its files are called, how they are read and written, and what
-//! of it is supported.
+//! The scene languages: one row each with the file extensions, the reader, the writer and the table of supported
+//! plugins.
 
 use std::path::Path;
 

@@ -55,7 +55,7 @@ pub(crate) const fn unsupported_but<F: Copy>(name: &'static str, advice: &'stati
     Plugin { name, status: Status::Unsupported(advice), instead: "" }
 }
 
-/// What the table says about a name; `None` when it has no such row.
+/// The status of a plugin; `None` when the table does not have it.
 pub(crate) fn find<F: Copy>(table: &[Plugin<F>], name: &str) -> Option<Status<F>> {
     table.iter().find(|row| row.name == name).map(|row| row.status)
 }
@@ -70,7 +70,7 @@ pub(crate) fn unknown<F>(table: &[Plugin<F>], what: &str, name: &str, span: Span
     })
 }
 
-/// The table as a reader of the documentation sees it.
+/// The table for the documentation.
 pub(crate) fn concept<F>(name: &'static str, table: &[Plugin<F>]) -> Concept {
     let support = |row: &Plugin<F>| match (&row.status, row.instead) {
         (Status::Read(_), "") => Support::Full,

@@ -14,13 +14,13 @@ pub struct ReadOptions {
     pub defines: Vec<(String, String)>,
     /// Known plugins that are not rendered yet become a named substitute and a warning.
     pub allow_unsupported: bool,
-    /// pbrt-v3 scenes are read as what their constructs became in v4, instead of refused.
+    /// pbrt-v3 scenes are converted to v4 while reading, instead of refused.
     pub upgrade_v3: bool,
     /// Searched for meshes, textures and includes after the folders of the scene.
     pub search: Vec<PathBuf>,
 }
 
-/// A scene and what its author should know about it.
+/// A scene with the warnings about it.
 #[derive(Clone, Debug)]
 pub struct Read {
     /// What was read.

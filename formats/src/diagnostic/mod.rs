@@ -74,7 +74,7 @@ impl Diagnostic {
         Self::new(Severity::Warning, message, span)
     }
 
-    /// Marks it as one about something that is not rendered.
+    /// Marks it as a message about something known but not rendered.
     #[must_use]
     pub fn unsupported(mut self) -> Self {
         self.unsupported = true;
@@ -128,7 +128,7 @@ pub(crate) fn in_source_order(problems: &mut Vec<Diagnostic>) {
     problems.retain(|p| p.span.is_none() || said.insert((p.span, p.message.clone())));
 }
 
-/// Messages printed at once: a file whose every line is wrong is not told line by line.
+/// Most messages printed at once.
 const SHOWN: usize = 100;
 
 /// The last boundary between characters of `text` at or before `offset`.
@@ -140,7 +140,7 @@ pub(crate) fn char_floor(text: &str, offset: usize) -> usize {
     offset
 }
 
-/// The name in `known` nearest to `name`, if any is near enough to be a slip of the hand.
+/// The name in `known` nearest to `name`, if any is near enough to be a typo.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
@@ -228,7 +228,7 @@ impl SourceMap {
             if term::emit_to_string(&mut text, &config, &files, &message).is_err() {
                 text.push_str(&format!("{:?}: {}\n", d.severity, d.message));
             }
-            // Each on its own: all excerpts of a long line would together be many times its length.
+            // One by one: the excerpts of a long line together would be many times its length.
             out.push_str(&narrow::narrowed(&text));
         }
         if let Some(more) = diagnostics.len().checked_sub(SHOWN).filter(|more| *more > 0) {

@@ -1,5 +1,5 @@
-//! What the chunks of an EXR file claim: their own size, and those of DWA compression what they unpack
-//! to. The decoder allocates what is claimed, so claims that the bytes cannot hold are refused first.
+//! Sizes that the chunks of an EXR file claim: their own, and for DWA compression those of their unpacked parts. The
+//! decoder allocates what is claimed, so claims that the file cannot hold are refused first.
 
 use std::io::Cursor;
 

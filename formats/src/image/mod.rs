@@ -60,7 +60,7 @@ pub enum ImageError {
     /// The bytes break the rules of their format.
     #[error("{0}")]
     Invalid(String),
-    /// The format has it, and it is not read.
+    /// Allowed by the format, but not supported.
     #[error("{0} is not supported")]
     Unsupported(String),
     /// The file cannot be read or written.
@@ -116,7 +116,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     Ok(read_samples(bytes)?.map(floats))
 }
 
-/// [`read`] without making floats of bytes.
+/// As [`read`], but 8-bit formats stay bytes.
 ///
 /// # Errors
 /// As [`read`].
@@ -162,7 +162,7 @@ fn detect(bytes: &[u8]) -> Option<Format> {
     })
 }
 
-/// Refuses sizes of nothing, sizes beyond [`MAX_PIXELS`], and content of `raw_bytes` that a file of
+/// Refuses empty images, sizes beyond [`MAX_PIXELS`], and content of `raw_bytes` that a file of
 /// `file_bytes` cannot expand to when its compression reaches at most `ratio`.
 fn check_size(
     [width, height]: [usize; 2],
@@ -188,7 +188,7 @@ fn check_size(
 /// Refuses pictures that take more than a quarter of the free memory, of which a scene has several and
 /// needs more for itself. `bytes` is what decoding holds at once.
 fn check_memory([width, height]: [usize; 2], bytes: u128) -> Result<(), ImageError> {
-    // What every machine has is not worth asking the system.
+    // Any machine has this much; asking the system would cost more.
     if bytes <= 1 << 26 {
         return Ok(());
     }

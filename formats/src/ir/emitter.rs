@@ -8,7 +8,7 @@ use super::Origin;
 use super::arena::Id;
 use super::color::Color;
 use super::sensor::{Fov, FovAxis};
-use super::table::{kinds, plain};
+use super::table::{file, kinds, plain};
 use super::texture::{ColorInput, Texture, TextureEncoding};
 use super::transform::Transform;
 
@@ -111,7 +111,8 @@ kinds! {
     }
 }
 
-plain! { SpotFalloff, LightImage, EnvironmentMapping }
+file! { LightImage }
+plain! { SpotFalloff, EnvironmentMapping }
 
 /// How a spot's light falls between `beam_width` and `cutoff_angle`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

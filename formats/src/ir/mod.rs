@@ -31,7 +31,7 @@ pub use interface::{
     RoughnessRemap, Shadowing,
 };
 pub use query::{Nature, Query, emits, uses_textures};
-pub use references::{Uses, canonical};
+pub use references::{Uses, canonical, parts};
 pub use sensor::{
     ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Projection, Sampler, Sensor,
     Tonemap,

@@ -69,6 +69,17 @@ impl Moves<'_> {
     }
 }
 
+/// Everything in a scene that may refer to something: all shapes, also those of groups, BSDFs, textures and
+/// emitters.
+pub fn parts(scene: &Scene) -> impl Iterator<Item = &dyn Part> {
+    let groups = scene.groups.iter().flat_map(|(_, group)| &group.shapes);
+    let shapes = groups.chain(&scene.shapes).map(|shape: &Shape| shape as &dyn Part);
+    let bsdfs = scene.bsdfs.iter().map(|(_, bsdf)| &bsdf.kind as &dyn Part);
+    let textures = scene.textures.iter().map(|(_, texture)| &texture.kind as &dyn Part);
+    let emitters = scene.emitters.iter().map(|emitter| &emitter.kind as &dyn Part);
+    shapes.chain(bsdfs).chain(textures).chain(emitters)
+}
+
 /// How often each object of the arenas is referred to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Uses {
@@ -85,12 +96,7 @@ impl Uses {
             textures: vec![0; scene.textures.len()],
             groups: vec![0; scene.groups.len()],
         };
-        let groups = scene.groups.iter().flat_map(|(_, group)| &group.shapes);
-        let shapes = groups.chain(&scene.shapes).map(|shape: &Shape| shape as &dyn Part);
-        let bsdfs = scene.bsdfs.iter().map(|(_, bsdf)| &bsdf.kind as &dyn Part);
-        let textures = scene.textures.iter().map(|(_, texture)| &texture.kind as &dyn Part);
-        let emitters = scene.emitters.iter().map(|emitter| &emitter.kind as &dyn Part);
-        for part in shapes.chain(bsdfs).chain(textures).chain(emitters) {
+        for part in parts(scene) {
             part.references(&mut |to| uses.counts(to.store())[to.index()] += 1);
         }
         uses

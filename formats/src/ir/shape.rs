@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::Origin;
 use super::arena::{Id, Store, Stored};
 use super::bsdf::Bsdf;
-use super::table::{kinds, plain, record};
+use super::table::{file, kinds, plain, record};
 use super::texture::{ColorInput, FloatInput};
 use super::transform::Transform;
 
@@ -94,7 +94,8 @@ kinds! {
     }
 }
 
-plain! { MeshFile, PartialQuadric }
+file! { MeshFile }
+plain! { PartialQuadric }
 
 /// pbrt's quadrics with their cuts; angles in degrees, u = φ/phi_max.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! The tables that say what a kind is. [`kinds`] makes an enum, the names of its kinds and its references from
 //! one row each; [`record`] makes a struct and its references.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::arena::{Id, Reference, Stored};
@@ -14,6 +14,9 @@ pub trait Part {
     /// Shows every reference, in the same order, and takes over what `visit` makes of it. The arena of a
     /// reference stays the same.
     fn references_mut(&mut self, visit: &mut dyn FnMut(&mut Reference));
+
+    /// Shows the path of every file it is read from.
+    fn files<'a>(&'a self, _visit: &mut dyn FnMut(&'a Path)) {}
 
     /// Whether what it looks like depends on the direction of ∂p/∂u on the surface.
     fn anisotropic(&self) -> bool {
@@ -43,6 +46,9 @@ macro_rules! part_of_parts {
             fn references_mut(&mut self, visit: &mut dyn FnMut(&mut Reference)) {
                 self.iter_mut().for_each(|part| part.references_mut(visit));
             }
+            fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a Path)) {
+                self.iter().for_each(|part| part.files(visit));
+            }
             fn anisotropic(&self) -> bool {
                 self.iter().any(Part::anisotropic)
             }
@@ -59,6 +65,9 @@ impl<T: Part> Part for Box<T> {
     fn references_mut(&mut self, visit: &mut dyn FnMut(&mut Reference)) {
         self.as_mut().references_mut(visit);
     }
+    fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a Path)) {
+        self.as_ref().files(visit);
+    }
     fn anisotropic(&self) -> bool {
         self.as_ref().anisotropic()
     }
@@ -71,6 +80,9 @@ impl<T: Part> Part for (f64, T) {
     }
     fn references_mut(&mut self, visit: &mut dyn FnMut(&mut Reference)) {
         self.1.references_mut(visit);
+    }
+    fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a Path)) {
+        self.1.files(visit);
     }
     fn anisotropic(&self) -> bool {
         self.1.anisotropic()
@@ -93,6 +105,19 @@ macro_rules! plain {
 }
 
 plain! { bool, u32, f64, String, PathBuf }
+
+/// Structs with a `path`: a file that must be there, and no references.
+macro_rules! file {
+    ($($type:ty),* $(,)?) => {
+        $(impl $crate::ir::table::Part for $type {
+            fn references(&self, _: &mut dyn FnMut($crate::ir::arena::Reference)) {}
+            fn references_mut(&mut self, _: &mut dyn FnMut(&mut $crate::ir::arena::Reference)) {}
+            fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a std::path::Path)) {
+                visit(&self.path);
+            }
+        })*
+    };
+}
 
 /// An enum of kinds, one row each: `"name" => Kind`, with fields in braces or one part as `(name: Type)`. With
 /// `says fact: Type` in the head, each row has its fact in brackets after the name.
@@ -136,6 +161,15 @@ macro_rules! kinds {
                     $(Self::$Kind $(($part))? $({ $($field),* })? => {
                         $($crate::ir::table::Part::references_mut($part, visit);)?
                         $($($crate::ir::table::Part::references_mut($field, visit);)*)?
+                    })*
+                }
+            }
+
+            fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a std::path::Path)) {
+                match self {
+                    $(Self::$Kind $(($part))? $({ $($field),* })? => {
+                        $($crate::ir::table::Part::files($part, visit);)?
+                        $($($crate::ir::table::Part::files($field, visit);)*)?
                     })*
                 }
             }
@@ -203,6 +237,10 @@ macro_rules! record {
                 $($crate::ir::table::Part::references_mut(&mut self.$field, visit);)*
             }
 
+            fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a std::path::Path)) {
+                $($crate::ir::table::Part::files(&self.$field, visit);)*
+            }
+
             fn anisotropic(&self) -> bool {
                 false $(|| $crate::ir::table::Part::anisotropic(&self.$field))*
             }
@@ -210,4 +248,4 @@ macro_rules! record {
     };
 }
 
-pub(super) use {kinds, plain, record};
+pub(super) use {file, kinds, plain, record};

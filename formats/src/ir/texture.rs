@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Origin;
 use super::arena::{Id, Store, Stored};
 use super::color::Color;
-use super::table::{kinds, plain};
+use super::table::{file, kinds, plain};
 use super::transform::Transform;
 
 kinds! {
@@ -142,7 +142,8 @@ kinds! {
     }
 }
 
-plain! { NoiseKind, Mapping, Bitmap }
+file! { Bitmap }
+plain! { NoiseKind, Mapping }
 
 /// pbrt's noise textures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -21,15 +21,15 @@ pub(super) const FACE: &str = "face_";
 
 /// The attributes among the properties of an element.
 pub(super) struct Columns {
-    /// Names, and of how many numbers each consists.
+    /// Names and numbers of components.
     found: Vec<(String, usize)>,
-    /// For every property the attribute and the component, if it is part of one.
+    /// For every property, the attribute and component it is part of, if any.
     pub places: Vec<Option<(usize, usize)>>,
-    /// Names of what consists of other than one or three numbers, and of how many.
+    /// Names and numbers of components of those that do not have one or three.
     pub skipped: Vec<(String, usize)>,
 }
 
-/// What a property is part of: `color_0` of `color`, and so are `r` and `red`.
+/// The attribute a property is part of: `color` for `color_0`, `r` and `red`.
 fn stem(property: &str) -> Option<&str> {
     if matches!(property, "r" | "g" | "b" | "red" | "green" | "blue") {
         return Some("color");
@@ -40,7 +40,7 @@ fn stem(property: &str) -> Option<&str> {
 }
 
 impl Columns {
-    /// Of the free properties (the others are `None`); only those of one or three numbers count.
+    /// Groups the free properties (the others are `None`) into attributes of one or three components.
     pub fn new<'a>(prefix: &str, properties: impl Iterator<Item = Option<&'a str>>) -> Self {
         let stems: Vec<Option<&str>> = properties.map(|p| p.and_then(stem)).collect();
         let count = |stem: &str| stems.iter().flatten().filter(|s| **s == stem).count();

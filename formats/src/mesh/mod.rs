@@ -45,7 +45,7 @@ pub enum MeshError {
     /// Malformed bytes; the text names line, element or byte offset.
     #[error("{0}")]
     Invalid(String),
-    /// Well-formed, but outside what we read.
+    /// Well-formed, but not supported.
     #[error("{0} is not supported")]
     Unsupported(String),
 }
@@ -83,7 +83,7 @@ pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<M
     }
 }
 
-/// Attributes that [`read`] leaves out of the mesh of a file, and of how many numbers each consists.
+/// Attributes that [`read`] leaves out of the mesh, with their number of components.
 ///
 /// # Errors
 /// When the header of the file is malformed.

@@ -239,7 +239,7 @@ fn integer(word: &[u8]) -> Option<i64> {
 }
 
 /// Distinct corners. Each position heads a list of its corners; few have more than a handful, and
-/// those that do continue in a hash map.
+/// the rest go into a hash map.
 struct Vertices {
     corners: Vec<Corner>,
     /// Per position, the corner added last.

@@ -155,7 +155,7 @@ impl Stream<'_> {
         Ok(bytes)
     }
 
-    /// The buffer grows with what is really there, not with what the header claims.
+    /// The buffer grows with the data that is there, not with the size that the header claims.
     fn bytes(&mut self, count: usize) -> Result<Vec<u8>, MeshError> {
         let mut bytes = Vec::with_capacity(count.min(1 << 20));
         let read = self.decoder.by_ref().take(count as u64).read_to_end(&mut bytes);
@@ -186,6 +186,6 @@ impl Stream<'_> {
                 return Ok(());
             }
         }
-        Err(invalid(self.offset, "has a name without end".into()))
+        Err(invalid(self.offset, "has an unterminated name".into()))
     }
 }

@@ -23,7 +23,7 @@ pub(super) const SPECTRA: &[Plugin<ReadSpectrum>] = &[
     read("srgb_d65", d65),
 ];
 
-/// Mitsuba 2 and 3 make no difference between spectra and textures but the name of the plugin.
+/// In Mitsuba 2 and 3, spectra and textures differ only by the name of the plugin.
 pub(super) fn is_texture(object: &Object) -> bool {
     let is_spectrum = SPECTRA.iter().any(|row| row.name == object.plugin);
     match object.class {
@@ -34,7 +34,7 @@ pub(super) fn is_texture(object: &Object) -> bool {
 }
 
 impl<'a> Reader<'a> {
-    /// Reads a texture or spectrum for its problems; it counts only where something refers to it.
+    /// Reads a texture or spectrum to report its problems; it is used only where something refers to it.
     pub fn top_level_texture(&mut self, index: ObjectIndex) {
         if is_texture(&self.objects[index]) {
             self.texture(index);
@@ -187,7 +187,7 @@ fn uniform(props: &mut Props<'_>) -> Option<Color> {
     Some(Color::UniformPlugin(props.float("value", 1.0)))
 }
 
-/// Numbers that are no light: what they are in every slot.
+/// The value of a number that is not light, in any slot.
 fn raw_constant(props: &mut Props<'_>) -> Option<Color> {
     let Some(entry) = props.entry("value") else {
         props.complain("value", "rawconstant needs the parameter `value`");

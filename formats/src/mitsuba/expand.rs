@@ -225,7 +225,7 @@ impl<'a> Expander<'a> {
     fn path(&mut self, element: &Element, depth: usize) {
         let Some([value]) = self.required(element, ["value"]) else { return };
         if self.root_depths.last().is_none_or(|root| depth != root + 1) {
-            let text = "<path> may only stand directly below <scene>";
+            let text = "<path> is only allowed directly inside <scene>";
             self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
             return;
         }
@@ -252,7 +252,7 @@ impl<'a> Expander<'a> {
             chain.push(path.display().to_string());
             let mut problem = Diagnostic::error(format!("include cycle: {}", chain.join(" → ")), Some(span));
             for (_, from) in &self.stack[at + 1..] {
-                problem.labels.extend(from.map(|from| (from, "by way of this".to_owned())));
+                problem.labels.extend(from.map(|from| (from, "through this".to_owned())));
             }
             self.problems.push(problem);
             return;

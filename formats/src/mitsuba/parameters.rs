@@ -2,10 +2,9 @@
 
 use crate::diagnostic::{Diagnostic, Span, nearest};
 
-/// A substituted value may not grow beyond this: `<default>`s that double each other would fill
-/// the memory.
+/// Longest substituted value: `<default>`s that double each other would fill the memory.
 const MAX_VALUE_BYTES: usize = 16 << 20;
-/// And all of a scene together not beyond this.
+/// Most bytes of all substituted values of a scene together.
 const MAX_BYTES: usize = 64 << 20;
 
 #[derive(Clone, Debug)]

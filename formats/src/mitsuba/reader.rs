@@ -1,4 +1,4 @@
-//! Last pass: objects to IR. This file walks the scene and serves the readers of the concepts.
+//! Last pass: objects to IR. This file walks the scene and has what the readers of all concepts share.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub(super) struct Reader<'a> {
     pub dialect: Dialect,
     pub scene: Scene,
     pub problems: Vec<Diagnostic>,
-    /// What the BSDFs that were read are.
+    /// Answers about the BSDFs read so far.
     pub query: Query,
     files: &'a dyn Files,
     sources: &'a SourceMap,

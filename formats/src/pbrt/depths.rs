@@ -4,10 +4,10 @@ use std::collections::HashMap;
 
 use crate::ir::{Part, TextureKind};
 
-/// Everything that walks along textures calls itself.
+/// Limit on nesting, because the walks over textures are recursive.
 pub(super) const MAX_DEPTH: u32 = 256;
 
-/// How many textures stand below each other, by the index of the uppermost. One where nothing is said.
+/// Nesting depth of textures by index; 1 where there is no entry.
 #[derive(Default)]
 pub(super) struct Depths(HashMap<usize, u32>);
 
@@ -16,7 +16,7 @@ impl Depths {
         self.0.insert(texture, depth);
     }
 
-    /// Of what the texture refers to.
+    /// The greatest depth among the textures that this one refers to.
     pub fn below(&self, kind: &TextureKind) -> u32 {
         let mut deepest = 0;
         kind.references(&mut |to| deepest = deepest.max(self.0.get(&to.index()).copied().unwrap_or(1)));

@@ -1,4 +1,4 @@
-//! What each directive does.
+//! The effect of each directive.
 
 use std::rc::Rc;
 
@@ -120,7 +120,7 @@ impl Reader<'_> {
             "ColorSpace" => self.color_space(d),
             "ReverseOrientation" => self.state.reverse = !self.state.reverse,
             "Option" => self.option(d),
-            other => self.error(format!("`{other}` cannot stand here"), d.span),
+            other => self.error(format!("`{other}` is not allowed here"), d.span),
         }
     }
 
@@ -150,20 +150,20 @@ impl Reader<'_> {
         );
         match self.world {
             Some(begin) if head => {
-                let text = format!("{} must stand before WorldBegin", d.name);
+                let text = format!("{} must come before WorldBegin", d.name);
                 self.problems
                     .push(Diagnostic::error(text, Some(d.span)).label(begin, "the world begins here"));
                 false
             }
             None if world => {
-                self.error(format!("{} must stand after WorldBegin", d.name), d.span);
+                self.error(format!("{} must come after WorldBegin", d.name), d.span);
                 false
             }
             _ => true,
         }
     }
 
-    /// Ours serves for all.
+    /// Accepts an accelerator; ours is always used.
     fn accelerator(&mut self, mut p: Params) {
         type Names = &'static [&'static str];
         const ACCELERATORS: &[Plugin<Names>] = &[
@@ -193,7 +193,7 @@ impl Reader<'_> {
             Some(space) => self.state.space = space,
             None => {
                 let known: Vec<_> = ColorSpace::names().collect();
-                let text = format!("no colour space is called `{name}`");
+                let text = format!("no colour space named `{name}`");
                 let problem = Diagnostic::error(text, Some(d.arguments[0].span));
                 self.problems.push(problem.help(format!("known: {}", known.join(", "))));
             }

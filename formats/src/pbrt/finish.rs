@@ -1,4 +1,4 @@
-//! What can be said only when everything is read.
+//! Checks and changes that need the whole scene.
 
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
@@ -27,11 +27,11 @@ impl Reader<'_> {
     fn finish_shape(&mut self, shape: &mut Shape, query: &mut Query) {
         let Some(bsdf) = shape.bsdf else { return };
         if let (BsdfKind::Null, Some(emission)) = (&self.scene.bsdfs[bsdf].kind, &shape.emission) {
-            let text = "a shape of material `interface` does not shine: the area light is ignored";
+            let text = "a shape with material `interface` does not emit light: the area light is ignored";
             self.problems.push(Diagnostic::warning(text, emission.origin.0.or(shape.origin.0)));
             shape.emission = None;
         }
-        // Their uv differ from those of the plain kinds.
+        // Partial quadrics have other uv than the plain kinds.
         let bsdfs = &self.scene.bsdfs;
         let uv_matter = query.textured(bsdfs, shape) || query.bsdf(bsdfs, bsdf).anisotropic;
         if !uv_matter && let ShapeKind::Partial(quadric) = shape.kind {

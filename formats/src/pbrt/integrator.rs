@@ -50,7 +50,7 @@ impl Reader<'_> {
             settings.insert("photon_count".to_owned(), Setting { origin, value });
         }
         if p.boolean("regularize", false) {
-            p.warn("regularize", "`regularize` is ignored: rough surfaces stay as they are");
+            p.warn("regularize", "`regularize` is ignored: rough surfaces are unchanged");
         }
         p.ignore(&["lightsampler"]);
         self.done(p);

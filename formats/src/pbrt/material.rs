@@ -1,4 +1,4 @@
-//! Materials. What lets no light through is two-sided in pbrt, and wrapped accordingly.
+//! Materials. Opaque ones are two-sided in pbrt, so they are wrapped in `TwoSided`.
 
 use super::color::Use;
 use super::directive::{Directive, Param};
@@ -15,7 +15,7 @@ use crate::plugin::{Plugin, approximated, read, unsupported};
 
 type ReadMaterial = fn(&mut Reader<'_>, &mut Params) -> Option<BsdfKind>;
 
-/// What the coated materials are instead.
+/// How the coated materials are approximated.
 const CLOSED_FORM: &str = "closed form of the random walk: its albedo to 0.6 %";
 const CLOSED_FORM_OVER_METAL: &str =
     "closed form of the random walk: its albedo to 2 %, below a rough interface to 8 %";
@@ -43,7 +43,7 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
 const WHITE: ColorInput = ColorInput::Color(Color::Gray(1.0));
 const GRAY: ColorInput = ColorInput::Color(Color::Gray(0.5));
 
-/// pbrt does nothing about normals that a map turns away.
+/// pbrt does not correct normals that a map turns away.
 const SHADING: PerturbedShading = PerturbedShading { flip_invalid_normals: false, shadowing: false };
 
 impl Reader<'_> {
@@ -168,7 +168,7 @@ impl Reader<'_> {
             .collect();
         for (name, span) in missing {
             let defined = self.materials.iter().filter(|(_, named)| named.defined.is_some());
-            let problem = Diagnostic::error(format!("no material is called `{name}`"), Some(span));
+            let problem = Diagnostic::error(format!("no material named `{name}`"), Some(span));
             self.problems.push(problem.suggest_or(&name, defined.map(|(name, _)| name.as_str()), || {
                 "MakeNamedMaterial defines one".to_owned()
             }));
@@ -312,7 +312,7 @@ fn mix(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
         return None;
     };
     let [first, second] = &names[..] else {
-        p.complain("materials", format!("`materials` wants 2 names, got {}", names.len()));
+        p.complain("materials", format!("`materials` expects 2 names, got {}", names.len()));
         return None;
     };
     let first = r.mixed(p, first, span)?;

@@ -61,7 +61,7 @@ impl Parser<'_, '_> {
         self.problems.push(Diagnostic::error(text, Some(span)));
     }
 
-    /// Up to the next word that is a directive.
+    /// Skips to the next directive.
     fn skip_statement(&mut self) {
         while let Some(token) = self.cursor.peek() {
             if matches!(token, Token::Word(name) if follows(name).is_some()) {
@@ -108,13 +108,13 @@ impl Parser<'_, '_> {
         }
         let span = self.span(&(start..self.cursor.position));
         if values.len() < count {
-            let text = format!("{} wants {count} numbers, got {}", directive.name, values.len());
+            let text = format!("{} expects {count} numbers, got {}", directive.name, values.len());
             self.error(text, directive.span);
             return false;
         }
         if bracket && self.cursor.peek() != Some(Token::Close) {
             let here = self.here();
-            self.error(format!("{} wants {count} numbers and then a `]`", directive.name), here);
+            self.error(format!("{} expects {count} numbers and then a `]`", directive.name), here);
             return false;
         }
         if bracket {
@@ -151,7 +151,7 @@ impl Parser<'_, '_> {
             return true;
         }
         let wanted = if least == 1 { "a quoted name".to_owned() } else { format!("{least} quoted names") };
-        self.error(format!("{} wants {wanted} after it", directive.name), directive.span);
+        self.error(format!("{} expects {wanted} after it", directive.name), directive.span);
         false
     }
 
@@ -163,7 +163,7 @@ impl Parser<'_, '_> {
             directive.arguments.push(Argument { value: Value::Word(word.to_owned()), span });
             return true;
         }
-        self.error(format!("{} wants a word after it", directive.name), directive.span);
+        self.error(format!("{} expects a word after it", directive.name), directive.span);
         false
     }
 
@@ -172,7 +172,7 @@ impl Parser<'_, '_> {
             Some(Token::Word(word)) if follows(word).is_none() => Value::Word(word.to_owned()),
             Some(Token::Quoted(text)) => Value::Text(text.into_owned()),
             _ => {
-                self.error("Option wants a name and a value", directive.span);
+                self.error("Option expects a name and a value", directive.span);
                 return false;
             }
         };

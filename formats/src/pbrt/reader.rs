@@ -24,7 +24,7 @@ pub(super) struct Named<T> {
     pub used: Option<Span>,
 }
 
-/// What stands before WorldBegin and is read there, when all of it is known.
+/// Directives from before WorldBegin; they are read there, when all of them are known.
 #[derive(Debug, Default)]
 pub(super) struct Head {
     /// With its place in the world.
@@ -122,7 +122,7 @@ impl<'a> Reader<'a> {
             let last = self.last;
             self.problems.push(
                 Diagnostic::error("the scene has no WorldBegin", Some(last))
-                    .help("camera, film and integrator stand before it, shapes and lights after it"),
+                    .help("camera, film and integrator come before it, shapes and lights after it"),
             );
         }
         self.finish();
@@ -171,7 +171,7 @@ impl<'a> Reader<'a> {
         self.problems.extend(p.finish());
     }
 
-    /// The reader of an entity's type, or `None` after saying that there is none and what happens instead.
+    /// The reader of an entity's type, or `None` after reporting that there is none and what happens instead.
     pub fn plugin<F: Copy>(&mut self, table: &[Plugin<F>], p: &mut Params, instead: &str) -> Option<F> {
         match plugin::find(table, &p.kind) {
             Some(Status::Read(reader)) => Some(reader),
@@ -189,7 +189,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reports something that pbrt has and we do not.
+    /// Reports something of pbrt that is not supported.
     pub fn unsupported(&mut self, what: &str, instead: &str, span: Span) {
         let text = format!("{what} is not supported yet");
         let problem = if self.options.allow_unsupported {

@@ -1,4 +1,4 @@
-//! Where the world begins, and the scopes in it.
+//! WorldBegin, and scopes of the graphics state.
 
 use super::reader::Reader;
 use super::state::{Saved, Scope};
@@ -8,7 +8,7 @@ use crate::ir::Transform;
 impl Reader<'_> {
     pub fn world_begin(&mut self, span: Span) {
         if let Some(first) = self.world {
-            let problem = Diagnostic::error("a scene has one WorldBegin", Some(span));
+            let problem = Diagnostic::error("a scene may have only one WorldBegin", Some(span));
             self.problems.push(problem.label(first, "the first one"));
             return;
         }
@@ -37,7 +37,7 @@ impl Reader<'_> {
         match self.saved.pop() {
             Some(saved) if saved.scope == scope => self.state = saved.graphics,
             Some(saved) => {
-                let problem = Diagnostic::error(format!("{end} closes what it did not open"), Some(span));
+                let problem = Diagnostic::error(format!("{end} does not match the open block"), Some(span));
                 self.problems.push(problem.label(saved.span, "this is still open"));
                 self.state = saved.graphics;
             }

@@ -50,7 +50,7 @@ impl Reader<'_> {
             // Only the active transforms, as every other transform directive.
             Some(ctm) => self.state.set(ctm),
             None => {
-                let text = format!("no coordinate system is called `{name}`; the transform stays as it is");
+                let text = format!("no coordinate system named `{name}`; the transform is unchanged");
                 let problem = Diagnostic::warning(text, Some(d.arguments[0].span));
                 self.problems.push(problem.suggest(name, self.systems.keys().map(String::as_str)));
             }
@@ -74,7 +74,7 @@ impl Reader<'_> {
     pub fn report_moving(&mut self, what: &str, span: Span) {
         if self.state.moves() && !self.warned_moving {
             self.warned_moving = true;
-            let text = format!("{what} moves: the scene is rendered as it stands at the start time");
+            let text = format!("{what} moves: the scene is rendered as it is at the start time");
             self.warn(text, span);
         }
     }

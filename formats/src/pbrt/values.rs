@@ -40,7 +40,7 @@ impl Parser<'_, '_> {
                 found => {
                     let text = match found {
                         None => format!("the list of `{name}` is not closed"),
-                        Some(_) => format!("`{name}` wants {}", wanted(kind)),
+                        Some(_) => format!("`{name}` expects {}", wanted(kind)),
                     };
                     self.cursor.skip_blank();
                     let place = if found.is_none() { span } else { self.here() };
@@ -54,7 +54,7 @@ impl Parser<'_, '_> {
             let text = if bracket {
                 format!("the list of `{name}` is empty")
             } else {
-                format!("`{name}` wants {}", wanted(kind))
+                format!("`{name}` expects {}", wanted(kind))
             };
             self.error(text, span);
             if !bracket {
@@ -148,7 +148,7 @@ impl Parser<'_, '_> {
         Some(Values::Bools(out))
     }
 
-    /// To the end of a value that makes no sense: its bracket, or the next directive.
+    /// Skips an unreadable value: to its closing bracket, or to the next directive.
     pub fn skip_value(&mut self) {
         let mut ahead = self.cursor.clone();
         let bracketed = loop {

@@ -15,7 +15,7 @@ use crate::ir::{Color, ColorSlot, SpectrumRule};
 /// Why a colour has no RGB value.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SpectrumError {
-    /// A component is infinite or no number.
+    /// A component is infinite or NaN.
     #[error("a colour must consist of finite numbers")]
     NotFinite,
     /// A bounded colour has a component outside 0..1.
@@ -36,7 +36,7 @@ pub enum SpectrumError {
     #[error("a blackbody temperature must be positive, not {0} K")]
     BadTemperature(f64),
     /// No spectrum has this name.
-    #[error("no spectrum is called `{0}`")]
+    #[error("no spectrum named `{0}`")]
     UnknownName(String),
 }
 
@@ -153,7 +153,7 @@ fn check_samples(samples: &[[f64; 2]]) -> Result<(), SpectrumError> {
     }
 }
 
-/// Negative components are an artefact of the small gamut; a reflectance above one is cut by
+/// Negative components come from the small gamut and are clamped; reflectances above one are clamped by
 /// Mitsuba 2 and 3 only.
 fn clamp(rgb: [f64; 3], slot: ColorSlot, rule: SpectrumRule) -> [f64; 3] {
     let bounded = slot == ColorSlot::Reflectance && rule != SpectrumRule::Mitsuba06;

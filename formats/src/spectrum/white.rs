@@ -1,4 +1,4 @@
-//! White balance: what daylight of a temperature lights is to look as if D65 did.
+//! White balance: makes a scene lit by daylight of a given temperature look as if lit by D65.
 
 use super::convert::xyz_to_rgb;
 use super::integrate::rgb_to_xyz_of_white;

@@ -1,4 +1,4 @@
-//! What a writer of any scene language gives, and what the writers share.
+//! The result of a writer, and what the writers of all scene languages share.
 
 mod image;
 mod mesh;
@@ -18,7 +18,7 @@ pub(crate) use output::Output;
 use crate::files::Files;
 use crate::image::atomic_write;
 
-/// Something the scene says that the written one does not.
+/// Something in the scene that the written one cannot express.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Loss {
     /// What is lost.
@@ -163,7 +163,7 @@ impl Written {
 
 /// The shortest decimal that reads back as the same number.
 pub(crate) fn number(v: f64) -> String {
-    // A negative zero means nothing.
+    // The sign of a zero is dropped.
     let v = if v == 0.0 { 0.0 } else { v };
     if v != 0.0 && !(1e-5..1e15).contains(&v.abs()) { format!("{v:e}") } else { format!("{v}") }
 }

@@ -1,4 +1,4 @@
-//! The header of a PLY file: which elements with which properties the data consist of.
+//! The header of a PLY file: the elements of the data and their properties.
 
 use crate::mesh::MeshError;
 

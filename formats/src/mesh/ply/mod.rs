@@ -40,8 +40,8 @@ pub fn read_ply(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> 
     Ok(finish(mesh, options))
 }
 
-/// Attributes of a PLY file that [`read_ply`] leaves out, being of other than one or three numbers, and
-/// of how many they are.
+/// Attributes of a PLY file that [`read_ply`] leaves out because they do not have one or three components, with
+/// their number of components.
 pub fn skipped_attributes(bytes: &[u8]) -> Result<Vec<(String, usize)>, MeshError> {
     let mut skipped = Vec::new();
     for element in &header(bytes)?.elements {
@@ -63,7 +63,7 @@ enum Target {
     Nothing,
 }
 
-/// Texture coordinates under the names in use, the best known first.
+/// Names of texture coordinates, the most common first.
 const UV_NAMES: [[&str; 2]; 4] =
     [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
 

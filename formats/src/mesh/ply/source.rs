@@ -19,7 +19,7 @@ impl<'a> Source<'a> {
         self.bytes.len() - self.position
     }
 
-    /// Refuses counts that the rest of the file cannot hold, so that they may be reserved.
+    /// Refuses counts that the rest of the file cannot hold, so that it is safe to reserve memory for them.
     pub fn check_claim(&self, element: &Element) -> Result<(), MeshError> {
         let least = |property: &Property| match self.encoding {
             Encoding::Ascii => 2,

@@ -82,7 +82,7 @@ pub(super) fn conductor<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> C
             Some((name, span)) => {
                 if conductor_names().all(|known| known != name) {
                     let known: Vec<String> = conductor_names().collect();
-                    let text = format!("no metal is called `{name}`");
+                    let text = format!("no metal named `{name}`");
                     let problem = Diagnostic::error(text, Some(span));
                     props.problems.push(problem.suggest_or(name, known.iter().map(String::as_str), || {
                         "the usual ones: Ag, Al, Au, Cr, Cu, W; `none` is a mirror".to_owned()

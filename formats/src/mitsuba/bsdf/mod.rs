@@ -53,7 +53,7 @@ pub(super) const BSDFS: &[Plugin<ReadBsdf>] = &[
 const HALF: ColorInput = ColorInput::Color(Color::Gray(0.5));
 
 impl<'a> Reader<'a> {
-    /// The BSDF at `index`. A diffuse gray or a nested one stands for what could not be read.
+    /// The BSDF at `index`. A diffuse gray, or the nested BSDF, replaces one that could not be read.
     pub fn bsdf(&mut self, index: ObjectIndex) -> Id<Bsdf> {
         if let Some(id) = self.bsdfs.get(&index) {
             return *id;

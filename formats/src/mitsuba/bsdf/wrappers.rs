@@ -38,7 +38,7 @@ pub(super) fn mask<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option
     Some(BsdfKind::Mask { opacity, nested: reader.bsdf(nested.index) })
 }
 
-/// The flags of Mitsuba 3, which also renders files of version 2 so; 0.6 does neither.
+/// The flags of Mitsuba 3, which also apply to files of version 2; 0.6 has neither.
 fn perturbed<'a>(reader: &Reader<'a>, props: &mut Props<'a>) -> PerturbedShading {
     let new = reader.dialect != Dialect::Old;
     PerturbedShading {

@@ -1,4 +1,4 @@
-//! Surface scattering models that Mitsuba 3 has, and the way to those it has not.
+//! Surface scattering models that Mitsuba 3 has; `substitute` has the others.
 
 use super::Writer;
 use super::element::Element;
@@ -17,7 +17,7 @@ impl Writer<'_, '_> {
         Ok(element.id(self.ids.bsdfs[id.index()].as_deref()))
     }
 
-    /// A reference, or the thing itself.
+    /// A reference where the BSDF is shared, otherwise the BSDF itself.
     pub fn bsdf(&mut self, id: Id<Bsdf>) -> Result<Element, WriteError> {
         match &self.ids.bsdfs[id.index()] {
             Some(shared) => Ok(Element::new("ref").with("id", shared.as_str())),

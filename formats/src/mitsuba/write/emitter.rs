@@ -10,7 +10,7 @@ use crate::ir::{
 use crate::write::WriteError;
 
 impl Writer<'_, '_> {
-    #[allow(unreachable_patterns, reason = "a kind without an arm is lost by its name")]
+    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
     pub fn emitter(&mut self, e: &Emitter) -> Result<Option<Element>, WriteError> {
         let origin = e.origin;
         let plugin = |name: &str| Element::plugin("emitter", name).id(e.name.as_deref());
@@ -22,8 +22,8 @@ impl Writer<'_, '_> {
                 if *falloff == SpotFalloff::Smoothstep {
                     self.out.lose(
                         origin,
-                        "a spot that falls off by a smooth step of the cosine",
-                        "one that falls off linearly in the angle",
+                        "a spot with smoothstep falloff in the cosine",
+                        "linear falloff in the angle",
                     );
                 }
                 let texture = texture.map(|id| self.texture("texture", id)).transpose()?;
@@ -79,7 +79,7 @@ impl Writer<'_, '_> {
         }))
     }
 
-    /// A light without an arm above.
+    /// Reports a kind that [`Self::emitter`] does not handle.
     fn lost_light(&mut self, kind: &EmitterKind, origin: Origin) -> Option<Element> {
         self.out.lose(origin, format!("a `{}` light", kind.name()), "no light");
         None

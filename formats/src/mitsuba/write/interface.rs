@@ -69,7 +69,7 @@ impl Writer<'_, '_> {
             }
             ConductorMaterial::Reflectance(ColorInput::Color(color)) => {
                 let reflectance = self.rgb(color, Reflectance, origin);
-                // As pbrt does, kept off 1, where k has no end.
+                // Kept below 1, as in pbrt: k goes to infinity there.
                 let k = reflectance.map(|r| {
                     let r = r.clamp(0.0, 0.9999);
                     2.0 * (r / (1.0 - r)).sqrt()
@@ -80,7 +80,7 @@ impl Writer<'_, '_> {
                 self.out.lose(
                     origin,
                     "a metal given by a textured reflectance at normal incidence",
-                    "a mirror that reflects this share at all angles",
+                    "a mirror with this reflectance at all angles",
                 );
                 factor = Some(self.texture("specular_reflectance", *id)?);
                 element.string("material", "none")
@@ -156,7 +156,7 @@ impl Writer<'_, '_> {
             (RoughnessRemap::None, input) => input.clone(),
             (RoughnessRemap::Sqrt, FloatInput::Value(v)) => FloatInput::Value(v.max(0.0).sqrt()),
             (RoughnessRemap::Sqrt, input) => {
-                let mean = self.one_number(input, "a roughness whose root is alpha", origin)?;
+                let mean = self.one_number(input, "a roughness that is the square of alpha", origin)?;
                 FloatInput::Value(mean.max(0.0).sqrt())
             }
         })

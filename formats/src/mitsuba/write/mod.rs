@@ -1,4 +1,4 @@
-//! The scene as a Mitsuba 3 file: one file per concept, as the readers beside them.
+//! The scene as a Mitsuba 3 file: one module per concept, as for reading.
 //!
 //! Objects that have a name, or that several others refer to, stand at the top level with an id;
 //! the rest is nested where it is used.
@@ -23,7 +23,7 @@ use texture::Said;
 use crate::ir::{Id, Origin, Query, Scene, Texture, Uses};
 use crate::write::{Output, WriteError};
 
-/// What the written files claim to be.
+/// Version of the written files.
 const VERSION: &str = "3.0.0";
 
 pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
@@ -46,7 +46,7 @@ struct Writer<'o, 'a> {
     scene: &'a Scene,
     ids: Ids,
     query: Query,
-    /// Textures that were made, by their factor's bits.
+    /// Textures that were written, by the bits of their factor.
     said: HashMap<(Id<Texture>, [u64; 3]), Said>,
     /// Factor on all light, in place of the film's imaging ratio.
     light: f64,
@@ -145,7 +145,7 @@ impl<'a> Writer<'_, 'a> {
         Ok(print(&root))
     }
 
-    /// What `make` makes, with comments on where it comes from and what it does not say.
+    /// The element from `make`, with comments about its source and losses.
     fn commented(
         &mut self,
         origin: Origin,

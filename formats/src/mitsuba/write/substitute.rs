@@ -1,4 +1,4 @@
-//! Models that Mitsuba 3 has not: the nearest it has, each with its loss.
+//! Models that Mitsuba 3 lacks: the closest it has, each with its loss.
 
 use super::Writer;
 use super::color::rgb_element;

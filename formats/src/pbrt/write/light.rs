@@ -15,7 +15,7 @@ const POLE: Transform =
     Transform([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]);
 
 impl Writer<'_, '_> {
-    #[allow(unreachable_patterns, reason = "a kind without an arm is lost by its name")]
+    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
     pub fn emitter(&mut self, e: &Emitter) -> Result<(), WriteError> {
         let origin = e.origin;
         let none = Params::default();
@@ -29,8 +29,8 @@ impl Writer<'_, '_> {
                 if *falloff == SpotFalloff::Linear {
                     self.out.lose(
                         origin,
-                        "a spot that falls off linearly in the angle",
-                        "one that falls off by a smooth step of the cosine",
+                        "a spot with linear falloff in the angle",
+                        "smoothstep falloff in the cosine",
                     );
                 }
                 if texture.is_some() {
@@ -132,8 +132,8 @@ impl Writer<'_, '_> {
                     self.out.lose(origin, "the `to_uv` of a projector's picture", "the whole picture");
                 }
                 if bitmap.filter == TextureFilter::Bilinear {
-                    let what = "a projected picture that is smooth between its pixels";
-                    self.out.lose(origin, what, "one whose pixels show");
+                    let what = "bilinear interpolation of a projected image";
+                    self.out.lose(origin, what, "nearest-pixel lookup");
                 }
                 let fov = smaller_fov(fov, axis, self.out.aspect(&bitmap.path)?);
                 (self.out.slide_intensity(bitmap, half_tangent(fov))?, fov)
@@ -167,7 +167,7 @@ impl Writer<'_, '_> {
 
     pub fn emission(&mut self, text: &mut String, e: &AreaEmission) -> Result<(), WriteError> {
         if e.collimated {
-            self.out.lose(e.origin, "a lamp that shines along its normal only", "a diffuse lamp");
+            self.out.lose(e.origin, "a lamp that emits along its normal only", "a diffuse lamp");
         }
         let none = Params::default();
         let p = match &e.radiance {

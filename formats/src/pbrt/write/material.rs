@@ -42,7 +42,11 @@ impl Writer<'_, '_> {
         let (nested, one_sided) = match kind {
             BsdfKind::TwoSided { front, back } => {
                 if back.is_some_and(|back| back != *front) {
-                    self.out.lose(*origin, "a material of its own on the back", "that of the front");
+                    self.out.lose(
+                        *origin,
+                        "a different material on the back",
+                        "the front material on both sides",
+                    );
                 }
                 (*front, false)
             }
@@ -163,8 +167,8 @@ impl Writer<'_, '_> {
             ConductorMaterial::Mirror => {
                 self.out.lose(
                     origin,
-                    "a mirror that reflects the same at all angles",
-                    "a metal that reflects this much at normal incidence",
+                    "a mirror with the same reflectance at all angles",
+                    "a metal with this reflectance at normal incidence",
                 );
                 self.color_input(p, "reflectance", &c.specular_reflectance, Reflectance, origin)
             }

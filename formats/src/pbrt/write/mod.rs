@@ -1,4 +1,4 @@
-//! The scene as a pbrt-v4 file: one file per concept, as the readers beside them.
+//! The scene as a pbrt-v4 file: one module per concept, as for reading.
 //!
 //! Materials and textures are named and stand before the shapes that use them.
 

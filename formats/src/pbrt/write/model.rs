@@ -1,4 +1,4 @@
-//! Models that pbrt has not: the nearest it has, each with its loss.
+//! Models that pbrt lacks: the closest it has, each with its loss.
 
 use super::Writer;
 use super::material::{Said, index};
@@ -66,7 +66,7 @@ impl Writer<'_, '_> {
                 self.coated(diffuse_reflectance, 1.5, Some(&ggx(alpha.clone(), alpha)), origin)
             }
             BsdfKind::Ward { alpha_u, alpha_v, diffuse_reflectance, .. } => {
-                self.out.lose(origin, "the `ward` model", "a coat as rough");
+                self.out.lose(origin, "the `ward` model", "a coat of the same roughness");
                 let m = ggx(alpha_u.clone(), alpha_v.clone());
                 self.coated(diffuse_reflectance, 1.5, Some(&m), origin)
             }
@@ -127,7 +127,7 @@ impl Writer<'_, '_> {
             ColorInput::Color(_) => None,
         };
         let Some(bitmap) = bitmap.filter(|b| self.plain_normals(b)) else {
-            self.out.lose(origin, "a normal map that is transformed or no picture", "no normal map");
+            self.out.lose(origin, "a normal map that is transformed or not an image", "no normal map");
             return Ok((plugin, p));
         };
         let name = self.out.carry(&bitmap.path, "textures");
@@ -144,8 +144,8 @@ impl Writer<'_, '_> {
         let base = self.base_of(p, eta, origin)?;
         self.out.lose(
             origin,
-            "plastic by a closed formula",
-            "`coateddiffuse`, which follows light between coat and base",
+            "plastic in closed form",
+            "`coateddiffuse`, which simulates scattering between coat and base",
         );
         self.lose_factor(&p.specular_reflectance, "the specular reflectance of plastic", origin);
         self.coat_over(base, eta, microfacet, origin)
@@ -164,8 +164,8 @@ impl Writer<'_, '_> {
             ColorInput::Texture(id) => match self.toned_texture(*id, tone)? {
                 Some(name) => Ok(base.texture("reflectance", &name)),
                 None => {
-                    let what = "plastic without `nonlinear` over a texture that is no picture";
-                    self.out.lose(origin, what, "its colours as they are, up to a third darker");
+                    let what = "plastic without `nonlinear` over a texture that is not an image";
+                    self.out.lose(origin, what, "its colours unchanged, up to a third darker");
                     self.color_input(base, "reflectance", &p.diffuse_reflectance, Reflectance, origin)
                 }
             },
@@ -174,11 +174,11 @@ impl Writer<'_, '_> {
 
     fn lose_shading(&mut self, s: PerturbedShading, origin: Origin) {
         if s.flip_invalid_normals || s.shadowing {
-            self.out.lose(origin, "the shadowing of tilted normals", "tilted normals as they are");
+            self.out.lose(origin, "the shadowing of tilted normals", "tilted normals unchanged");
         }
     }
 
-    /// pbrt looks a normal map up by plain uv.
+    /// pbrt looks up a normal map by untransformed uv.
     fn plain_normals(&self, b: &Bitmap) -> bool {
         b.encoding == TextureEncoding::Linear
             && b.channel.is_none()

@@ -114,7 +114,7 @@ impl Writer<'_, '_> {
                     }
                     ColorInput::Texture(_) => false,
                 };
-                // The factor is a number in pbrt; the product does not mind the order.
+                // The factor is a number in pbrt; the order of the product does not matter.
                 let (value, factor) = if colored(self, factor) { (factor, value) } else { (value, factor) };
                 if colored(self, factor) && !numbers {
                     self.out.lose(origin, "a colour times a colour", "the first times a number");
@@ -170,7 +170,7 @@ impl Writer<'_, '_> {
         let none = Params::default();
         let marble = matches!(kind, NoiseKind::Marble { .. });
         if marble == numbers {
-            let what = "noise as a number or colour that pbrt does not have";
+            let what = "a noise texture of a type that pbrt does not have";
             self.out.lose(origin, what, "the constant 0.5");
             return self.constant([0.5; 3], numbers);
         }
@@ -213,7 +213,11 @@ impl Writer<'_, '_> {
                     (p.float_unless("udelta", du, 0.0).float_unless("vdelta", dv, 0.0), None)
                 }
                 None => {
-                    self.out.lose(origin, "a texture that is turned or sheared", "the texture upright");
+                    self.out.lose(
+                        origin,
+                        "a rotated or sheared texture",
+                        "the texture without rotation or shear",
+                    );
                     (p, None)
                 }
             },
@@ -237,14 +241,14 @@ impl Writer<'_, '_> {
         };
         let mut p = Params::default().string("filename", &name);
         if b.wrap_u != b.wrap_v {
-            self.out.lose(origin, "wrap modes that differ between u and v", "the one of u");
+            self.out.lose(origin, "wrap modes that differ between u and v", "the mode of u");
         }
         p = match b.wrap_u {
             WrapMode::Repeat => p,
             WrapMode::Clamp => p.string("wrap", "clamp"),
             WrapMode::Zero => p.string("wrap", "black"),
             WrapMode::Mirror => {
-                self.out.lose(origin, "a mirrored repetition", "a plain one");
+                self.out.lose(origin, "mirrored repetition", "plain repetition");
                 p
             }
             WrapMode::One => {
