@@ -172,8 +172,12 @@ impl PhotonMap {
         self.count == 0
     }
 
+    /// Memory of one photon in a map: position and flux, normal, direction, path and depth.
+    pub const PHOTON_BYTES: usize = 6 * size_of::<f32>() + 3 + size_of::<u32>() + 2;
+
+    /// Memory of all columns and of the grid.
     pub fn bytes(&self) -> usize {
-        (self.count + LANES) * (6 * 4 + 3) + self.count * 6 + self.starts.len() * 4
+        self.count * Self::PHOTON_BYTES + LANES * (6 * 4 + 3) + self.starts.len() * size_of::<u32>()
     }
 
     pub fn photon_position(&self, i: usize) -> Vec3 {

@@ -62,8 +62,8 @@ pub struct Traced {
     pub rejected: Rejected,
 }
 
-/// Paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
-const CHUNK: u64 = 2048;
+/// Light paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
+pub const CHUNK: u64 = 2048;
 
 /// Chunks that are traced however late it is: a map of fewer paths shows nothing.
 const LEAST_CHUNKS: u64 = 32;

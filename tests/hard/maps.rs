@@ -1,6 +1,5 @@
 //! Photon maps at their limits.
 
-use caustica::film::Pixels;
 use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Vec3};
 use caustica::photon::radius::shrinkage;
@@ -9,9 +8,7 @@ use caustica::render::Outcome;
 use caustica::transport::PathClass;
 
 use super::{agree, record};
-use crate::support::{
-    Estimate, Stage, UP, area, budget, camera, diffuse, rectangle, scene, settings, sphere,
-};
+use crate::support::{Estimate, Stage, UP, area, camera, diffuse, outcome, rectangle, scene, sphere};
 
 fn photon(p: Vec3) -> Photon {
     Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, class: PathClass::Direct, depth: 1 }
@@ -71,9 +68,7 @@ fn kernels_have_unit_mass_on_a_plane() {
 }
 
 fn run(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Outcome {
-    let settings = settings(scene, changes);
-    let pixels = Pixels::new(scene.0.view.film.pixel_count());
-    caustica::render::render(scene.task(&settings), budget(passes), pixels, 0, &mut |_| {})
+    outcome(scene, changes, passes, &mut |_| {})
 }
 
 /// The radius falls as its formula says and the mean stays where it is, after ten thousand passes too.

@@ -21,7 +21,7 @@ impl Compiler<'_> {
         let sides = if e.two_sided { Sides::Both } else { Sides::Front };
         let mut lamp = Area::new(surface, radiance, sides, lift, self.textures_of(radiance));
         if let Some(wanted) = e.power {
-            let emitted = luminance(lamp.power());
+            let emitted = luminance(lamp.flux());
             if emitted > 0.0 {
                 // pbrt multiplies its power by the scale.
                 let radiance = self.scaled(radiance, (wanted * e.scale) as f32 / emitted);
