@@ -10,8 +10,8 @@ use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 use super::Compiler;
 use crate::math::{Color, Vec3};
 use crate::texture::{
-    Bilerp, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, SolidChecks, Texture,
-    Textures, UnitChecks,
+    Bilerp, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, Product, Scaled,
+    SolidChecks, Texture, Textures, UnitChecks,
 };
 use mappings::{noise, uv_transform};
 use pictures::Waiting;
@@ -93,7 +93,9 @@ impl Compiler<'_> {
         match param {
             Param::Constant(c) => Param::Constant(c * factor),
             Param::Texture(_) if factor == 1.0 => param,
-            Param::Texture(_) => self.textures.push(Texture::Scaled(param, Color::splat(factor))),
+            Param::Texture(_) => {
+                self.textures.push(Scaled { input: param, factor: Color::splat(factor) }.into())
+            }
         }
     }
 
@@ -126,9 +128,9 @@ impl Compiler<'_> {
                 match (inner, self.param(factor, ColorSlot::Unbounded, origin)) {
                     (Param::Constant(a), Param::Constant(b)) => Param::Constant(a * b),
                     (inner, Param::Constant(factor)) | (Param::Constant(factor), inner) => {
-                        self.textures.push(Texture::Scaled(inner, factor))
+                        self.textures.push(Scaled { input: inner, factor }.into())
                     }
-                    (a, b) => self.textures.push(Texture::Product(a, b)),
+                    (a, b) => self.textures.push(Product([a, b]).into()),
                 }
             }
             ir::TextureKind::Grid { color0, color1, line_width, to_uv } => {
