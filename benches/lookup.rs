@@ -6,11 +6,12 @@ mod support;
 use caustica::film::Radiance;
 use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Vec2, Vec3};
-use caustica::photon::{Estimator, Gather, PhotonMap, Query};
+use caustica::photon::{Estimator, Gather, GatherPoint, PhotonMap, Query};
 use caustica::sampling::Sampler;
 use caustica::scene::Surface;
 use caustica::session::Session;
 use caustica::settings::Lookup;
+use caustica::transport::Vertex;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const PHOTONS: usize = 1_000_000;
@@ -66,20 +67,10 @@ fn lookup(c: &mut Criterion) {
             b.iter(|| {
                 let mut out = Radiance::default();
                 for (s, wi) in &places {
-                    let closure = scene.closure(s, s.frame.to_local(*wi));
+                    let vertex = &Vertex::new(&scene, s, *wi);
                     let side = scene.photon_side(s, *wi);
-                    gather.estimate(
-                        map,
-                        &estimator,
-                        s,
-                        side,
-                        &closure,
-                        *wi,
-                        Color::ONE,
-                        u32::MAX,
-                        None,
-                        &mut out,
-                    );
+                    let at = GatherPoint { vertex, side, throughput: Color::ONE, max_photon_depth: u32::MAX };
+                    estimator.estimate(map, &at, None, &mut gather, &mut out);
                 }
                 out
             });

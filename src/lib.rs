@@ -22,7 +22,7 @@
 //! `session::Output` writes pictures to files and `session::Saver` writes checkpoints.
 //!
 //! Code map, upwards: `math`, `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
-//! `film` ← `settings` ← `scene` ← `photon` ← `integrator` ← `render` ← `session` ← `cli`. Imports point
+//! `film` ← `settings` ← `scene` ← `transport` ← `photon` ← `integrator` ← `render` ← `session` ← `cli`. Imports point
 //! downwards only; `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` and
 //! `session` (and `cli`, for arguments) alone read the scene representation of `caustica-formats`.
 
@@ -43,3 +43,4 @@ pub mod settings;
 pub mod shape;
 pub mod spectrum;
 pub mod texture;
+pub mod transport;

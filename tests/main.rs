@@ -32,6 +32,7 @@ mod nee;
 mod noise;
 mod readme;
 mod roulette;
+mod settings;
 mod tidy;
 mod transmission;
 mod twins;

@@ -4,10 +4,11 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use caustica::photon::Photon;
 use caustica::photon::trace::{TraceJob, trace};
-use caustica::photon::{Owner, Photon};
 use caustica::scene::Scene;
 use caustica::session::{Options, Session};
+use caustica::transport::Owner;
 use caustica_formats::files::Memory;
 
 /// The Cornell box with diffuse boxes.

@@ -27,6 +27,13 @@ pub struct Memory {
     pub photons: [u128; 2],
 }
 
+impl Memory {
+    /// Bytes for the results of so many light paths if none of them stores a photon.
+    pub fn of_light_paths(paths: u64) -> u128 {
+        u128::from(paths.div_ceil(CHUNK)) * size_of::<Traced>() as u128
+    }
+}
+
 impl Session {
     /// Estimates what a render needs. Traces a pilot where a setting asks for many light paths.
     pub fn memory(&self) -> Memory {
@@ -61,8 +68,7 @@ impl Session {
         // What no pilot is needed for comes first: it might not fit either.
         for (name, count) in counts {
             if let Count::Paths(n) = count {
-                let chunks = n.div_ceil(CHUNK);
-                refuse(named(name, count), u128::from(chunks) * size_of::<Traced>() as u128, free)?;
+                refuse(named(name, count), Memory::of_light_paths(n), free)?;
             }
         }
         for ((name, count), needed) in counts.into_iter().zip(self.memory().photons) {

@@ -2,7 +2,8 @@
 
 use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Vec3};
-use caustica::photon::{LightPath, Photon, PhotonMap, Query};
+use caustica::photon::{Photon, PhotonMap, Query};
+use caustica::transport::PathClass;
 
 use super::{agree, record};
 use crate::support::{Estimate, Picture, Stage, UP, camera, diffuse, rectangle, render, scene};
@@ -21,7 +22,7 @@ fn every_kernel_is_exact_for_uniform_light() {
             flux: Color::splat(h * h),
             wi: Vec3::Z,
             n: Vec3::Z,
-            path: LightPath::Direct,
+            class: PathClass::Direct,
             depth: 1,
         })
         .collect();

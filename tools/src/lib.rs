@@ -4,7 +4,7 @@
 //! * [`pixels`]: what is compared. Linear RGB, finite, row 0 at the top.
 //! * [`flip`]: perceived difference, LDR-FLIP and HDR-FLIP.
 //! * [`compare`]: two files or two folders; thresholds, table, JSON and HTML.
-//! * [`bench`]: error against time of whole renderers, and studies of parameters.
+//! * [`mod@bench`]: error against time of whole renderers, and studies of parameters.
 #![warn(missing_docs)]
 
 pub mod bench;

@@ -52,8 +52,10 @@ pub enum ScalarType {
     String,
 }
 
-/// Settings of ours that `path`, `photonmapper`, `ppm` and `sppm` accept beside their own.
+/// Settings of ours that `path`, `photonmapper`, `ppm` and `sppm` accept beside their own: all that the
+/// renderer knows. Each may also be written as a string, in the words of the command line.
 pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
+    ("integrator", ScalarType::String),
     ("mode", ScalarType::String),
     ("nee", ScalarType::Boolean),
     ("kernel", ScalarType::String),
@@ -71,10 +73,12 @@ pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
     ("caustic_radius", ScalarType::Float),
     ("alpha", ScalarType::Float),
     ("caustic_alpha", ScalarType::Float),
+    ("caustic_map", ScalarType::Boolean),
     ("glossy", ScalarType::Float),
     ("boundary", ScalarType::Boolean),
     ("max_depth", ScalarType::Integer),
     ("rr_depth", ScalarType::Integer),
     ("hide_emitters", ScalarType::Boolean),
     ("samples", ScalarType::Integer),
+    ("seed", ScalarType::Integer),
 ];

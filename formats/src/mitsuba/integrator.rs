@@ -193,7 +193,10 @@ impl<'a> Reader<'a> {
         let extra: Settings = if ours { INTEGRATOR_SETTINGS } else { &[] };
         for (name, kind) in COMMON.iter().chain(own).chain(extra) {
             if !settings.contains_key(*name) {
-                read_setting(props, name, *kind, &mut settings);
+                // "auto", "0.05R" and "stored:1000" are neither integers nor floats.
+                let as_text = extra.iter().any(|(own, _)| own == name)
+                    && props.entry(name).is_some_and(|e| matches!(e.value, Value::String(_)));
+                read_setting(props, name, if as_text { Text } else { *kind }, &mut settings);
             }
         }
         if let Some(entry) = props.entry("strict_normals")
