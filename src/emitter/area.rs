@@ -1,9 +1,9 @@
 use std::f32::consts::PI;
 
 use super::table::Table;
-use super::{Arena, DirectSample, Emission, Light, SceneSphere};
+use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere};
 use crate::math::{Color, Frame, LIFT, Ray, Vec2, Vec3};
-use crate::sampling::{Discrete, warp};
+use crate::sampling::{Density, Discrete, warp};
 use crate::shape::{Analytic, AreaSample, triangle};
 use crate::spectrum::luminance;
 use crate::texture::{OnMesh, Param, Site, Textures};
@@ -152,17 +152,6 @@ impl Area {
         Some(DirectSample { dir, target: Some(self.above(local.p, n, p)), value, pdf })
     }
 
-    /// Density with which [`Area::sample_direct`] chooses the point `q` with geometric normal `n` seen
-    /// from `p` along the unit direction `dir`.
-    #[inline]
-    pub fn pdf_direct(&self, p: Vec3, dir: Vec3, q: Vec3, n: Vec3) -> f32 {
-        if let Some((_, gap)) = self.visible_cone(p) {
-            return 1.0 / (2.0 * PI * gap);
-        }
-        let cos = dir.dot(n).abs();
-        if cos > 0.0 { (q - p).length_squared() / (cos * self.area) } else { 0.0 }
-    }
-
     /// World area in square scene units.
     pub fn area(&self) -> f32 {
         self.area
@@ -201,7 +190,7 @@ impl Light for Area {
     fn sample_emission(
         &self,
         textures: &Textures,
-        _arena: &Arena<'_>,
+        _bounds: &EmissionBounds<'_>,
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
@@ -217,7 +206,33 @@ impl Light for Area {
         }
         let d = Frame::from_normal(n).to_world(warp::cosine_hemisphere(u));
         let flux = textures.eval(self.radiance, &site(&s)) * (sides * PI * self.area / density);
-        (flux.max_element() > 0.0).then_some(Emission { o: s.p + n * self.lift, d, flux })
+        let cos = n.dot(d).max(0.0);
+        (flux.max_element() > 0.0).then_some(Emission {
+            o: s.p + n * self.lift,
+            d,
+            cos,
+            flux,
+            position: Density::Finite(density / self.area),
+            direction: Density::Finite(cos / (sides * PI)),
+        })
+    }
+
+    #[inline(always)]
+    fn emitted(&self, textures: &Textures, site: &Site, front: bool) -> Color {
+        if front || self.sides == Sides::Both { textures.eval(self.radiance, site) } else { Color::ZERO }
+    }
+
+    #[inline(always)]
+    fn pdf_direct_surface(&self, p: Vec3, d: Vec3, q: Vec3, n: Vec3) -> f32 {
+        if let Some((_, gap)) = self.visible_cone(p) {
+            return 1.0 / (2.0 * PI * gap);
+        }
+        let cos = d.dot(n).abs();
+        if cos > 0.0 { (q - p).length_squared() / (cos * self.area) } else { 0.0 }
+    }
+
+    fn visible_area(&self) -> f32 {
+        self.area
     }
 
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {

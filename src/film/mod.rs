@@ -5,12 +5,14 @@ pub mod filter;
 mod pixels;
 mod rejected;
 mod response;
+mod splats;
 
 pub use doublings::Doublings;
 pub use filter::Filter;
 pub use pixels::{LAYERS, Layer, Mean, Pixels, Radiance, STRIDE};
 pub use rejected::{Rejected, RejectedLayer};
 pub use response::Response;
+pub use splats::{SplatList, Splats};
 
 /// Size of the picture and the part of it that is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

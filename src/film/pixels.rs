@@ -76,10 +76,6 @@ impl Pixels {
         self.sums.is_empty()
     }
 
-    pub fn rows_mut(&mut self, width: usize) -> std::slice::ChunksMut<'_, [f64; STRIDE]> {
-        self.sums.chunks_mut(width)
-    }
-
     pub fn as_slice(&self) -> &[[f64; STRIDE]] {
         &self.sums
     }
@@ -167,6 +163,12 @@ impl Mean {
             }
         }
         self.0[ALPHA] += f64::from(sample.alpha * weight);
+    }
+
+    /// Times a number.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self(self.0.map(|value| value * factor))
     }
 
     /// Adds it to a pixel's sums.

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::Photon;
 use crate::bsdf::{Event, Range, Transport};
-use crate::emitter::{Aim, Arrow, Emitter, SceneSphere};
+use crate::emitter::{Aim, Emitter, EntrySegment, SceneSphere};
 use crate::film::Rejected;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::{Sampler, mix};
-use crate::scene::{Scene, Surface};
+use crate::scene::{LightStart, Scene, Surface};
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Owner, PathClass, Vertex, roulette};
 
@@ -132,22 +132,28 @@ pub fn aim(scene: &Scene, job: &TraceJob, seen: &SceneSphere, halt: Halt<'_>) ->
     if let Some(aim) = Aim::around(&scene.sphere, seen) {
         return Some(aim);
     }
-    let (met, found) = arrows(scene, job, None, halt);
+    let (met, found) = entry_segments(scene, job, None, halt);
     if found.len() as f64 > ENOUGH * met as f64 {
         return None;
     }
     let coarse = Aim::new(&scene.sphere, &found)?;
     let again = TraceJob { key: mix(job.key), ..*job };
-    let (_, found) = arrows(scene, &again, Some(&coarse), halt);
-    let few: Vec<Arrow> = found.iter().step_by(found.len().div_ceil(ARROWS).max(1)).copied().collect();
+    let (_, found) = entry_segments(scene, &again, Some(&coarse), halt);
+    let few: Vec<EntrySegment> =
+        found.iter().step_by(found.len().div_ceil(SEGMENTS).max(1)).copied().collect();
     Aim::new(&scene.sphere, &few).or(Some(coarse))
 }
 
-/// Arrows that tell enough.
-const ARROWS: usize = 2048;
+/// Entry segments that an aim is made of, at most.
+const SEGMENTS: usize = 2048;
 
-/// How many paths from infinity met the scene, and the ways of those that left photons.
-fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (u64, Vec<Arrow>) {
+/// How many paths from infinity met the scene, and the first segments of those that left photons.
+fn entry_segments(
+    scene: &Scene,
+    job: &TraceJob,
+    aim: Option<&Aim>,
+    halt: Halt<'_>,
+) -> (u64, Vec<EntrySegment>) {
     let chunks = in_chunks(job.paths, 0, halt, |paths| {
         let (mut met, mut found) = (0, Vec::new());
         let mut out = Traced::default();
@@ -157,7 +163,7 @@ fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (
             met += 1;
             let weight: f32 = out.photons.iter().map(|p| p.flux.max_element()).sum();
             if weight > 0.0 {
-                found.push(Arrow { weight, ..first });
+                found.push(EntrySegment { weight, ..first });
             }
         }
         (met, found)
@@ -172,11 +178,12 @@ fn trace_path(
     aim: Option<&Aim>,
     index: u64,
     out: &mut Traced,
-) -> Option<Arrow> {
+) -> Option<EntrySegment> {
     // Sobol indices have 32 bits; every further 2³² paths use a family of their own.
     let mut sampler = Sampler::new(job.key ^ mix(index >> 32), index as u32);
     let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-    let (start, from_infinity) = scene.sample_aimed(pick, place, direction, aim)?;
+    let LightStart { emission: start, from_infinity, .. } =
+        scene.sample_aimed(pick, place, direction, aim)?;
     let mut flux = start.flux / job.paths as f32;
     let mut ray = Ray::new(start.o, start.d);
     let mut class = PathClass::FROM_LAMP;
@@ -186,7 +193,7 @@ fn trace_path(
         out.rays += 1;
         let Next::Surface(surface) = walk::next(scene, &mut ray, Lamps::Solid) else { return first };
         if depth == 1 && from_infinity {
-            first = Some(Arrow { from: start.o, to: surface.p, weight: 0.0 });
+            first = Some(EntrySegment { from: start.o, to: surface.p, weight: 0.0 });
         }
         let vertex = Vertex::new(scene, &surface, -ray.d);
         if class.owner(job.next_event, job.caustic_map) == job.owner && holds_photons(scene, job, &vertex) {

@@ -1,14 +1,17 @@
 //! Cameras. One file per projection, one for the lens before it; [`Sensor`] holds what they share.
 
+mod importance;
 mod orthographic;
 mod perspective;
 mod thinlens;
 
+pub use importance::{Importance, Line, SensorSample};
 pub use orthographic::Orthographic;
 pub use perspective::{Axis, Perspective};
 pub use thinlens::ThinLens;
 
 use crate::math::{Ray, Vec2, Vec3, closed_enum};
+use crate::sampling::Density;
 
 closed_enum! {
     /// What every kind of camera can do, in camera space: it looks along +Z, +Y is up, +X is to the left of the picture
@@ -20,6 +23,25 @@ closed_enum! {
         /// Half of the extent in y that the film shows at `distance` along the axis, in world units; `scale` is the
         /// length of the image of the camera's Y axis.
         fn half_height(&self, distance: f32, scale: f32) -> f32;
+
+        /// What the film shows.
+        fn window(&self) -> Window;
+
+        /// The point of the window whose ray passes through `p`, which lies before the camera.
+        fn window_point(&self, p: Vec3) -> Vec2;
+
+        /// Where the ray of a point of the window crosses the plane z = 0.
+        fn start(&self, on_window: Vec2) -> Vec2;
+
+        /// The line through `p` that leaves the lens, whose focus lies at depth `focus`, at the place `lens` of it.
+        fn through(&self, p: Vec3, lens: Vec2, focus: f32) -> Line;
+
+        /// Densities of position and direction of a ray whose cosine to the axis is `cos`, for an even choice over
+        /// the film and over the lens; `scale` is the area in the world of a unit of area in camera space.
+        fn densities(&self, cos: f32, scale: f32, lens: Option<&ThinLens>) -> [Density; 2];
+
+        /// Whether all rays of a sharp picture run along the axis.
+        fn is_parallel(&self) -> bool;
     }
 
     /// How a film position becomes a ray in camera space.
@@ -61,6 +83,15 @@ impl Window {
     fn at(&self, s: Vec2) -> Vec2 {
         self.center + (Vec2::ONE - s * 2.0) * self.half
     }
+
+    /// The film position of a point of the window.
+    fn inverse(&self, p: Vec2) -> Vec2 {
+        (Vec2::ONE - (p - self.center) / self.half) * 0.5
+    }
+
+    fn area(&self) -> f32 {
+        (4.0 * self.half.x * self.half.y).abs()
+    }
 }
 
 /// A camera in the world.
@@ -86,10 +117,9 @@ impl Sensor {
         let s = s + self.principal_point_offset;
         let sharp = self.projection.ray(s);
         let local = self.lens.as_ref().map_or(sharp, |lens| lens.refract(sharp, aperture));
-        let world = |v: Vec3| self.axes[0] * v.x + self.axes[1] * v.y + self.axes[2] * v.z;
-        let d = world(local.d);
+        let d = self.to_world(local.d);
         let per_z = 1.0 / local.d.z;
-        let o = self.position + world(local.o);
+        let o = self.position + self.to_world(local.o);
         Ray { o: o + d * (self.near * per_z), d, tmax: (self.far - self.near) * per_z }
     }
 
