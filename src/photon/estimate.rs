@@ -19,16 +19,21 @@ use crate::transport::Vertex;
 pub struct Estimator {
     pub kernel: KernelKind,
     pub radius: f32,
-    /// Most photons of one estimate: beyond it the nearest count, in their own smaller disc.
+    /// Most photons of one estimate: beyond it the nearest count, in their own smaller disc. At least 2.
     pub cap: usize,
     /// The lobes that photons are for.
     pub lobes: Range,
 }
 
+/// The k-th nearest photon bounds the disc and is not counted itself, so fewer than two show nothing.
+const LEAST: usize = 2;
+
 impl Estimator {
+    /// Reads all photons within `radius`, or with [`Lookup::Nearest`] the `neighbours` nearest of them, and never
+    /// more than `cap` (`u32::MAX` for no cap). Fewer than two neighbours count as two.
     pub fn new(kernel: KernelKind, radius: f32, lookup: Lookup, neighbours: u32, cap: u32) -> Self {
         let nearest = if lookup == Lookup::Nearest { neighbours as usize } else { usize::MAX };
-        let cap = nearest.min(if cap == u32::MAX { usize::MAX } else { cap as usize });
+        let cap = nearest.min(if cap == u32::MAX { usize::MAX } else { cap as usize }).max(LEAST);
         Self { kernel, radius, cap, lobes: Range::ALL }
     }
 }
