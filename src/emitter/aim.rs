@@ -6,49 +6,52 @@ use super::SceneSphere;
 use crate::math::{Frame, Vec2, Vec3};
 use crate::sampling::{Density, Discrete, warp};
 
-/// Spheres that are worth more of the light from infinity than the rest of the scene: what led to photons passed through
-/// them, windows for example, or they are where the camera looks. Light that starts towards them carries less each, so
-/// that nothing is added.
+/// Spheres that get more of the paths from infinity than the rest of the scene: those through which paths came that
+/// left photons (windows, for example), or those around what the camera sees. Each path towards them carries less, so
+/// the light stays the same.
 #[derive(Clone, Debug)]
 pub struct Aim {
-    /// The whole scene is one of them: no light is left out.
+    /// Includes the whole scene, so that no light is lost.
     targets: Vec<SceneSphere>,
-    /// Of a target.
+    /// Probabilities of the targets.
     choice: Discrete,
 }
 
 /// The first segment of a light path from infinity: from outside of the scene to what it meets there.
 #[derive(Clone, Copy, Debug)]
 pub struct EntrySegment {
+    /// Where it starts, before the scene.
     pub from: Vec3,
+    /// The first surface point that it meets.
     pub to: Vec3,
     /// Flux of the photons that the path left, of the channel with most.
     pub weight: f32,
 }
 
-/// Targets, at most.
+/// Most targets.
 const MOST: usize = 64;
 
-/// Targets across the scene's radius: the first of these with which one has [`HITS`] or more on the average.
+/// Sizes of targets to try: the scene's radius over these. The first is taken whose targets have [`HITS`] segments each
+/// on average.
 const ACROSS: [f32; 4] = [16.0, 8.0, 4.0, 2.0];
 
-/// With fewer segments a target, much of the light would pass through none, and weigh too much.
+/// With fewer segments a target, much of the light would pass outside of all targets and get a large weight.
 const HITS: usize = 4;
 
-/// Share that goes everywhere as before: what the pilot missed is not lost, and weighs four times as much at most.
+/// Share of the paths that are not aimed: what the pilot missed is not lost, and its weight is at most four.
 const EVERYWHERE: f64 = 0.25;
 
-/// A scene this many times larger than what the camera sees of it gets hardly any light there.
+/// If the scene is this many times larger than what the camera sees of it, hardly any unaimed light arrives there.
 const VAST: f32 = 8.0;
 
-/// Radius of each of the spheres around what the camera sees, against that of the next smaller.
+/// Ratio of the radii of consecutive spheres around what the camera sees.
 const WIDER: f32 = 2.0;
 
-/// Radius of the smallest of them against the scene's: single precision puts light on the disk as finely as 2⁻²⁴ of it.
+/// Smallest radius, as a share of the scene's: single precision places light on the disk in steps of 2⁻²⁴ of it.
 const FINEST: f32 = 1.0 / 16384.0;
 
 impl Aim {
-    /// From what reached places that matter. `None` where few targets do not tell its way.
+    /// From the first segments of paths that left photons. `None` if few targets do not cover them.
     pub fn new(scene: &SceneSphere, segments: &[EntrySegment]) -> Option<Self> {
         ACROSS.into_iter().find_map(|across| {
             let size = scene.radius / across;
@@ -66,8 +69,8 @@ impl Aim {
         })
     }
 
-    /// As much to `seen` as to a sphere around it twice as wide, to the next, and to the whole scene: on a vast
-    /// floor, no other light comes near the camera. `None` where the scene is not vast.
+    /// Equal shares to `seen`, to spheres around it that double in radius, and to the whole scene: on a vast floor,
+    /// hardly any unaimed light comes near the camera. `None` if the scene is not that large.
     pub fn around(scene: &SceneSphere, seen: &SceneSphere) -> Option<Self> {
         if seen.radius.is_nan() || seen.radius <= 0.0 || scene.radius <= VAST * seen.radius {
             return None;
@@ -81,7 +84,7 @@ impl Aim {
         Some(Self { targets, choice })
     }
 
-    /// A place on the disk that the scene shows, and the density of an even choice over the one it was chosen with.
+    /// A point of the disk, and its weight: the density of an even choice over that of the choice made.
     fn place(&self, scene: &SceneSphere, frame: &Frame, u: Vec2) -> (Vec2, f32) {
         let at = |target: &SceneSphere| {
             let local = frame.to_local(target.center - scene.center);
@@ -104,8 +107,8 @@ impl Aim {
 
 type Cell = [i32; 3];
 
-/// Few cells of a grid through which nearly all that the segments bring has passed: always the one through which most of
-/// the rest has. `None` when [`MOST`] do not do.
+/// Few cells of a grid that the segments of nearly all flux pass through, chosen greedily by the flux that is not yet
+/// covered. `None` if [`MOST`] cells are not enough.
 fn cover(scene: &SceneSphere, segments: &[EntrySegment], size: f32) -> Option<Vec<(Cell, f64)>> {
     let mut through: BTreeMap<Cell, Vec<usize>> = BTreeMap::new();
     for (i, segment) in segments.iter().enumerate() {
@@ -140,6 +143,7 @@ fn cover(scene: &SceneSphere, segments: &[EntrySegment], size: f32) -> Option<Ve
 /// The scene as emitters need to know it: light from infinity starts on a disk that covers it.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionBounds<'a> {
+    /// The sphere around everything in the scene.
     pub sphere: SceneSphere,
     /// Where on the disk light starts; evenly all over it without.
     pub aim: Option<&'a Aim>,
@@ -157,7 +161,7 @@ pub struct Entry {
 }
 
 impl EmissionBounds<'_> {
-    /// Where all places are alike.
+    /// Without an aim.
     pub fn even(sphere: SceneSphere) -> Self {
         Self { sphere, aim: None }
     }

@@ -11,25 +11,32 @@ use crate::texture::{OnMesh, Param, Site, Textures};
 /// The lamp's own copy of its geometry, for sampling.
 #[derive(Clone, Debug)]
 pub enum Surface {
+    /// Triangles, chosen by their area.
     Mesh { triangles: Vec<MeshTriangle>, by_area: Discrete },
+    /// A sphere, disk or cylinder, chosen from evenly.
     Analytic(Analytic),
 }
 
 /// World-space triangle with uv; the normal is that of the emitting side.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshTriangle {
+    /// Corners.
     pub v: [[f32; 3]; 3],
+    /// Texture coordinates of the corners.
     pub uv: [Vec2; 3],
+    /// Unit.
     pub normal: Vec3,
 }
 
 impl Surface {
+    /// From world-space triangles; triangles without area are never chosen.
     pub fn mesh(triangles: Vec<MeshTriangle>) -> Self {
         let by_area =
             Discrete::new(triangles.iter().map(|t| f64::from(triangle::cross_product(&t.v).length()) * 0.5));
         Self::Mesh { triangles, by_area }
     }
 
+    /// World area in square scene units.
     pub fn area(&self) -> f32 {
         match self {
             Self::Mesh { by_area, .. } => by_area.total() as f32,
@@ -69,15 +76,20 @@ pub(super) fn site(s: &AreaSample) -> Site {
 /// Which sides of a lamp shine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
+    /// Only the side that the normals point to.
     Front,
+    /// Both sides, with the same radiance.
     Both,
 }
 
 /// A shape that emits the same radiance in all directions of a side.
 #[derive(Clone, Debug)]
 pub struct Area {
+    /// Where it shines from.
     pub surface: Surface,
+    /// W/(m²·sr).
     pub radiance: Param,
+    /// Which sides shine.
     pub sides: Sides,
     /// Lift off the surface that rounding needs (see `Scene::offset`).
     pub lift: f32,
@@ -102,6 +114,7 @@ const LOOKS: usize = 2;
 const FLOOR: f32 = 0.1;
 
 impl Area {
+    /// Surveys a textured `radiance` over the surface, so that photons start where it is bright.
     pub fn new(surface: Surface, radiance: Param, sides: Sides, lift: f32, textures: &Textures) -> Self {
         let area = surface.area();
         let (mean, places) = match radiance {

@@ -22,6 +22,7 @@ pub struct Collimated {
 }
 
 impl Collimated {
+    /// Neighbouring triangles with the same normal become one face. `lift` is how far samples start off the surface.
     pub fn new(triangles: Vec<MeshTriangle>, radiance: Param, lift: f32) -> Self {
         let area = |t: &MeshTriangle| f64::from(triangle::cross_product(&t.v).length()) * 0.5;
         let by_area = Discrete::new(triangles.iter().map(area));
@@ -36,6 +37,7 @@ impl Collimated {
         Self { faces_by_area: Discrete::new(areas), faces, by_area, triangles, radiance, lift }
     }
 
+    /// World area in square scene units.
     pub fn area(&self) -> f32 {
         self.by_area.total() as f32
     }

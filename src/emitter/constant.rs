@@ -8,6 +8,7 @@ use crate::texture::Textures;
 /// The same radiance from every direction.
 #[derive(Clone, Debug)]
 pub struct Constant {
+    /// W/(m²·sr).
     pub radiance: Color,
 }
 

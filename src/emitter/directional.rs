@@ -10,6 +10,7 @@ use crate::texture::Textures;
 pub struct Directional {
     /// Unit direction of travel.
     pub direction: Vec3,
+    /// W/m² on a plane across `direction`.
     pub irradiance: Color,
 }
 

@@ -190,6 +190,7 @@ impl Environment {
         (pdf > 0.0 && pdf.is_finite()).then(|| (self.axes.to_world(local).normalize(), radiance / pdf, pdf))
     }
 
+    /// Memory of the picture and of its sampling table.
     pub fn bytes(&self) -> usize {
         self.picture.bytes() + self.table.bytes()
     }

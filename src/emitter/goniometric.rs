@@ -9,6 +9,7 @@ use crate::texture::Textures;
 /// A point light whose intensity is scaled by the nearest pixel of an equal-area picture around it.
 #[derive(Clone, Debug)]
 pub struct Goniometric {
+    /// In the world.
     pub position: Vec3,
     /// Orthonormal, possibly mirroring; `n` points to the middle of the picture.
     axes: Frame,

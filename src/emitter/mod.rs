@@ -67,6 +67,7 @@ fn just_before(lamp: Vec3, d: Vec3) -> Vec3 {
 /// | directional | irradiance (W/m²) | per area of the disk across `d` | delta |
 #[derive(Clone, Copy, Debug)]
 pub struct Emission {
+    /// Where the path starts, lifted off the surface of a lamp that has one.
     pub o: Vec3,
     /// Unit.
     pub d: Vec3,
@@ -96,7 +97,9 @@ impl Emission {
 /// The sphere around everything, which light from infinity has to cover.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneSphere {
+    /// In the coordinates of the scene.
     pub center: Vec3,
+    /// In scene units.
     pub radius: f32,
 }
 
@@ -172,15 +175,25 @@ closed_enum! {
     /// Every kind of emitter.
     #[derive(Clone, Debug)]
     pub enum Emitter {
+        /// A shape that shines alike in all directions.
         Area(Area),
+        /// A point that shines alike in all directions.
         Point(Point),
+        /// A point that shines into a cone.
         Spot(Spot),
+        /// Parallel light from infinity.
         Directional(Directional),
+        /// The same radiance from all of the sky.
         Constant(Constant),
+        /// A picture of the sky.
         Environment(Box<Environment>),
+        /// Mitsuba's projector.
         Projector(Projector),
+        /// pbrt's projection light.
         Projection(Box<Projection>),
+        /// A point with a measured or painted distribution.
         Goniometric(Box<Goniometric>),
+        /// A shape that shines along its normals only.
         Collimated(Box<Collimated>),
     }
 }

@@ -8,7 +8,9 @@ use crate::texture::Textures;
 /// Isotropic point light; `intensity` in W/sr.
 #[derive(Clone, Debug)]
 pub struct Point {
+    /// In the world.
     pub position: Vec3,
+    /// W/sr.
     pub intensity: Color,
 }
 

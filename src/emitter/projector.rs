@@ -8,7 +8,9 @@ use crate::texture::{Param, Site, Textures};
 /// Mitsuba's projector: the plane at distance 1 across the axis receives the irradiance π·texture.
 #[derive(Clone, Debug)]
 pub struct Projector {
+    /// Where the picture is thrown.
     pub frustum: Frustum,
+    /// The picture; times π it is the irradiance of the plane at distance 1.
     pub irradiance: Param,
 }
 

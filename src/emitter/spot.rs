@@ -17,13 +17,19 @@ pub enum Falloff {
 /// Point light with a cone: full intensity (W/sr) up to the angle `beam`, none from `cutoff` on (radians).
 #[derive(Clone, Debug)]
 pub struct Spot {
+    /// In the world.
     pub position: Vec3,
     /// `n` is the axis; `s` and `t` orient the texture.
     pub frame: Frame,
+    /// W/sr within the beam.
     pub intensity: Color,
+    /// Half angle of the cone, radians.
     pub cutoff: f32,
+    /// Half angle of full intensity, radians.
     pub beam: f32,
+    /// Between the two.
     pub falloff: Falloff,
+    /// Scales the intensity, thrown along the axis.
     pub texture: Option<Param>,
 }
 

@@ -19,12 +19,14 @@ pub use splats::{SplatList, Splats};
 pub struct FilmSize {
     /// Full film, which decides the field of view.
     pub width: u32,
+    /// Rows of the full film.
     pub height: u32,
     /// Rendered part: x, y, width, height in pixels of the full film.
     pub crop: [u32; 4],
 }
 
 impl FilmSize {
+    /// A film all of which is rendered.
     pub fn full(width: u32, height: u32) -> Self {
         Self { width, height, crop: [0, 0, width, height] }
     }

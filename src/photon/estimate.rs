@@ -17,7 +17,9 @@ use crate::transport::Vertex;
 /// How one map is read.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimator {
+    /// Weight of a photon by its distance.
     pub kernel: KernelKind,
+    /// Of the disc that is searched, in scene units.
     pub radius: f32,
     /// Most photons of one estimate: beyond it the nearest count, in their own smaller disc. At least 2.
     pub cap: usize,
@@ -41,6 +43,7 @@ impl Estimator {
 /// Where a camera path gathers, and what of the photons there counts.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint<'a> {
+    /// The surface, and the direction that light is wanted along.
     pub vertex: &'a Vertex<'a>,
     /// The side whose photons tell of the light that is sent back.
     pub side: PhotonSide,
@@ -55,7 +58,9 @@ pub struct GatherPoint<'a> {
 pub struct Gather {
     found: Vec<(f32, u32)>,
     hint: f32,
+    /// Estimates made.
     pub lookups: u64,
+    /// Photons found by them.
     pub photons: u64,
 }
 

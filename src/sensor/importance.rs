@@ -41,7 +41,9 @@ pub struct SensorSample {
 /// A line in camera space: where it crosses the plane z = 0, and x and y for each z.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
+    /// x and y at z = 0.
     pub at: Vec2,
+    /// How x and y grow with z.
     pub slope: Vec2,
 }
 

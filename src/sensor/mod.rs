@@ -47,7 +47,9 @@ closed_enum! {
     /// How a film position becomes a ray in camera space.
     #[derive(Clone, Debug)]
     pub enum Projection {
+        /// All rays pass one point.
         Perspective(Perspective),
+        /// All rays are parallel.
         Orthographic(Orthographic),
     }
 }
@@ -55,6 +57,7 @@ closed_enum! {
 /// A camera-space ray: looks along +Z, +Y up, +X to the left of the picture (Mitsuba's frame).
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
+    /// On the plane z = 0.
     pub o: Vec3,
     /// Unit.
     pub d: Vec3,
@@ -63,7 +66,9 @@ pub struct CameraRay {
 /// A rectangle across the optical axis, at distance 1 of a pinhole: what the film shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
+    /// Where the optical axis would be (0, 0).
     pub center: Vec2,
+    /// Half of width and height.
     pub half: Vec2,
 }
 
@@ -74,6 +79,7 @@ impl Window {
         Self { center: vec(-0.5 * (x0 + x1), 0.5 * (y0 + y1)), half: vec(0.5 * (x1 - x0), 0.5 * (y1 - y0)) }
     }
 
+    /// Larger or smaller around the optical axis.
     #[must_use]
     pub fn scaled(self, factor: f32) -> Self {
         Self { center: self.center * factor, half: self.half * factor }
@@ -97,15 +103,18 @@ impl Window {
 /// A camera in the world.
 #[derive(Clone, Debug)]
 pub struct Sensor {
+    /// From film positions to rays.
     pub projection: Projection,
     /// `None`: all is sharp.
     pub lens: Option<ThinLens>,
     /// Columns: images of the camera's X, Y and Z axes. Z has unit length; so have X and Y but for
     /// orthographic cameras.
     pub axes: [Vec3; 3],
+    /// Of the pinhole, or of the middle of the lens or plane.
     pub position: Vec3,
     /// Nothing nearer or farther along the optical axis is seen.
     pub near: f32,
+    /// See `near`.
     pub far: f32,
     /// Added to the film position, in fractions of the film.
     pub principal_point_offset: Vec2,

@@ -5,6 +5,7 @@ use crate::sampling::Density;
 /// Parallel projection: all rays run along +Z.
 #[derive(Clone, Debug)]
 pub struct Orthographic {
+    /// What the film shows, in camera space.
     pub window: Window,
 }
 

@@ -12,10 +12,15 @@ pub struct Perspective {
 /// Which extent a field-of-view angle spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
+    /// Its width.
     X,
+    /// Its height.
     Y,
+    /// From corner to corner.
     Diagonal,
+    /// The smaller of width and height.
     Smaller,
+    /// The larger of width and height.
     Larger,
 }
 
