@@ -2,16 +2,20 @@
 
 mod closed_enum;
 mod color;
+mod erf;
 mod frame;
 pub mod kernel;
 mod octahedral;
+mod quadrature;
 pub mod simd;
 
 pub(crate) use closed_enum::closed_enum;
 pub use color::{Color, LANES};
+pub use erf::{erf, erf_inv};
 pub use frame::Frame;
 pub use glam::{DVec3, Vec2, Vec3A as Vec3};
 pub use octahedral::{decode_direction, encode_direction};
+pub use quadrature::gauss_legendre;
 
 /// How far above its surface a ray starts, or before it ends, so as not to meet it: 2⁻¹⁹ of the largest
 /// coordinate involved, some sixteen roundings; measured errors of barycentric points and of the

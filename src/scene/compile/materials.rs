@@ -8,10 +8,10 @@ use caustica_formats::spectrum;
 
 use super::Compiler;
 use super::textures::DEFAULT_REFLECTANCE;
-use crate::bsdf::microfacet::{Kind, Shadowing};
+use crate::bsdf::microfacet::{Distribution, Shadowing};
 use crate::bsdf::{
-    Between, ConductorModel, DielectricModel, DiffuseModel, DiffuseTransmissionModel, Material, Metal, Node,
-    Perturbation, PhongModel, PlasticModel, Relief, RoughConductorModel, RoughDielectricModel,
+    ConductorModel, DielectricModel, DiffuseBase, DiffuseModel, DiffuseTransmissionModel, Material, Metal,
+    Node, Perturbation, PhongModel, PlasticModel, Relief, RoughConductorModel, RoughDielectricModel,
     RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
     WardVariant,
 };
@@ -36,7 +36,7 @@ pub struct MaterialTable {
     /// Coats around what is being built.
     pub(super) coats: u32,
     /// By distribution, bits of α (none: any α) and of the relative index.
-    transmittances: HashMap<(Kind, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
+    transmittances: HashMap<(Distribution, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
 }
 
 impl MaterialTable {
@@ -264,9 +264,9 @@ impl Compiler<'_> {
     pub(super) fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
         let roughness = Roughness {
             kind: match m.distribution {
-                ir::MicrofacetDistribution::Beckmann => Kind::Beckmann,
-                ir::MicrofacetDistribution::Ggx => Kind::Ggx,
-                ir::MicrofacetDistribution::Phong => Kind::Phong,
+                ir::MicrofacetDistribution::Beckmann => Distribution::Beckmann,
+                ir::MicrofacetDistribution::Ggx => Distribution::Ggx,
+                ir::MicrofacetDistribution::Phong => Distribution::Phong,
             },
             shadowing: match m.shadowing {
                 ir::Shadowing::Separable => Shadowing::Separable,
@@ -361,7 +361,7 @@ impl Compiler<'_> {
             eta: self.ior(&p.int_ior, origin) / self.ior(&p.ext_ior, origin),
             diffuse: self.param(&p.diffuse_reflectance, ColorSlot::Reflectance, origin),
             specular: self.param(&p.specular_reflectance, ColorSlot::Reflectance, origin),
-            between: if p.nonlinear { Between::Colored } else { Between::White },
+            between: if p.nonlinear { DiffuseBase::Colored } else { DiffuseBase::White },
         }
     }
 }
