@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-struct Source {
+pub(crate) struct Source {
     /// Relative to the workspace, with `/`.
-    path: String,
-    text: String,
+    pub path: String,
+    pub text: String,
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
@@ -20,7 +20,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-fn sources() -> Vec<Source> {
+pub(crate) fn sources() -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
     for folder in ["src", "tests", "benches", "formats", "tools"] {
@@ -32,7 +32,7 @@ fn sources() -> Vec<Source> {
 }
 
 /// The part that is compiled into the product: unit tests may reach upwards for their examples.
-fn product(text: &str) -> &str {
+pub(crate) fn product(text: &str) -> &str {
     text.split("#[cfg(test)]\nmod ").next().unwrap_or(text)
 }
 
@@ -163,11 +163,8 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "image",
                     "mesh",
                     "missing",
-                    "Failure",
-                    "Read",
-                    "ReadOptions",
+                    "plugin",
                     "read",
-                    "support",
                     "write",
                 ],
                 "pbrt" => &[
@@ -180,11 +177,8 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "image",
                     "mesh",
                     "missing",
-                    "Failure",
-                    "Read",
-                    "ReadOptions",
+                    "plugin",
                     "read",
-                    "support",
                     "write",
                 ],
                 _ => continue,
@@ -204,7 +198,8 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
 fn only_the_compiler_and_the_session_read_the_scene_representation() {
     for s in sources().iter().filter(|s| s.path.starts_with("src/")) {
         let reads = !imports(product(&s.text), "caustica_formats").is_empty();
-        let may = s.path.starts_with("src/scene/build/") || s.path.starts_with("src/cli/");
+        let rooms = ["src/scene/compile/", "src/session/", "src/cli/"];
+        let may = rooms.iter().any(|room| s.path.starts_with(room));
         assert!(!reads || may, "{} imports caustica_formats", s.path);
         let tools = !imports(product(&s.text), "caustica_tools").is_empty();
         assert!(!tools || s.path.starts_with("src/cli/"), "{} imports caustica_tools", s.path);
@@ -218,8 +213,10 @@ fn only_the_compiler_and_the_session_read_the_scene_representation() {
 #[test]
 fn files_are_short() {
     for s in sources() {
+        let product = s.path.starts_with("src/") || s.path.starts_with("formats/src/");
+        let most = if product { 400 } else { 600 };
         let lines = s.text.lines().count();
-        assert!(lines <= 600, "{} has {lines} lines; 600 is the most", s.path);
+        assert!(lines <= most, "{} has {lines} lines; {most} is the most", s.path);
     }
 }
 

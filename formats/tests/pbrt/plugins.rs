@@ -60,7 +60,7 @@ fn white_balance_is_a_temperature() {
     };
     assert_eq!(scene(&film("5000")).sensors[0].film.white_balance, Some(5000.0));
     let said = problems(&film("12"));
-    assert!(said.iter().any(|p| p.contains("12 K is no daylight")), "{said:?}");
+    assert!(said.iter().any(|p| p.contains("12 K is not a daylight temperature")), "{said:?}");
 }
 
 #[test]
@@ -224,6 +224,6 @@ fn an_interface_does_not_shine_and_a_lamp_may_turn() {
     );
     assert_eq!(
         dark,
-        ["scene.pbrt:2:17: a shape of material `interface` does not shine: the area light is ignored"]
+        ["scene.pbrt:2:17: a shape with material `interface` does not emit light: the area light is ignored"]
     );
 }

@@ -26,7 +26,7 @@ pub struct TextureTable {
     waiting: Vec<Waiting>,
 }
 
-/// Textures that double each other thirty times would never come to an end.
+/// Textures that look up another texture twice double the work at each level; thirty levels would never finish.
 const MAX_LOOKUPS: u32 = 4096;
 
 impl TextureTable {

@@ -42,7 +42,7 @@ struct Ring {
     boundary: bool,
 }
 
-/// The rings of all vertices; fails where the surface is no manifold.
+/// The rings of all vertices; fails where the surface is not a manifold.
 fn rings(count: usize, triangles: &[[u32; 3]]) -> Result<Vec<Ring>, String> {
     // Around each vertex the corner after it leads to the one before it.
     let mut steps: Vec<Vec<(u32, u32)>> = vec![Vec::new(); count];
@@ -83,7 +83,7 @@ fn ring(vertex: usize, steps: &[(u32, u32)]) -> Result<Ring, String> {
         }
     }
     if vertices.len() != steps.len() + usize::from(boundary) {
-        return Err(format!("the triangles around vertex {vertex} form no single fan"));
+        return Err(format!("the triangles around vertex {vertex} do not form a single fan"));
     }
     Ok(Ring { vertices, boundary })
 }
@@ -277,7 +277,7 @@ mod tests {
         let twice = subdivide(TETRA.to_vec(), vec![[0, 1, 2], [0, 1, 3]], 1).unwrap_err();
         assert!(twice.contains("two triangles on the same side"), "{twice}");
         let fans = subdivide([TETRA.as_slice(), &[[5.0; 3]]].concat(), vec![[0, 1, 2], [0, 3, 4]], 1);
-        assert!(fans.unwrap_err().contains("no single fan"));
+        assert!(fans.unwrap_err().contains("do not form a single fan"));
         assert!(subdivide(TETRA.to_vec(), vec![[0, 0, 1]], 1).unwrap_err().contains("twice"));
     }
 }
