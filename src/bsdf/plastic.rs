@@ -2,7 +2,8 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::diffuse::cosine_pdf;
 use super::{
-    Between, Bxdf, DeltaLobe, Deltas, Lobes, Nature, Parameters, Point, Range, Scatter, Transport, fresnel,
+    Bxdf, DeltaLobe, Deltas, DiffuseBase, Lobes, Nature, Parameters, Point, Range, Scatter, Transport,
+    fresnel,
 };
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
@@ -16,7 +17,7 @@ pub struct PlasticModel {
     pub eta: f32,
     pub diffuse: Param,
     pub specular: Param,
-    pub between: Between,
+    pub between: DiffuseBase,
 }
 
 impl Parameters for PlasticModel {
@@ -55,7 +56,7 @@ pub struct Plastic {
     /// ρ / (1 − ρₓ·F̄) / η².
     base: Color,
     leaves: f32,
-    between: Between,
+    between: DiffuseBase,
     specular: Color,
     specular_weight: f32,
 }

@@ -1,7 +1,7 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use super::diffuse::cosine_pdf;
-use super::microfacet::{Kind, Microfacet, Shadowing, reflect, refract};
+use super::microfacet::{Distribution, Microfacet, Shadowing, reflect, refract};
 use super::roughdielectric::Meeting;
 use super::{Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Scatter, Transport, fresnel};
 use crate::math::{Color, Vec2, Vec3};
@@ -95,7 +95,7 @@ pub(super) fn distribution(roughness: f32, anisotropic: f32) -> Microfacet {
     let aspect = (1.0 - 0.9 * anisotropic).sqrt();
     let r2 = roughness * roughness;
     let [au, av] = [r2 / aspect, r2 * aspect].map(|a| a.max(0.001));
-    Microfacet::new(Kind::Ggx, Shadowing::Separable, au, av)
+    Microfacet::new(Distribution::Ggx, Shadowing::Separable, au, av)
 }
 
 /// A colour without its brightness.
@@ -168,7 +168,7 @@ impl Principled {
     /// Without the 1/(4 cosθi cosθo) that a microfacet lobe would have: so it is in Disney's code.
     fn coat(&self, wi: Vec3, wo: Vec3, h: Vec3) -> f32 {
         let f = 0.04 + 0.96 * schlick_between(wi.dot(h), self.eta);
-        let shadow = Microfacet::new(Kind::Ggx, Shadowing::Separable, 0.25, 0.25);
+        let shadow = Microfacet::new(Distribution::Ggx, Shadowing::Separable, 0.25, 0.25);
         self.clearcoat * f * gtr1(h.z, self.clearcoat_alpha) * shadow.g(wi, wo, h)
     }
 

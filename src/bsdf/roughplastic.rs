@@ -6,7 +6,7 @@ use super::microfacet::{Microfacet, reflect};
 use super::plastic::specular_weight;
 use super::roughconductor::reflected_pdf;
 use super::{
-    Between, Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Roughness, Scatter, Transmittance,
+    Bxdf, DiffuseBase, Lobe, Lobes, Nature, Parameters, Point, Range, Roughness, Scatter, Transmittance,
     Transport, fresnel,
 };
 use crate::math::{Color, Vec2, Vec3};
@@ -20,7 +20,7 @@ pub struct RoughPlasticModel {
     pub eta: f32,
     pub diffuse: Param,
     pub specular: Param,
-    pub between: Between,
+    pub between: DiffuseBase,
     pub roughness: Roughness,
     /// For this `eta`.
     pub transmittance: Arc<Transmittance>,
@@ -63,7 +63,7 @@ pub struct RoughPlastic {
     eta: f32,
     base: Color,
     leaves: f32,
-    between: Between,
+    between: DiffuseBase,
     specular: Color,
     specular_weight: f32,
     microfacet: Microfacet,

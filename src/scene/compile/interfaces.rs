@@ -5,7 +5,7 @@ use caustica_formats::spectrum;
 
 use super::Compiler;
 use crate::bsdf::{
-    Between, ConductorModel, DielectricModel, Metal, Node, PlasticModel, RoughConductorModel,
+    ConductorModel, DielectricModel, DiffuseBase, Metal, Node, PlasticModel, RoughConductorModel,
     RoughDielectricModel,
 };
 use crate::spectrum::rgb;
@@ -103,7 +103,7 @@ impl Compiler<'_> {
             eta: self.ior(&p.int_ior, origin) / self.ior(&p.ext_ior, origin),
             diffuse: self.param(&p.diffuse_reflectance, ColorSlot::Reflectance, origin),
             specular: self.param(&p.specular_reflectance, ColorSlot::Reflectance, origin),
-            between: if p.nonlinear { Between::Colored } else { Between::White },
+            between: if p.nonlinear { DiffuseBase::Colored } else { DiffuseBase::White },
         }
     }
 }

@@ -7,7 +7,7 @@ use caustica_formats::ir::{self, BsdfKind, ColorSlot};
 
 use super::Compiler;
 use super::textures::DEFAULT_REFLECTANCE;
-use crate::bsdf::microfacet::{Kind, Shadowing};
+use crate::bsdf::microfacet::{Distribution, Shadowing};
 use crate::bsdf::{
     DiffuseModel, DiffuseTransmissionModel, Material, Node, Perturbation, PhongModel, PlasticModel, Relief,
     RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
@@ -41,7 +41,7 @@ pub struct MaterialTable {
     /// Coats around what is being built.
     pub(super) coats: u32,
     /// By distribution, bits of α (none: any α) and of the relative index.
-    transmittances: HashMap<(Kind, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
+    transmittances: HashMap<(Distribution, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
 }
 
 impl MaterialTable {
@@ -263,9 +263,9 @@ impl Compiler<'_> {
     pub(super) fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
         let roughness = Roughness {
             kind: match m.distribution {
-                ir::MicrofacetDistribution::Beckmann => Kind::Beckmann,
-                ir::MicrofacetDistribution::Ggx => Kind::Ggx,
-                ir::MicrofacetDistribution::Phong => Kind::Phong,
+                ir::MicrofacetDistribution::Beckmann => Distribution::Beckmann,
+                ir::MicrofacetDistribution::Ggx => Distribution::Ggx,
+                ir::MicrofacetDistribution::Phong => Distribution::Phong,
             },
             shadowing: match m.shadowing {
                 ir::Shadowing::Separable => Shadowing::Separable,

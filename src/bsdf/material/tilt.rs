@@ -1,6 +1,6 @@
 //! Perturbed shading frames: bump and normal maps.
 
-use super::Point;
+use crate::bsdf::Point;
 use crate::math::{Frame, Vec2, Vec3};
 use crate::spectrum::to_rgb;
 use crate::texture::Param;

@@ -1,13 +1,12 @@
 //! A nest of models at a point, as a flat list of weighted lobes.
 
-use super::event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
 use super::tilt::Tilt;
-use super::{Bxdf, Lobe, Lobes};
+use crate::bsdf::{Bxdf, DeltaLobe, Deltas, Event, Lobe, Lobes, Range, Sample, SmoothSample, Transport};
 use crate::math::{Color, Frame, Vec2, Vec3};
 
 /// A model in its place: on which side of what it lies, and how much of it there is.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
+pub(in crate::bsdf) struct Component {
     pub weight: f32,
     /// Seen from below through a two-sided wrapper: z is negated on the way in and out.
     pub mirrored: bool,
@@ -21,7 +20,7 @@ fn side(w: Vec3, mirrored: bool) -> Vec3 {
     if mirrored { Vec3::new(w.x, w.y, -w.z) } else { w }
 }
 
-impl Entry {
+impl Component {
     fn frame(&self, viewer: Vec3) -> Option<Frame> {
         self.tilt.map(|t| t.frame(side(viewer, self.mirrored)))
     }
@@ -93,32 +92,32 @@ impl Entry {
 
 /// See the module.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Layers {
-    pub entries: Vec<Entry>,
+pub(in crate::bsdf) struct Composite {
+    pub components: Vec<Component>,
     /// What goes straight through.
     pub through: f32,
 }
 
-impl Layers {
+impl Composite {
     fn total(&self) -> f32 {
-        self.entries.iter().map(|e| e.weight).sum()
+        self.components.iter().map(|e| e.weight).sum()
     }
 
     pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
-        self.entries.iter().map(|e| e.eval(wi, wo, mode, range) * e.weight).sum()
+        self.components.iter().map(|e| e.eval(wi, wo, mode, range) * e.weight).sum()
     }
 
-    /// Density of `wo` under [`Layers::sample`].
+    /// Density of `wo` under [`Composite::sample`].
     pub fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
         self.pdf_solid(wi, wo, range) * (1.0 - self.through)
     }
 
     fn pdf_solid(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
-        let of = |e: &Entry| {
+        let of = |e: &Component| {
             let pdf = e.pdf(wi, wo, range);
             if pdf > 0.0 { e.weight * pdf * e.smooth_probability(wi) } else { 0.0 }
         };
-        match &self.entries[..] {
+        match &self.components[..] {
             [] => 0.0,
             [one] => of(one) / one.weight,
             all => all.iter().map(of).sum::<f32>() / self.total(),
@@ -127,43 +126,43 @@ impl Layers {
 
     pub fn has_smooth(&self, wi: Vec3, range: Range) -> bool {
         let inside = |p: &Lobe| p.probability > 0.0 && range.contains(p.roughness);
-        self.entries.iter().any(|e| e.lobes(wi).iter().any(inside))
+        self.components.iter().any(|e| e.lobes(wi).iter().any(inside))
     }
 
-    /// Every smooth lobe with its entry, its number there, and its probability among all events but
+    /// Every smooth lobe with its component, its number there, and its probability among all events but
     /// passing through.
     pub fn smooth_lobes(&self, wi: Vec3) -> impl Iterator<Item = (usize, usize, Lobe)> {
         let total = self.total();
-        self.entries.iter().enumerate().flat_map(move |(i, e)| {
+        self.components.iter().enumerate().flat_map(move |(i, e)| {
             let share = e.weight / total * e.smooth_probability(wi);
             let lobes = e.lobes(wi).into_iter().enumerate().filter(|(_, l)| l.probability > 0.0);
             lobes.map(move |(k, l)| (i, k, Lobe { probability: l.probability * share, ..l }))
         })
     }
 
-    /// A direction from a lobe of [`Layers::smooth_lobes`].
-    pub fn draw(&self, entry: usize, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-        draw(&self.entries[entry], lobe, wi, u_lobe, u)
+    /// A direction from a lobe of [`Composite::smooth_lobes`].
+    pub fn draw(&self, component: usize, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        draw(&self.components[component], lobe, wi, u_lobe, u)
     }
 
     pub fn albedo(&self, wi: Vec3, range: Range) -> Color {
-        self.entries.iter().map(|e| e.bxdf.albedo(e.local(e.frame(wi), wi), range) * e.weight).sum()
+        self.components.iter().map(|e| e.bxdf.albedo(e.local(e.frame(wi), wi), range) * e.weight).sum()
     }
 
     /// Specular directions; weights and probabilities are those of an opaque surface.
     pub fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
-        if let [one] = &self.entries[..]
+        if let [one] = &self.components[..]
             && one.weight == 1.0
         {
             return one.deltas(wi, mode);
         }
         let (total, solid) = (self.total(), 1.0 - self.through);
         let mut deltas = Deltas::default();
-        for entry in &self.entries {
-            for lobe in entry.deltas(wi, mode).iter() {
+        for component in &self.components {
+            for lobe in component.deltas(wi, mode).iter() {
                 deltas.push(DeltaLobe {
-                    weight: lobe.weight * (entry.weight / solid),
-                    probability: lobe.probability * (entry.weight / total),
+                    weight: lobe.weight * (component.weight / solid),
+                    probability: lobe.probability * (component.weight / total),
                     ..*lobe
                 });
             }
@@ -180,25 +179,25 @@ impl Layers {
         let solid = 1.0 - self.through;
         u_lobe = (u_lobe - self.through) / solid;
         let total = self.total();
-        let chosen = pick(&mut u_lobe, self.entries.iter().map(|e| e.weight / total))?;
-        let entry = &self.entries[chosen];
-        for lobe in entry.deltas(wi, mode).iter() {
+        let chosen = pick(&mut u_lobe, self.components.iter().map(|e| e.weight / total))?;
+        let component = &self.components[chosen];
+        for lobe in component.deltas(wi, mode).iter() {
             if u_lobe < lobe.probability {
-                // Probability of the entry against its share: 1 unless a mixture absorbs.
+                // Probability of the component against its share: 1 unless a mixture absorbs.
                 let weight = lobe.weight * (total / (solid * lobe.probability));
                 return Some(Sample { wo: lobe.wo, weight, pdf: 0.0, eta: lobe.eta, event: Event::Delta });
             }
             u_lobe -= lobe.probability;
         }
-        u_lobe /= entry.smooth_probability(wi);
-        let lobes = entry.lobes(wi);
+        u_lobe /= component.smooth_probability(wi);
+        let lobes = component.lobes(wi);
         let lobe = pick(&mut u_lobe, lobes.iter().map(|l| l.probability))?;
         let (range, event) = if lobes[lobe].roughness < glossy {
             (Range::glossy(glossy), Event::Glossy)
         } else {
             (Range::rough(glossy), Event::Smooth)
         };
-        let (wo, eta) = draw(entry, lobe, wi, u_lobe, u)?;
+        let (wo, eta) = draw(component, lobe, wi, u_lobe, u)?;
         let pdf = self.pdf(wi, wo, range);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
         Some(Sample { wo, weight, pdf, eta, event })
@@ -213,33 +212,33 @@ impl Layers {
         mode: Transport,
         range: Range,
     ) -> Option<SmoothSample> {
-        let share = |e: &Entry| {
+        let share = |e: &Component| {
             let lobes = e.lobes(wi);
             let inside: f32 =
                 lobes.iter().filter(|l| range.contains(l.roughness)).map(|l| l.probability).sum();
             if inside > 0.0 { e.weight * inside * e.smooth_probability(wi) } else { 0.0 }
         };
-        let all: f32 = self.entries.iter().map(share).sum();
+        let all: f32 = self.components.iter().map(share).sum();
         if all <= 0.0 {
             return None;
         }
-        let chosen = pick(&mut u_lobe, self.entries.iter().map(|e| share(e) / all))?;
-        let entry = &self.entries[chosen];
-        let lobes = entry.lobes(wi);
+        let chosen = pick(&mut u_lobe, self.components.iter().map(|e| share(e) / all))?;
+        let component = &self.components[chosen];
+        let lobes = component.lobes(wi);
         let probability = |l: &Lobe| if range.contains(l.roughness) { l.probability } else { 0.0 };
         let inside: f32 = lobes.iter().map(probability).sum();
         let lobe = pick(&mut u_lobe, lobes.iter().map(|l| probability(l) / inside))?;
-        let (wo, eta) = draw(entry, lobe, wi, u_lobe, u)?;
+        let (wo, eta) = draw(component, lobe, wi, u_lobe, u)?;
         let pdf = self.pdf_solid(wi, wo, range) * (self.total() / all);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
         Some(SmoothSample { wo, weight, pdf, eta })
     }
 }
 
-fn draw(entry: &Entry, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-    let frame = entry.frame(wi);
-    let (wo, eta) = entry.bxdf.draw(lobe, entry.local(frame, wi), u_lobe.clamp(0.0, ONE_MINUS), u)?;
-    Some((entry.outer(frame, wo), eta))
+fn draw(component: &Component, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    let frame = component.frame(wi);
+    let (wo, eta) = component.bxdf.draw(lobe, component.local(frame, wi), u_lobe.clamp(0.0, ONE_MINUS), u)?;
+    Some((component.outer(frame, wo), eta))
 }
 
 /// The largest float below 1.
