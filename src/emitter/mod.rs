@@ -56,6 +56,7 @@ fn just_before(lamp: Vec3, d: Vec3) -> Vec3 {
 /// The start of a light path.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission {
+    /// On the emitter, lifted off it; of light from infinity, before the scene.
     pub o: Vec3,
     /// Unit.
     pub d: Vec3,
@@ -66,7 +67,9 @@ pub struct Emission {
 /// The sphere around everything, which light from infinity has to cover.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneSphere {
+    /// In world space.
     pub center: Vec3,
+    /// In world units.
     pub radius: f32,
 }
 

@@ -33,6 +33,7 @@ closed_enum! {
 /// A camera-space ray: looks along +Z, +Y up, +X to the left of the picture (Mitsuba's frame).
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
+    /// Origin.
     pub o: Vec3,
     /// Unit.
     pub d: Vec3,
@@ -41,7 +42,9 @@ pub struct CameraRay {
 /// A rectangle across the optical axis, at distance 1 of a pinhole: what the film shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
+    /// Middle of the rectangle.
     pub center: Vec2,
+    /// Half of its size.
     pub half: Vec2,
 }
 
@@ -52,6 +55,7 @@ impl Window {
         Self { center: vec(-0.5 * (x0 + x1), 0.5 * (y0 + y1)), half: vec(0.5 * (x1 - x0), 0.5 * (y1 - y0)) }
     }
 
+    /// Enlarged about the optical axis.
     #[must_use]
     pub fn scaled(self, factor: f32) -> Self {
         Self { center: self.center * factor, half: self.half * factor }
@@ -66,15 +70,18 @@ impl Window {
 /// A camera in the world.
 #[derive(Clone, Debug)]
 pub struct Sensor {
+    /// Which kind of camera.
     pub projection: Projection,
     /// `None`: all is sharp.
     pub lens: Option<ThinLens>,
     /// Columns: images of the camera's X, Y and Z axes. Z has unit length; so have X and Y but for
     /// orthographic cameras.
     pub axes: [Vec3; 3],
+    /// In world space.
     pub position: Vec3,
     /// Nothing nearer or farther along the optical axis is seen.
     pub near: f32,
+    /// See `near`.
     pub far: f32,
     /// Added to the film position, in fractions of the film.
     pub principal_point_offset: Vec2,

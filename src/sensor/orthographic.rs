@@ -4,6 +4,7 @@ use crate::math::{Vec2, Vec3};
 /// Parallel projection: all rays run along +Z.
 #[derive(Clone, Debug)]
 pub struct Orthographic {
+    /// What the film shows.
     pub window: Window,
 }
 

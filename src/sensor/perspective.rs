@@ -11,10 +11,15 @@ pub struct Perspective {
 /// Which extent a field-of-view angle spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
+    /// The width.
     X,
+    /// The height.
     Y,
+    /// From corner to corner.
     Diagonal,
+    /// The smaller of width and height.
     Smaller,
+    /// The larger of them.
     Larger,
 }
 
