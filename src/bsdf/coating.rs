@@ -18,11 +18,13 @@ pub struct CoatingModel {
     pub eta: f32,
     /// Absorption over the thickness of the coat.
     pub absorption: Param,
+    /// Factor of the coat's own reflection; 1 is physical.
     pub specular: Param,
     /// A rough surface, with its transmittance; `None` is smooth.
     pub rough: Option<(Roughness, Arc<Transmittance>)>,
     /// Exact for a smooth coat over a smooth metal.
     pub interreflection: Interreflection<Roughness>,
+    /// What lies below the coat.
     pub nested: Box<Node>,
 }
 
@@ -33,6 +35,7 @@ pub enum Interreflection<R> {
     None,
     /// At the angle of the light.
     Mirror,
+    /// By a table for rough metal, at its roughness.
     Rough(R, Arc<RoundTrips>),
 }
 
@@ -77,6 +80,7 @@ impl Parameters for CoatingModel {
     }
 }
 
+/// [`super::CoatingModel`] at a point.
 #[derive(Clone, Debug)]
 pub struct Coating {
     eta: f32,

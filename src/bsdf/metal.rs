@@ -43,6 +43,7 @@ impl Metal {
 pub struct MetalAt(pub(super) Option<(Color, Color)>);
 
 impl MetalAt {
+    /// Reflectance by colour at the cosine `cos` of the angle to the normal.
     pub fn fresnel(&self, cos: f32) -> Color {
         self.0.map_or(Color::ONE, |(eta, k)| fresnel::conductor(cos, eta, k))
     }

@@ -61,7 +61,9 @@ use crate::texture::{Param, Site, Textures};
 /// Where parameters are looked up.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<'a> {
+    /// Where textures are found.
     pub textures: &'a Textures,
+    /// What textures ask for.
     pub site: Site,
     /// ∂p/∂u and ∂p/∂v along the shading frame's s and t.
     pub tangents: [Vec2; 2],
@@ -82,6 +84,7 @@ impl<'a> Point<'a> {
         Self { site: Site { uv: self.site.uv + d, p, ..self.site }, ..*self }
     }
 
+    /// The colour of a parameter here.
     #[inline]
     pub fn color(&self, param: Param) -> Color {
         self.textures.eval(param, &self.site)

@@ -15,8 +15,11 @@ use crate::texture::Param;
 pub struct PlasticModel {
     /// Index of the coat over the index outside.
     pub eta: f32,
+    /// Reflectance of the diffuse part.
     pub diffuse: Param,
+    /// Factor of the specular reflection; 1 is physical.
     pub specular: Param,
+    /// What becomes of light between coat and base.
     pub between: DiffuseBase,
 }
 
@@ -50,6 +53,7 @@ pub(super) fn specular_weight(diffuse: Color, specular: Color) -> f32 {
     if d + s > 0.0 { s / (d + s) } else { 0.0 }
 }
 
+/// [`super::PlasticModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Plastic {
     eta: f32,

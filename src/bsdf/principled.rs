@@ -12,17 +12,29 @@ use crate::texture::Param;
 /// Disney's principled model in Mitsuba 3's form (Burley 2012, 2015).
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledModel {
+    /// Colour of the diffuse part, and of the reflection of metal.
     pub base_color: Param,
+    /// 0 to 1; the α of the distribution is its square.
     pub roughness: Param,
+    /// 0 to 1: how far the highlight is stretched along the tangent.
     pub anisotropic: Param,
+    /// 0 to 1: from dielectric to metal.
     pub metallic: Param,
+    /// 0 to 1: share of light that is refracted instead of scattered diffusely.
     pub spec_trans: Param,
+    /// Index of refraction behind the normal over that before it.
     pub eta: f32,
+    /// 0 to 1: how much the reflection takes the base colour.
     pub spec_tint: Param,
+    /// Strength of the soft reflection at grazing angles.
     pub sheen: Param,
+    /// 0 to 1: how much the sheen takes the base colour.
     pub sheen_tint: Param,
+    /// 0 to 1: from the diffuse lobe to one that imitates subsurface scattering.
     pub flatness: Param,
+    /// 0 to 1: strength of the second, colourless reflection.
     pub clearcoat: Param,
+    /// 0 to 1: how narrow that is.
     pub clearcoat_gloss: Param,
 }
 
@@ -120,6 +132,7 @@ pub(super) fn schlick_between(cos: f32, eta: f32) -> f32 {
     schlick((1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0).sqrt())
 }
 
+/// [`super::PrincipledModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Principled {
     base: Color,

@@ -18,9 +18,13 @@ use crate::texture::Param;
 pub struct RoughPlasticModel {
     /// Index of the coat over the index outside.
     pub eta: f32,
+    /// Reflectance of the diffuse part.
     pub diffuse: Param,
+    /// Factor of the specular reflection; 1 is physical.
     pub specular: Param,
+    /// What becomes of light between coat and base.
     pub between: DiffuseBase,
+    /// Microfacets of the surface.
     pub roughness: Roughness,
     /// For this `eta`.
     pub transmittance: Arc<Transmittance>,
@@ -58,6 +62,7 @@ impl Parameters for RoughPlasticModel {
     }
 }
 
+/// [`super::RoughPlasticModel`] at a point.
 #[derive(Clone, Debug)]
 pub struct RoughPlastic {
     eta: f32,

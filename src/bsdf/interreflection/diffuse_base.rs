@@ -3,6 +3,7 @@
 use crate::bsdf::fresnel;
 use crate::math::{Color, gauss_legendre};
 
+/// What becomes of light between a coat and the diffuse base below it.
 #[derive(Clone, Copy, Debug)]
 pub enum DiffuseBase {
     /// It keeps the colour of its first meeting with the base (Mitsuba's `plastic`).

@@ -12,15 +12,20 @@ pub struct Closure<'a>(pub(super) Content<'a>);
 
 #[derive(Clone, Debug)]
 pub(super) enum Content<'a> {
+    /// One diffuse lobe.
     Diffuse(Lambertian),
+    /// Made once: the material is everywhere the same.
     Fixed(&'a Composite),
+    /// Made for this point.
     Here(Box<Composite>),
 }
 
 /// One diffuse lobe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lambertian {
+    /// Albedo.
     pub reflectance: Color,
+    /// The rest of the light goes straight through.
     pub opacity: f32,
     /// Which side reflects: 1 the front, −1 the back.
     pub side: f32,

@@ -7,12 +7,15 @@ use crate::math::{Color, Frame, Vec2, Vec3};
 /// A model in its place: on which side of what it lies, and how much of it there is.
 #[derive(Clone, Debug)]
 pub(in crate::bsdf) struct Component {
+    /// Share of the surface.
     pub weight: f32,
     /// Seen from below through a two-sided wrapper: z is negated on the way in and out.
     pub mirrored: bool,
+    /// Of a bump or normal map.
     pub tilt: Option<Tilt>,
     /// The same for a wrapper inside the tilt.
     pub mirrored_inside: bool,
+    /// The model at the point.
     pub bxdf: Bxdf,
 }
 
@@ -93,6 +96,7 @@ impl Component {
 /// See the module.
 #[derive(Clone, Debug, Default)]
 pub(in crate::bsdf) struct Composite {
+    /// Models by weight, all of which light of this side meets.
     pub components: Vec<Component>,
     /// What goes straight through.
     pub through: f32,
@@ -103,6 +107,7 @@ impl Composite {
         self.components.iter().map(|e| e.weight).sum()
     }
 
+    /// f of the smooth lobes in `range`, in 1/sr, without the cosine.
     pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         self.components.iter().map(|e| e.eval(wi, wo, mode, range) * e.weight).sum()
     }
@@ -124,6 +129,7 @@ impl Composite {
         }
     }
 
+    /// Whether smooth lobes in `range` can be chosen by light along `wi`.
     pub fn has_smooth(&self, wi: Vec3, range: Range) -> bool {
         let inside = |p: &Lobe| p.probability > 0.0 && range.contains(p.roughness);
         self.components.iter().any(|e| e.lobes(wi).iter().any(inside))
@@ -145,6 +151,7 @@ impl Composite {
         draw(&self.components[component], lobe, wi, u_lobe, u)
     }
 
+    /// Share of what arrives along `wi` that the smooth lobes in `range` scatter.
     pub fn albedo(&self, wi: Vec3, range: Range) -> Color {
         self.components.iter().map(|e| e.bxdf.albedo(e.local(e.frame(wi), wi), range) * e.weight).sum()
     }

@@ -18,6 +18,7 @@ use crate::texture::{Param, Textures};
 /// Models and what wraps them.
 #[derive(Clone, Debug)]
 pub enum Node {
+    /// A model by itself.
     Model(Box<Model>),
     /// Index-matched boundary: light passes straight through.
     Null,
@@ -29,6 +30,7 @@ pub enum Node {
     Blend(Param, Box<[Node; 2]>),
     /// Weights of sum 1 at most.
     Mixture(Vec<(f32, Node)>),
+    /// A bump or normal map over what it tilts.
     Tilted(Perturbation, Box<Node>),
 }
 
@@ -109,6 +111,7 @@ impl Node {
         }
     }
 
+    /// What is true of it at every point.
     pub fn nature(&self) -> Nature {
         let mut nature = Nature::default();
         self.visit(&mut |node| match node {
@@ -184,7 +187,9 @@ pub struct Material {
 
 #[derive(Debug)]
 enum Prepared {
+    /// One diffuse lobe.
     Diffuse(Lambertian),
+    /// Anything else.
     Composite(Composite),
 }
 
@@ -195,6 +200,7 @@ struct Textured {
 }
 
 impl Material {
+    /// Looks at the nest once: what is everywhere the same is made here.
     pub fn new(root: impl Into<Node>) -> Self {
         let root = root.into();
         let fixed = (!root.varies()).then(|| {
@@ -249,6 +255,7 @@ impl Material {
         self.fixed.is_none()
     }
 
+    /// What is true of it at every point.
     pub fn nature(&self) -> Nature {
         self.nature
     }

@@ -26,6 +26,7 @@ impl Relief {
 /// A bump or normal map.
 #[derive(Clone, Copy, Debug)]
 pub struct Perturbation {
+    /// Where the normal comes from.
     pub relief: Relief,
     /// A normal that faces away from the viewer is mirrored about the untilted one (Mitsuba 3).
     pub flip_invalid: bool,

@@ -5,6 +5,7 @@
 pub struct AlphaTable<T>(Vec<(f32, T)>);
 
 impl<T> AlphaTable<T> {
+    /// Of at least one row, by ascending α.
     pub fn new(rows: impl IntoIterator<Item = (f32, T)>) -> Self {
         Self(rows.into_iter().collect())
     }

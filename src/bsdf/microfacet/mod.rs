@@ -13,9 +13,12 @@ use std::f32::consts::{FRAC_2_SQRT_PI, PI};
 use crate::math::{Vec2, Vec3, erf, erf_inv};
 use crate::sampling::warp;
 
+/// How normals are distributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Distribution {
+    /// Gaussian slopes (Beckmann and Spizzichino 1963).
     Beckmann,
+    /// Long tails (Trowbridge and Reitz 1975; Walter et al. 2007).
     Ggx,
     /// Ashikhmin and Shirley's cosine power of exponents 2/α² − 2 (Mitsuba 0.6).
     Phong,
@@ -33,9 +36,13 @@ pub enum Shadowing {
 /// A distribution at a point; α along the frame's s and t.
 #[derive(Clone, Copy, Debug)]
 pub struct Microfacet {
+    /// How normals are distributed.
     pub kind: Distribution,
+    /// How masking and shadowing are combined.
     pub shadowing: Shadowing,
+    /// α along s.
     pub au: f32,
+    /// α along t.
     pub av: f32,
 }
 
@@ -43,6 +50,7 @@ pub struct Microfacet {
 pub const MIN_ALPHA: f32 = 1e-4;
 
 impl Microfacet {
+    /// α is at least [`MIN_ALPHA`]; that of a broken texture (NaN) becomes it.
     pub fn new(kind: Distribution, shadowing: Shadowing, au: f32, av: f32) -> Self {
         // f32::max drops a NaN of a broken texture.
         Self { kind, shadowing, au: au.max(MIN_ALPHA), av: av.max(MIN_ALPHA) }
@@ -107,6 +115,7 @@ impl Microfacet {
         }
     }
 
+    /// Masking and shadowing of both directions.
     pub fn g(&self, wi: Vec3, wo: Vec3, m: Vec3) -> f32 {
         match self.shadowing {
             Shadowing::Separable => self.g1(wi, m) * self.g1(wo, m),

@@ -6,10 +6,13 @@ use crate::texture::Param;
 /// Parameters of a microfacet distribution.
 #[derive(Clone, Copy, Debug)]
 pub struct Roughness {
+    /// How normals are distributed.
     pub kind: Distribution,
+    /// How masking and shadowing are combined.
     pub shadowing: Shadowing,
     /// α along s and t, or what its square root is taken of.
     pub u: Param,
+    /// Of the axis t.
     pub v: Param,
     /// α = √parameter (pbrt's `remaproughness`).
     pub root: bool,

@@ -77,7 +77,9 @@ fn row(microfacet: Microfacet, eta: f32, inner_nodes: usize) -> (f32, Row) {
 /// Which of the two shares.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
+    /// Reflected.
     Back,
+    /// Transmitted.
     Through,
 }
 
