@@ -8,9 +8,21 @@ pub enum Metal {
     /// Reflects everything.
     Mirror,
     /// Complex index, in units of the index outside.
-    Index { eta: Param, k: Param, outside: f32 },
+    Index {
+        /// Real part.
+        eta: Param,
+        /// Imaginary part: absorption.
+        k: Param,
+        /// Index of what lies above the metal.
+        outside: f32,
+    },
     /// η = 1 and the k with this reflectance at normal incidence in air (pbrt).
-    Reflectance { normal: Param, outside: f32 },
+    Reflectance {
+        /// At normal incidence in air.
+        normal: Param,
+        /// Index of what lies above the metal.
+        outside: f32,
+    },
 }
 
 impl Metal {

@@ -11,8 +11,13 @@ use crate::texture::{OnMesh, Param, Site, Textures};
 /// The lamp's own copy of its geometry, for sampling.
 #[derive(Clone, Debug)]
 pub enum Surface {
-    /// Triangles, chosen by their area.
-    Mesh { triangles: Vec<MeshTriangle>, by_area: Discrete },
+    /// A mesh.
+    Mesh {
+        /// In world space.
+        triangles: Vec<MeshTriangle>,
+        /// Chooses a triangle by its area.
+        by_area: Discrete,
+    },
     /// A sphere, disk or cylinder, chosen from evenly.
     Analytic(Analytic),
 }

@@ -81,6 +81,7 @@ pub struct CameraSample {
 
 /// See the module's contract.
 pub trait Integrator: Sync {
+    /// What all pixels of a pass share.
     type Pass: Sync + Send;
 
     /// How many pairs of random numbers of a camera path are low-discrepancy points.
@@ -96,6 +97,7 @@ pub trait Integrator: Sync {
         1
     }
 
+    /// Prepares pass `pass`, counted from 0.
     fn begin_pass(&self, pass: u32) -> (Self::Pass, PassStats);
 
     /// Fills `out` of each sample. What a sample becomes does not depend on those it comes with.

@@ -68,13 +68,32 @@ fn fbm(p: Vec3, count: u32, roughness: f32) -> f32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoiseKind {
     /// Sum of octaves.
-    Fbm { octaves: u32, roughness: f32 },
+    Fbm {
+        /// How many octaves are added.
+        octaves: u32,
+        /// Amplitude of an octave over that of the one before.
+        roughness: f32,
+    },
     /// Sum of their absolute values.
-    Wrinkled { octaves: u32, roughness: f32 },
+    Wrinkled {
+        /// How many octaves are added.
+        octaves: u32,
+        /// Amplitude of an octave over that of the one before.
+        roughness: f32,
+    },
     /// Waves on water.
     Windy,
     /// Veins that noise distorts.
-    Marble { octaves: u32, roughness: f32, scale: f32, variation: f32 },
+    Marble {
+        /// How many octaves are added.
+        octaves: u32,
+        /// Amplitude of an octave over that of the one before.
+        roughness: f32,
+        /// What positions are multiplied by.
+        scale: f32,
+        /// How far the noise moves the veins.
+        variation: f32,
+    },
 }
 
 /// Noise over space, with all its octaves: what is finer than a pixel is left to the film's samples.

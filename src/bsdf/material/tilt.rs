@@ -8,8 +8,13 @@ use crate::texture::Param;
 /// Where the tilted normal comes from.
 #[derive(Clone, Copy, Debug)]
 pub enum Relief {
-    /// Height in scene units over the surface, as a function of uv.
-    Bump { height: Param, scale: f32 },
+    /// A bump map.
+    Bump {
+        /// Height over the surface as a function of uv.
+        height: Param,
+        /// Scene units of a height of 1.
+        scale: f32,
+    },
     /// n = 2c − 1 in the shading frame.
     Normal(Param),
 }

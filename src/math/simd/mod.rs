@@ -29,13 +29,21 @@ pub trait Wide<const N: usize = WIDTH>:
     fn splat(isa: Self::Isa, x: f32) -> Self;
     /// Lane l is `x[l]`.
     fn load(isa: Self::Isa, x: &[f32; N]) -> Self;
+    /// All lanes.
     fn array(self) -> [f32; N];
+    /// The smaller of each two lanes.
     fn min(self, other: Self) -> Self;
+    /// The larger of each two lanes.
     fn max(self, other: Self) -> Self;
+    /// `self < other`, lane by lane.
     fn less(self, other: Self) -> Self::Mask;
+    /// `self <= other`, lane by lane.
     fn less_or_equal(self, other: Self) -> Self::Mask;
+    /// `self == other`, lane by lane.
     fn equal(self, other: Self) -> Self::Mask;
+    /// `a & b`.
     fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// `a | b`.
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// `!a & b`.
     fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask;
