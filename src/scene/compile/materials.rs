@@ -124,9 +124,8 @@ impl Compiler<'_> {
             BsdfKind::ThinDielectric(d) => ThinDielectricModel(self.dielectric(d, origin)).into(),
             BsdfKind::RoughDielectric { interface, microfacet } => {
                 let smooth = self.dielectric(interface, origin);
-                match self.roughness(microfacet) {
-                    // Without a step of the index no facet bends or reflects anything.
-                    Some(roughness) if smooth.eta != 1.0 => {
+                match self.interface_roughness(microfacet, smooth.eta) {
+                    Some(roughness) => {
                         let DielectricModel { eta, reflectance, transmittance } = smooth;
                         RoughDielectricModel { eta, reflectance, transmittance, roughness }.into()
                     }
@@ -279,6 +278,12 @@ impl Compiler<'_> {
         let smooth = roughness.shadowing == Shadowing::HeightCorrelated
             && roughness.constant().is_some_and(|[u, v]| u.max(v) < PBRT_SMOOTH);
         (!smooth).then_some(roughness)
+    }
+
+    /// [`Self::roughness`] of an interface of relative index `eta`. Without a step of the index no facet bends
+    /// or reflects anything: it is smooth, as in pbrt-v4.
+    pub(super) fn interface_roughness(&mut self, m: &ir::Microfacet, eta: f32) -> Option<Roughness> {
+        if eta == 1.0 { None } else { self.roughness(m) }
     }
 
     pub(super) fn rough_plastic(&mut self, smooth: PlasticModel, roughness: Roughness) -> RoughPlasticModel {
