@@ -1,24 +1,25 @@
-//! Density lookups in a million photons of the Cornell box, about a hundred of them found each time.
-//! Queries follow each other as neighbouring pixels' do. One thread; throughput is lookups.
+//! Density estimates in a million photons of the Cornell box, with about a hundred photons each and in the
+//! order of a render's pixels. One thread; throughput is lookups.
 
 mod support;
 
 use caustica::film::Radiance;
 use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Vec2, Vec3};
-use caustica::photon::{Estimator, Gather, PhotonMap, Query};
+use caustica::photon::{Estimator, Gather, GatherPoint, PhotonMap, Query};
 use caustica::sampling::Sampler;
 use caustica::scene::Surface;
-use caustica::scene::compile::Compiled;
+use caustica::session::Session;
 use caustica::settings::Lookup;
+use caustica::transport::Vertex;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const PHOTONS: usize = 1_000_000;
 const FOUND: usize = 100;
 
 /// What the camera sees through every pixel, in squares of eight as a render walks them.
-fn places(compiled: &Compiled) -> Vec<(Surface, Vec3)> {
-    let (scene, view) = (&compiled.scene, &compiled.view);
+fn places(session: &Session) -> Vec<(Surface, Vec3)> {
+    let (scene, view) = (&session.scene, &session.view);
     let side = 256;
     let mut out = Vec::new();
     for block in 0..(side / 8) * (side / 8) {
@@ -36,14 +37,14 @@ fn places(compiled: &Compiled) -> Vec<(Surface, Vec3)> {
 }
 
 fn lookup(c: &mut Criterion) {
-    let compiled = support::cornell(256);
-    let places = places(&compiled);
-    let scene = compiled.scene;
+    let session = support::cornell(256);
+    let places = places(&session);
+    let scene = session.scene;
     let photons = support::photons(&scene, PHOTONS);
     let queries = |radius: f32| -> Vec<Query> {
         places.iter().map(|(s, _)| Query { p: s.p, n: s.ng, lift: s.lift, radius }).collect()
     };
-    // The radius that finds what is asked for, on average over the places.
+    // Photons within `radius`, on average over a sample of the places.
     let mean = |map: &PhotonMap, radius: f32| {
         let mut n = 0usize;
         queries(radius).iter().step_by(17).for_each(|q| map.within(q, &mut |_, _| n += 1));
@@ -66,20 +67,10 @@ fn lookup(c: &mut Criterion) {
             b.iter(|| {
                 let mut out = Radiance::default();
                 for (s, wi) in &places {
-                    let closure = scene.closure(s, s.frame.to_local(*wi));
+                    let vertex = &Vertex::new(&scene, s, *wi);
                     let side = scene.photon_side(s, *wi);
-                    gather.estimate(
-                        map,
-                        &estimator,
-                        s,
-                        side,
-                        &closure,
-                        *wi,
-                        Color::ONE,
-                        u32::MAX,
-                        None,
-                        &mut out,
-                    );
+                    let at = GatherPoint { vertex, side, throughput: Color::ONE, max_photon_depth: u32::MAX };
+                    estimator.estimate(map, &at, None, &mut gather, &mut out);
                 }
                 out
             });

@@ -6,14 +6,14 @@ use std::hint::black_box;
 
 use caustica::math::{Ray, Vec2};
 use caustica::sampling::{Sampler, warp};
-use caustica::scene::compile::Compiled;
+use caustica::session::Session;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const SIDE: u32 = 256;
 
 /// Camera rays, one cosine-distributed ray from each point they meet, and one towards a lamp.
-fn families(compiled: &Compiled) -> [Vec<Ray>; 3] {
-    let (scene, view) = (&compiled.scene, &compiled.view);
+fn families(session: &Session) -> [Vec<Ray>; 3] {
+    let (scene, view) = (&session.scene, &session.view);
     let (mut primary, mut diffuse, mut shadow) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..SIDE * SIDE {
         let mut sampler = Sampler::new(7, i);
@@ -34,9 +34,9 @@ fn families(compiled: &Compiled) -> [Vec<Ray>; 3] {
 }
 
 fn rays(c: &mut Criterion) {
-    for (name, compiled) in [("cornell", support::cornell(SIDE)), ("hills", support::hills())] {
-        let [primary, diffuse, shadow] = families(&compiled);
-        let scene = compiled.scene;
+    for (name, session) in [("cornell", support::cornell(SIDE)), ("hills", support::hills())] {
+        let [primary, diffuse, shadow] = families(&session);
+        let scene = session.scene;
         let mut group = c.benchmark_group(format!("rays/{name}"));
         for (kind, rays) in [("primary", &primary), ("diffuse", &diffuse)] {
             group.throughput(Throughput::Elements(rays.len() as u64)).sample_size(20);

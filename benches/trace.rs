@@ -2,8 +2,8 @@
 
 mod support;
 
-use caustica::photon::Owner;
 use caustica::photon::trace::{TraceJob, trace};
+use caustica::transport::Owner;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 fn tracing(c: &mut Criterion) {

@@ -1,9 +1,30 @@
 //! caustica: photon mapping for Mitsuba and pbrt scenes.
 //!
+//! [`session`] is the front door: it opens a scene, says what is in it, renders it and saves the picture.
+//! A small Cornell box, and the colours that its walls throw:
+//!
+//! ```
+//! use caustica::render::Budget;
+//! use caustica::session::{Options, Session};
+//!
+//! let options = Options { size: Some([32, 32]), ..Options::default() };
+//! let session = Session::open("scenes/cornell-diffuse.xml", &options)?;
+//! assert!(session.plan().global_map);
+//!
+//! let outcome = session.render(Budget::passes(2), &mut |pass| println!("{} passes done", pass.passes));
+//! let picture = session.picture(&outcome);
+//! let (left, right) = (picture.pixel(1, 16), picture.pixel(30, 16));
+//! // Red, green and blue, linear: the left wall is red, the right one green.
+//! assert!(left[0] > left[1] && right[1] > right[0]);
+//! # Ok::<(), caustica::session::Error>(())
+//! ```
+//!
+//! `session::Output` writes pictures to files and `session::Saver` writes checkpoints.
+//!
 //! Code map, upwards: `math`, `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
-//! `film` ← `scene` ← `photon` ← `integrator` ← `render` ← `cli`. Imports point downwards only;
-//! `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` (and `cli`) alone read
-//! the scene representation of `caustica-formats`.
+//! `film` ← `settings` ← `scene` ← `transport` ← `photon` ← `integrator` ← `render` ← `session` ← `cli`. Imports point
+//! downwards only; `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` and
+//! `session` (and `cli`, for arguments) alone read the scene representation of `caustica-formats`.
 
 pub mod accel;
 pub mod bsdf;
@@ -22,3 +43,4 @@ pub mod settings;
 pub mod shape;
 pub mod spectrum;
 pub mod texture;
+pub mod transport;

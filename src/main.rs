@@ -1,4 +1,4 @@
-//! The program: arguments in, exit status out.
+//! The `caustica` command.
 
 use std::process::ExitCode;
 

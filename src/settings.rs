@@ -1,5 +1,8 @@
-//! Every setting of a render: one row per name, with its type, default and words.
-//! The scene sets them first, the command line after.
+//! Every setting of a render: one row per name, with its type, default and words. The scene sets them
+//! first, the command line after, both by these names.
+//!
+//! To add one: a row of [`settings!`] here, and its name with its type in
+//! `caustica_formats::ir::INTEGRATOR_SETTINGS`, so that scenes may set it too.
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,10 +15,24 @@ use crate::math::kernel::KernelKind;
 /// A setting that could not be set.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SettingError {
+    /// No row of [`SETTINGS`] has this name.
     #[error("there is no setting `{name}`{}", suggestion(.nearest))]
-    Unknown { name: String, nearest: Option<String> },
+    Unknown {
+        /// As it was given.
+        name: String,
+        /// A name that was probably meant.
+        nearest: Option<String>,
+    },
+    /// The value is none that the setting can have.
     #[error("setting `{name}` wants {wants}, got `{got}`")]
-    Invalid { name: String, wants: String, got: String },
+    Invalid {
+        /// The setting.
+        name: String,
+        /// What its values look like, in words.
+        wants: String,
+        /// The value that was given.
+        got: String,
+    },
 }
 
 fn suggestion(nearest: &Option<String>) -> String {
@@ -26,9 +43,12 @@ macro_rules! choice {
     ($(#[$doc:meta])* $name:ident { $($variant:ident = $text:literal),+ $(,)? }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $name { $($variant),+ }
+        pub enum $name {
+            $(#[doc = concat!("Written `", $text, "`.")] $variant),+
+        }
 
         impl $name {
+            /// The words that stand for the choices, in their order.
             pub const NAMES: &'static [&'static str] = &[$($text),+];
         }
 
@@ -68,6 +88,7 @@ choice! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Count {
+    /// Follows the size of the picture.
     Auto,
     /// Light paths started per pass.
     Paths(u64),
@@ -154,6 +175,7 @@ impl FromStr for Radius {
 pub struct Limit(pub u32);
 
 impl Limit {
+    /// Without limit.
     pub const NONE: Self = Self(u32::MAX);
 }
 
@@ -252,8 +274,11 @@ impl Value for f32 {
 /// One row of [`SETTINGS`].
 #[derive(Debug)]
 pub struct Row {
+    /// By which scenes and the command line set it.
     pub name: &'static str,
+    /// What its values look like, for people.
     pub wants: &'static str,
+    /// What it does.
     pub doc: &'static str,
     set: fn(&mut Settings, &str) -> Result<(), String>,
     get: fn(&Settings) -> String,
@@ -311,7 +336,10 @@ settings! {
 }
 
 impl Settings {
-    /// Sets one by name.
+    /// Sets one by name, to a value in the words of the command line.
+    ///
+    /// # Errors
+    /// [`SettingError::Unknown`] with the nearest name, [`SettingError::Invalid`] with what was wanted.
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingError> {
         let Some(row) = SETTINGS.iter().find(|r| r.name == name) else {
             let nearest = SETTINGS

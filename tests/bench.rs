@@ -1,4 +1,4 @@
-//! `caustica bench` as a program: other renderers, bench files, going on, masks.
+//! The `caustica bench` command: other renderers, bench files, resuming, masks.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -31,7 +31,7 @@ impl Folder {
         (output.status.code().unwrap_or(-1), text + &String::from_utf8_lossy(&output.stderr))
     }
 
-    /// A picture of the scene to be held against, by our path tracer.
+    /// Renders a reference of the scene with our path tracer.
     fn reference(&self, name: &str) {
         let (scene, size) = (scene(), format!("{SIDE}x{SIDE}"));
         let arguments =
@@ -54,7 +54,7 @@ fn median(row: &Value, point: usize, what: &str) -> f64 {
     row["points"][point][what]["median"].as_f64().unwrap()
 }
 
-/// A benchmark of which nothing came is no success.
+/// A benchmark in which no render succeeds fails.
 #[test]
 fn a_bench_without_any_render_fails() {
     let folder = Folder::new();
@@ -78,7 +78,8 @@ fn a_bench_without_any_render_fails() {
     assert!(said.contains("no render of this benchmark succeeded"), "{said}");
 }
 
-/// Takes what pbrt takes and renders it with our path tracer: so the picture shows what pbrt was given.
+/// A stand-in for pbrt: it takes pbrt's arguments and renders with our path tracer, so that the picture shows what
+/// pbrt was given.
 #[cfg(unix)]
 const PBRT: &str = r#"#!/bin/sh
 while [ $# -gt 1 ]; do
@@ -121,15 +122,15 @@ fn pbrt_is_given_the_scene_in_its_language() {
     let (ours, theirs) = (&rows[0], &rows[1]);
     assert_eq!(theirs["config"], "pbrt:path", "{said}");
     assert_eq!(median(theirs, 1, "passes"), 16.0);
-    // The same light by the same sampler: the errors differ by the luck of the seeds alone, for which
-    // 1728 values leave a few per cent.
+    // The same integrator and sampler: the errors differ only because of the seeds, which over 1728 values makes a
+    // few percent.
     let ratio = median(theirs, 1, "rmse") / median(ours, 1, "rmse");
     assert!((0.75..1.33).contains(&ratio), "{ratio}");
     assert!(median(theirs, 1, "bias").abs() < 0.03);
 }
 
 #[test]
-fn a_bench_file_goes_on_where_it_was_interrupted() {
+fn an_interrupted_bench_resumes() {
     let f = Folder::new();
     f.reference("truth.exr");
     let file = format!(
@@ -147,21 +148,24 @@ fn a_bench_file_goes_on_where_it_was_interrupted() {
     let csv = std::fs::read_to_string(f.path("out/bench.csv")).unwrap();
     assert_eq!(csv.lines().count(), 5, "{csv}");
 
-    // Killed while it wrote its third line.
+    // As if killed while writing its third line.
     let cut = format!("{}\n{}\n{}", lines[0], lines[1], &lines[2][..lines[2].len() / 2]);
     std::fs::write(&log, &cut).unwrap();
     let (status, said) = f.caustica(&["bench", "bench.json"], "");
     assert_eq!(status, 0, "{said}");
     assert_eq!(said.matches("seed 1: ").count(), 2, "{said}");
     assert!(!said.contains("seed 0: "), "{said}");
-    let gone_on = std::fs::read_to_string(&log).unwrap();
-    assert!(gone_on.starts_with(&cut) && gone_on.lines().count() == 5);
+    let resumed = std::fs::read_to_string(&log).unwrap();
+    assert!(resumed.starts_with(&cut) && resumed.lines().count() == 5);
     let points = f.json("out/bench.json")["scenes"][0]["rows"][0]["points"].clone();
     assert!(points.as_array().unwrap().iter().all(|p| p["seeds"] == 2), "{points}");
     let (_, said) = f.caustica(&["bench", "bench.json"], "");
-    assert!(!said.contains(" seed "), "everything was known: {said}");
+    assert!(!said.contains(" seed "), "nothing was left to render: {said}");
     let page = std::fs::read_to_string(f.path("out/bench.html")).unwrap();
-    assert!(page.contains("Machine: ") && page.contains("<svg"), "times stand beside their machine");
+    assert!(
+        page.contains("Machine: ") && page.contains("<svg"),
+        "the page names the machine and plots the times"
+    );
 }
 
 #[test]
@@ -175,7 +179,7 @@ fn pixels_outside_the_mask_do_not_count() {
         let layer = ExrLayer { name: "", channels: &["R", "G", "B"], data: &data };
         write_exr(f.path(name), SIDE, SIDE, &[layer], &[], ExrOptions::default()).unwrap();
     };
-    // The reference knows nothing of its left half.
+    // The left half of the reference is missing.
     write("half.exr", &|i| if left(i) { [0.0; 3] } else { truth.rgb[i] });
     let scene = scene();
     let bias = |output: &str| {

@@ -1,4 +1,4 @@
-//! What a pixel sees.
+//! Which part of the scene a pixel shows: crop, filters, focus, clip planes, projection.
 
 use crate::support::{Estimate, Picture, area, assert_agree, camera, film, rectangle, render, scene};
 
@@ -25,7 +25,7 @@ fn a_crop_shows_the_pixels_of_the_whole_film() {
     let whole = scene(&body(&whole_film));
     let part = scene(&body(&whole_film.replace("</film>", &format!("{crop}</film>"))));
     assert_eq!(part.0.view.film.crop, [5, 3, 6, 7]);
-    // Photon counts and radii are given, because the automatic ones follow the rendered film.
+    // Photon counts and radii are given, because the automatic ones depend on the rendered film.
     for settings in
         [&[("integrator", "path")][..], &[("photons", "2000"), ("radius", "0.1"), ("nee", "false")][..]]
     {
@@ -44,7 +44,7 @@ fn a_crop_shows_the_pixels_of_the_whole_film() {
 #[test]
 fn every_filter_keeps_the_mean() {
     let lamp = panel(2.0, "<translate x='-2'/>", "1");
-    for (name, _) in caustica::film::filter::NAMES {
+    for (name, _) in caustica::session::Filter::NAMED {
         let view = camera("0,0,3", "0,0,0", 30.0, 16).replace("type='box'", &format!("type='{name}'"));
         let picture = render(&scene(&format!("{view}{lamp}")), EMISSION, 2048);
         assert_agree(name, picture.beauty(0), Estimate::exact(0.5), 0.01);
@@ -55,9 +55,9 @@ fn values(picture: &Picture) -> Vec<f64> {
     picture.pixel_values().iter().map(|p| p[0]).collect()
 }
 
-/// A lamp that covers the middle 4 × 4 pixels of 8 × 8 exactly: at the distance of focus every pixel is
-/// 0 or 1 however wide the lens, elsewhere the rim is blurred. Rounding may move a ray across the rim:
-/// with 256 samples a pixel, less than 1e-2 of a pixel.
+/// A lamp covers exactly the middle 4 × 4 of 8 × 8 pixels: at the focus distance every pixel is 0 or 1 however
+/// wide the lens, at other distances the edge is blurred. Rounding may move a ray across the edge: with 256
+/// samples per pixel, this changes a pixel by less than 1e-2.
 #[test]
 fn only_the_plane_of_focus_is_sharp() {
     let view = |focus: f64| {
@@ -76,8 +76,8 @@ fn only_the_plane_of_focus_is_sharp() {
     }
     let blurred = values(&render(&scene(&format!("{}{lamp}", view(1.0))), EMISSION, 256));
     let between = blurred.iter().filter(|v| (0.1..0.9).contains(*v)).count();
-    assert!(between > 12, "{between} pixels of the rim are blurred");
-    // What is lost inside the rim is found outside: the lens only moves light.
+    assert!(between > 12, "{between} pixels at the edge are blurred");
+    // The lamp covers a quarter of the film.
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
     assert!((mean(&sharp) - 0.25).abs() < 1e-3);
 }
@@ -100,11 +100,11 @@ fn nothing_is_seen_nearer_than_the_near_clip_or_beyond_the_far_clip() {
     assert_eq!(seen(1.1, 4.9), 0.0);
 }
 
-/// Two units of the world to either side, at any distance: a lamp of ±1 covers the middle half of the
-/// film, and one behind it of ±1.5 at the right edge of the view the rest of the right side. The camera
-/// looks along −z, so that +x is on the right.
+/// The film is ±2 units wide at any distance: a lamp of ±1 covers its middle half, and one of ±1.5 farther
+/// back, at the right edge of the view, the rest of the right side. The camera looks along −z, so +x is on the
+/// right.
 #[test]
-fn an_orthographic_camera_sees_all_distances_alike() {
+fn an_orthographic_camera_shows_the_same_scale_at_any_distance() {
     let view = format!(
         "<sensor type='orthographic'><transform name='to_world'><scale x='2' y='2'/>
          <lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>{}</sensor>",

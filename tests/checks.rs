@@ -1,16 +1,15 @@
-//! What a checkerboard means where one number is wanted.
+//! Checkerboards as textures of scalar parameters.
 
 use caustica::bsdf::{Range, Transport};
 use caustica::math::Ray;
 
 use crate::support::{camera, scene_of_version};
 
-/// Mitsuba 2 and 3 exchange the two colours of a checkerboard that gives a roughness (their `eval_1`), but
-/// not of one that gives a colour; 0.6 never does. The four cells
-/// of the pattern seen from above.
+/// Mitsuba 2 and 3 swap the two values of a checkerboard that gives a roughness (their `eval_1`), but not those
+/// of one that gives a colour; 0.6 never does. The rays hit the four cells of the pattern from above.
 #[test]
-fn checks_of_numbers_are_exchanged_in_mitsuba_2_and_3_only() {
-    for (version, exchanged) in [("0.6.0", false), ("2.0.0", true), ("3.0.0", true)] {
+fn scalar_checkerboards_are_swapped_in_mitsuba_2_and_3_only() {
+    for (version, swapped) in [("0.6.0", false), ("2.0.0", true), ("3.0.0", true)] {
         let text =
             "<shape type='rectangle'><bsdf type='roughconductor'><string name='distribution' value='ggx'/>
              <texture type='checkerboard' name='alpha'><float name='color0' value='0.1'/>
@@ -24,7 +23,7 @@ fn checks_of_numbers_are_exchanged_in_mitsuba_2_and_3_only() {
             let closure = scene.closure(&s, wi);
             let rough = closure.has_smooth(wi, Range::rough(0.3));
             let odd = (x > 0.0) != (y > 0.0);
-            assert_eq!(rough, odd != exchanged, "{version} at {x}, {y}");
+            assert_eq!(rough, odd != swapped, "{version} at {x}, {y}");
             assert!(closure.eval(wi, wi, Transport::Radiance, Range::ALL).min_element() > 0.0);
         }
     }

@@ -110,7 +110,7 @@ fn include_cycle() {
       ┌─ a.xml:2:22
       │
     2 │   <include filename='b.xml'/>
-      │                      ----- by way of this
+      │                      ----- through this
     "#);
 }
 
@@ -275,4 +275,32 @@ fn checkpoints_of_other_renders_are_refused() {
     let refused = run("2", &["--resume"]);
     assert_eq!(refused.status.code(), Some(1));
     assert_snapshot!(String::from_utf8(refused.stderr).unwrap().trim(), @"error: cannot resume from `c`: it belongs to another render: seed was `1`, now it is `2`");
+}
+
+/// A layer named twice is stored once; what only an EXR can hold is asked of one before the render.
+#[test]
+fn layers_are_stored_once_and_by_exr_only() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.xml"), whole_scene()).unwrap();
+    let run = |rest: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+        command.current_dir(folder.path()).args(["render", "scene.xml", "--quiet"]);
+        command.args(rest).output().unwrap()
+    };
+    let done = run(&["--spp", "1", "--layers", "all,direct", "-o", "out.exr"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let picture =
+        caustica_formats::image::read(&std::fs::read(folder.path().join("out.exr")).unwrap()).unwrap();
+    let direct = picture.channels.iter().filter(|name| name.starts_with("direct.")).count();
+    assert_eq!((direct, picture.channels.len()), (3, 3 + 4 * 3 + 2), "{:?}", picture.channels);
+    // As many passes as would take for ever: the error comes before them.
+    for asked in [&["--layers", "direct"][..], &["--half"]] {
+        let refused = run(&[&["--spp", "4000000000", "-o", "out.png"], asked].concat());
+        assert_eq!(refused.status.code(), Some(2));
+        let text = String::from_utf8(refused.stderr).unwrap();
+        assert!(text.contains("can be stored in .exr files only, and `out.png`"), "{text}");
+    }
+    assert!(!folder.path().join("out.png").exists());
+    let neither = run(&["--spp", "1", "--layers", "none", "-o", "out.png"]);
+    assert!(neither.status.success(), "{}", String::from_utf8_lossy(&neither.stderr));
 }

@@ -2,11 +2,11 @@
 
 use crate::support::{box_camera, lamp, render, scene, sphere, walls};
 
-/// Knaus and Zwicker: the error falls as n^(−½) where noise rules and as n^(−(1 − α)) = n^(−0.3) where
-/// bias does; the issue allows −0.25 to −0.6 over the run. The first sixteen passes are left out
-/// because they fall faster than that (measured from 4 to 16: n^(−0.83); 4 to 256 as a whole: n^(−0.64)).
-/// Why is not shown here; samples stratified over passes are the likely cause. The reference's own noise is below
-/// half of the smallest error and its variance is subtracted.
+/// Knaus and Zwicker 2011: the error falls as n^(−½) where noise dominates and as n^(−(1 − α)) = n^(−0.3) where
+/// bias does; accepted is an exponent from −0.25 to −0.6 over the run. The first sixteen passes are left out
+/// because their error falls faster (measured from 4 to 16 passes: n^(−0.83); from 4 to 256: n^(−0.64)), probably
+/// because samples are stratified over passes. The noise of the reference is below half of the smallest error,
+/// and its variance is subtracted.
 #[test]
 fn error_falls_steadily_with_passes() {
     let glass =
@@ -22,10 +22,10 @@ fn error_falls_steadily_with_passes() {
     let counts = [16u32, 32, 64, 128, 256];
     let variance: f64 = (0..reference.len()).map(|i| truth.pixels.variance(i, truth.passes)).sum();
     let noise = (variance / reference.len() as f64).sqrt();
-    // What the reference adds to the mean square is known, and taken off.
+    // Subtracts the known variance of the reference from the mean square error.
     let without = |e: f64| (e * e - noise * noise).max(0.0).sqrt();
     let errors = counts.map(|n| {
-        // As in a large picture: a small one takes more samples a pass.
+        // One camera sample per pass, as in a large picture; small ones take more by default.
         without(error(&render(&scene, &[("camera_samples", "1")], n).pixel_values()))
     });
     println!("passes {counts:?}: RMSE {errors:.5?}; noise of the reference {noise:.5}");

@@ -1,4 +1,4 @@
-//! `caustica convert`: the written scene gives the picture of the one it was made from.
+//! `caustica convert`: the converted scene renders to the same picture as its source.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -30,7 +30,7 @@ fn scenes() -> Vec<PathBuf> {
     found
 }
 
-/// Mitsuba says everything that these scenes say, so there is nothing to allow for.
+/// Mitsuba can express everything in these scenes, so nothing may differ.
 #[test]
 fn mitsuba_scenes_keep_every_bit_of_their_picture() {
     let folder = tempfile::tempdir().unwrap();
@@ -68,10 +68,10 @@ Translate 0.9 0 0
 Shape "sphere" "float radius" 0.8
 "#;
 
-/// The metal's shadowing is what Mitsuba cannot say: it is listed, with its place, and darkens grazing
-/// angles by less than the noise of the check.
+/// Mitsuba cannot express the shadowing of the metal, so it is listed with its location. It darkens grazing angles
+/// by less than the noise of the check.
 #[test]
-fn what_pbrt_says_and_mitsuba_cannot_is_listed() {
+fn what_mitsuba_cannot_express_is_listed() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.pbrt"), PBRT).unwrap();
     let run = convert(&["a.pbrt", "b.xml", "--report", "loss.json", "--check"], folder.path());
@@ -86,8 +86,8 @@ fn what_pbrt_says_and_mitsuba_cannot_is_listed() {
     }
 }
 
-/// Whatever these scenes lose on the way to pbrt is listed; the others keep their picture, up to the
-/// rounding of a camera and of matrices: a light path that rounding sends elsewhere is noise.
+/// Scenes that list no loss when converted to pbrt keep their picture, up to noise: rounding of the camera and of
+/// matrices sends some light paths elsewhere.
 #[test]
 fn scenes_that_lose_nothing_in_pbrt_keep_their_picture() {
     let folder = tempfile::tempdir().unwrap();
@@ -99,7 +99,7 @@ fn scenes_that_lose_nothing_in_pbrt_keep_their_picture() {
         assert!(run.status.success(), "{name}: {}", text(&run.stderr));
         let losses: Vec<serde_json::Value> =
             serde_json::from_str(&std::fs::read_to_string(folder.path().join(&report)).unwrap()).unwrap();
-        // Nothing is behind these walls and no setting of ours is pbrt's: neither is in the picture.
+        // These losses do not show: nothing is behind the walls, and pbrt has none of our settings.
         let unseen = |loss: &serde_json::Value| {
             let what = loss["what"].as_str().unwrap();
             what.contains("black on its back") || what.contains("the setting")
@@ -114,7 +114,7 @@ fn scenes_that_lose_nothing_in_pbrt_keep_their_picture() {
     assert!(kept >= 3, "{kept}");
 }
 
-/// There and back: what pbrt says comes back as it was.
+/// From pbrt to pbrt nothing is lost.
 #[test]
 fn pbrt_scenes_survive_being_written_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,8 +124,8 @@ fn pbrt_scenes_survive_being_written_again() {
     assert_eq!(std::fs::read_to_string(folder.path().join("loss.json")).unwrap(), "[]");
     let again = convert(&["b.pbrt", "c.pbrt"], folder.path());
     assert!(again.status.success(), "{}", text(&again.stderr));
-    // Comments say where a thing came from, and the camera's place is inverted in between, which rounds;
-    // all else is the same.
+    // Comments name the source location, and the camera's transform is inverted in between, which rounds; all
+    // else is the same.
     let lines = |name: &str| -> Vec<String> {
         let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
         let (place, rest) = text.split_once("Camera").unwrap();
@@ -136,7 +136,7 @@ fn pbrt_scenes_survive_being_written_again() {
 }
 
 #[test]
-fn nothing_is_overwritten_unasked_and_never_the_source() {
+fn files_are_overwritten_only_with_force_and_the_source_never() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.pbrt"), PBRT).unwrap();
     std::fs::write(folder.path().join("b.xml"), "mine").unwrap();
@@ -149,8 +149,9 @@ fn nothing_is_overwritten_unasked_and_never_the_source() {
     assert!(text(&itself.stderr).contains("was read from"), "{}", text(&itself.stderr));
 }
 
-/// pbrt's coat keeps the colour of light that bounces below it, which Mitsuba's plastic leaves white unless asked:
-/// the base is written such that both reflect as much. Unchanged it would be a quarter darker.
+/// In pbrt, light that bounces between coat and base is coloured by the base each time; in Mitsuba's plastic
+/// only if it is `nonlinear`. The base is written so that both reflect the same; unchanged, pbrt's would be a
+/// quarter darker.
 #[test]
 fn plastic_keeps_its_brightness_in_pbrt() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What a path segment is: the conventions of Mitsuba's `path`, and the same in photon mapping.
+//! How path segments are counted: as in Mitsuba's `path`, by photon mapping too.
 
 use crate::support::{
     DOWN, UP, area, assert_agree, box_camera, camera, diffuse, lamp, rectangle, render, scene, walls,
@@ -33,8 +33,9 @@ fn the_first_depths_are_black_emission_and_direct_light() {
     }
 }
 
-/// What lamps shine on (the rims of lamps in the picture are only noise), to 1.5 %: noise as measured; the blur of discs at shadow edges is inside the picture and cancels in its
-/// mean, what is left is the correction at the walls' edges.
+/// Reflected light only (the edges of visible lamps would add noise), within 1.5 % for noise, as measured. The
+/// blur of discs at shadow edges stays inside the picture and cancels in its mean; what is left is the bias of
+/// the boundary correction at the walls' edges.
 #[test]
 fn every_depth_agrees_between_integrators() {
     let scene = scene(&[box_camera(16), walls("0.6"), lamp(0.5, "3")].concat());
@@ -69,8 +70,9 @@ fn passing_a_null_surface_is_a_segment() {
     }
 }
 
-/// A mask of opacity 0.3 between lamp and floor lets 0.7 of the light through, and so do photons, shadow
-/// rays and scattered rays. 1 % for `path`, 2 % for photons, most of which miss the view: noise as measured; the floor is wide, so nothing is cut off.
+/// A mask of opacity 0.3 between lamp and floor lets 0.7 of the light through, whether it is carried by photons,
+/// shadow rays or scattered rays. The bounds are for noise, as measured: 1 % for `path`, 2 % for photons, most of
+/// which miss the view. The floor is wide enough to catch all light.
 #[test]
 fn masks_let_the_same_light_through_in_both_integrators() {
     let floor = rectangle(6.0, UP, &diffuse("0.5"));

@@ -1,12 +1,12 @@
-//! Same scene, same settings, same bytes: whatever the threads, and whether in one run or two.
+//! The same scene and settings give the same bytes, for any number of threads, in one run or resumed.
 
 use std::path::Path;
 use std::process::Command;
 
 use caustica::film::Pixels;
-use caustica::render::{Checkpoint, render as render_passes};
+use caustica::render::{Budget, Checkpoint, Sums, render as render_passes};
 
-use crate::support::{Stage, box_camera, budget, lamp, render, scene, settings, sphere, walls};
+use crate::support::{Stage, box_camera, lamp, render, scene, settings, sphere, walls};
 
 const BODY_GLASS: &str =
     "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
@@ -36,21 +36,22 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
-fn passes(scene: &Stage, changes: &[(&str, &str)], start: Pixels, done: u32, until: u32) -> Pixels {
+fn passes(scene: &Stage, changes: &[(&str, &str)], sums: Sums, until: u32) -> Pixels {
     let settings = settings(scene, changes);
-    render_passes(scene.task(&settings), budget(until), start, done, &mut |_| {}).pixels
+    render_passes(scene.0.task_with(&settings), Budget::passes(until), sums, &mut |_| {}).pixels
 }
 
 #[test]
 fn a_resumed_render_is_the_whole_render() {
     let scene = scene(&body());
-    let fresh = || Pixels::new(scene.0.view.film.pixel_count());
+    let fresh = || Sums::none(scene.0.view.film.pixel_count());
     for changes in MODES {
-        let whole = passes(&scene, changes, fresh(), 0, 8);
-        let first = passes(&scene, changes, fresh(), 0, 4);
+        let whole = passes(&scene, changes, fresh(), 8);
+        let first = passes(&scene, changes, fresh(), 4);
         let saved = Checkpoint::encode(&[], 4, &first);
         let loaded = Checkpoint::decode(&saved).unwrap();
-        let resumed = passes(&scene, changes, loaded.pixels, loaded.passes, 8);
+        let sums = Sums { pixels: loaded.pixels, passes: loaded.passes };
+        let resumed = passes(&scene, changes, sums, 8);
         assert!(whole == resumed, "{changes:?}");
     }
 }

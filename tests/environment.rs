@@ -1,4 +1,4 @@
-//! Light from infinity by a picture.
+//! Environment maps.
 
 use std::f64::consts::PI;
 
@@ -30,7 +30,7 @@ fn sky() -> Vec<u8> {
     )
 }
 
-/// The camera looks at the empty sky: +Z is the middle of the picture, and `to_world` turns it.
+/// The camera sees only the sky: +Z is the middle of the picture, and `to_world` rotates it.
 #[test]
 fn the_background_is_the_picture() {
     let columns = || picture(8, |x, _| [x as f32; 3], 5);
@@ -49,7 +49,7 @@ fn the_background_is_the_picture() {
 }
 
 /// A diffuse plane under a sky of radiance 1 + y reflects ρ∫(1 + cosθ)cosθ dω/π = ρ(1 + 2/3). The
-/// picture has linear steps of v, so its 65 rows stand for the cosine to (π/64)²/8 = 3e-4.
+/// picture is interpolated linearly in v, so its 65 rows represent the cosine to within (π/64)²/8 = 3e-4.
 #[test]
 fn irradiance_of_a_gradient_is_exact() {
     let gradient = picture(4, |_, y| [1.0 + (PI * y as f64 / 64.0).cos() as f32; 3], 65);
@@ -62,8 +62,8 @@ fn irradiance_of_a_gradient_is_exact() {
     }
 }
 
-/// Skies add up (pbrt allows several): a diffuse plane under two even ones and a picture of 1 has the
-/// radiance ρ(0.3 + 0.2 + 1).
+/// Environment lights add up (pbrt allows several): under two constant ones and a map of 1, a diffuse plane has
+/// the radiance ρ(0.3 + 0.2 + 1).
 #[test]
 fn several_environments_add_up() {
     let picture = picture(8, |_, _| [1.0; 3], 8);
@@ -79,15 +79,15 @@ fn several_environments_add_up() {
         assert!((rgb - Color::splat(1.5)).abs().max_element() < 1e-5, "{rgb}");
         for integrator in ["path", "photonmap"] {
             let got = render(&scene, &[("integrator", integrator)], 4096).beauty(1);
-            // Lamp and direction are drawn: the noise of 4096 samples is below 1 %, and measured.
+            // Light and direction are sampled; the noise of 4096 samples is measured, and below 1 %.
             assert_agree(&format!("{what}, {integrator}"), got, Estimate::exact(expected), 0.01);
         }
     }
 }
 
-/// The sun's light between a sphere and a floor by photons, with and without next event estimation,
-/// against path tracing. The disc of the density estimate reaches over the rim of the contact shadow:
-/// what bias is left is within a fraction of a percent of the mean of a picture far larger than the discs.
+/// Sunlight between a sphere and a floor by photons, with and without next event estimation, against path
+/// tracing. Discs of the density estimate overlap the edge of the contact shadow; as the picture is far larger
+/// than the discs, that biases its mean by a fraction of a percent.
 #[test]
 fn photons_and_paths_agree() {
     let floor = rectangle(3.0, UP, &diffuse("0.6,0.5,0.4"));

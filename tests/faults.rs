@@ -415,3 +415,35 @@ fn a_place_too_small_for_the_picture_is_an_error() {
     assert!(text.contains("cannot write") && text.contains("File too large"), "{text}");
     assert!(!output.exists());
 }
+
+/// Two textures that exchange their contents make another scene, which no checkpoint is mixed with.
+#[test]
+fn exchanged_textures_are_another_scene() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let texture = |name: &str| {
+        format!(
+            "<shape type='sphere'><bsdf type='diffuse'><texture name='reflectance' type='bitmap'>
+             <string name='filename' value='{name}'/></texture></bsdf></shape>"
+        )
+    };
+    let body = texture("a.pfm") + &texture("b.pfm");
+    let text = format!("<scene version='3.0.0'><sensor type='perspective'/>{body}</scene>");
+    std::fs::write(at("s.xml"), text).expect("writable");
+    let picture = |value: f32| image::encode_pfm(1, 1, &[value; 3]).expect("a picture");
+    let write = |a, b| {
+        std::fs::write(at("a.pfm"), picture(a)).expect("writable");
+        std::fs::write(at("b.pfm"), picture(b)).expect("writable");
+    };
+    let resume = || {
+        let args = ["render", &at("s.xml"), "--size", "8x8", "--passes", "1", "-o", &at("o.exr"), "--resume"];
+        done(&mut program(&args))
+    };
+    write(0.25, 0.75);
+    assert_eq!(resume().0, Some(0));
+    assert_eq!(resume().0, Some(0));
+    write(0.75, 0.25);
+    let (status, text) = resume();
+    assert_eq!(status, Some(1), "{text}");
+    assert!(text.contains("it belongs to another render: scene hash was"), "{text}");
+}

@@ -2,11 +2,11 @@
 
 use caustica::emitter::Aim;
 use caustica::math::Color;
-use caustica::photon::Owner;
 use caustica::photon::trace::{Halt, TraceJob, Traced, aim, trace, trace_until};
 use caustica::sampling::Sampler;
 use caustica::scene::Scene;
 use caustica::spectrum::rgb;
+use caustica::transport::Owner;
 
 use crate::support::{DOWN, SIGMAS, Stage, area, camera, diffuse, rectangle, scene, sphere};
 

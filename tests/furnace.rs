@@ -1,5 +1,5 @@
 //! Closed white furnaces: walls of albedo ρ that all emit radiance 1 show 1 + ρ + ρ² + … = 1/(1 − ρ)
-//! everywhere, and lossless things inside them are invisible.
+//! everywhere, and lossless objects inside them are invisible.
 
 use crate::support::{Estimate, area, assert_agree, camera, diffuse, render, scene, sphere};
 
@@ -23,7 +23,7 @@ fn ball(albedo: &str, inside: &str) -> String {
     format!("{}{}{inside}", camera("0,0,0", "0,0,1", 140.0, 20), sphere("0,0,0", 1.0, &shell))
 }
 
-/// The 1 % that the issue allows; the noise is below 1 % / 4.5, and there is no bias.
+/// Within 1 %: there is no bias, and the noise is asserted to be below 1 % / 4.5.
 fn check(what: &str, body: &str, albedo: f64, settings: &[(&str, &str)], passes: u32) {
     let picture = render(&scene(body), settings, passes);
     // Everything is grey here.
@@ -67,7 +67,7 @@ fn every_kernel_is_unbiased_on_a_sphere() {
     }
 }
 
-/// k nearest photons in the disc through the k-th, minus that one, are an unbiased density too.
+/// The k − 1 photons within the distance of the k-th nearest give an unbiased density too.
 #[test]
 fn nearest_lookups_are_unbiased_on_a_sphere() {
     let settings = [("nee", "false"), ("lookup", "nearest"), ("neighbours", "50"), ("photons", "12000")];
@@ -75,18 +75,18 @@ fn nearest_lookups_are_unbiased_on_a_sphere() {
         let mut settings = settings.to_vec();
         settings.push(("mode", mode));
         if mode == "classic" {
-            // One map for all passes: its noise is not in the spread of the passes, but 2¹⁸ paths leave
-            // √(1/(2¹⁸·5)) ≈ 0.1 % of it in the mean.
+            // All passes share one map, so its noise does not show in their scatter; with 2¹⁸ paths it is
+            // √(1/(2¹⁸·5)) ≈ 0.1 % of the mean.
             settings.push(("photons", "262144"));
         }
         check(&format!("ball, nearest, {mode}"), &ball("0.8", ""), 0.8, &settings, 16);
     }
 }
 
-/// Glass and mirrors without loss change nothing in equilibrium. The caustic map blurs what light the
-/// glass takes from its surroundings and gives back, which cancels in the mean over the shell.
+/// In equilibrium lossless glass and mirrors change nothing. The caustic map blurs the light that passes through
+/// the glass, which cancels in the mean over the shell.
 #[test]
-fn lossless_things_inside_a_furnace_are_invisible() {
+fn lossless_objects_inside_a_furnace_are_invisible() {
     let glass =
         "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
     let mirror = "<bsdf type='conductor'><string name='material' value='none'/></bsdf>";

@@ -1,6 +1,7 @@
+//! What counts memory, in a program of its own because the allocator counts.
+//!
 //! Every input of `tests/fuzz-corpus` goes through the target of `fuzz/` that its folder is named for:
-//! no panic, no more memory than stated there, and an end. In a program of its own, because the
-//! allocator counts.
+//! no panic, no more memory than stated there, and an end.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../fuzz/src/memory.rs"]
@@ -11,6 +12,11 @@ mod targets;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
+
+use caustica::photon::trace::{CHUNK, TraceJob, trace};
+use caustica::render::Budget;
+use caustica::session::{Memory, Options, Session};
+use caustica::transport::Owner;
 
 #[global_allocator]
 static MEMORY: memory::Counting = memory::Counting;
@@ -83,4 +89,40 @@ fn mutations_of_the_corpus_are_harmless() {
         });
         assert!(outcome.is_ok(), "{}: {}", target.name, outcome.unwrap_err());
     }
+}
+
+/// What a render is said to need beforehand, it holds at its peak: no more, and not much less. The estimate
+/// decides whether a render is refused.
+#[test]
+fn photons_take_the_memory_that_was_told() {
+    let _alone = MEMORY_COUNTED.lock().unwrap();
+    let settings = [("photons", "stored:400000"), ("radius", "0.05")];
+    let options = Options {
+        size: Some([16, 16]),
+        settings: settings.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec(),
+        ..Options::default()
+    };
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-diffuse.xml");
+    let session = Session::open(scene, &options).unwrap();
+    let told = session.memory();
+    let mut stored = 0;
+    let held = memory::most_held(|| {
+        stored = session.render(Budget::passes(1), &mut |_| {}).statistics.photons_stored;
+    });
+    let expected = (told.film + told.photons.iter().sum::<u128>()) as usize;
+    assert!(stored > 350_000, "{stored}");
+    assert!(held <= expected && held * 3 > expected * 2, "{held} bytes held, {expected} told");
+    // Chunks of light paths that leave no photon.
+    let dark = TraceJob {
+        key: 1,
+        paths: 512 * CHUNK,
+        owner: Owner::CausticMap,
+        next_event: true,
+        caustic_map: true,
+        glossy: 0.2,
+        max_depth: 1,
+    };
+    let held = memory::most_held(|| assert!(trace(&session.scene, &dark).photons.is_empty()));
+    let expected = Memory::of_light_paths(dark.paths) as usize;
+    assert!(held <= expected + expected / 8 && held * 2 > expected, "{held} bytes held, {expected} told");
 }

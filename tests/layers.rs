@@ -3,7 +3,7 @@
 
 use caustica::film::{LAYERS, Layer};
 use caustica::photon::trace::{TraceJob, trace};
-use caustica::photon::{LightPath, Owner};
+use caustica::transport::{Owner, PathClass};
 
 use crate::support::{
     Picture, Stage, UP, assert_agree, box_camera, lamp, rectangle, render, scene, sphere, walls,
@@ -108,8 +108,8 @@ fn glossy_lobes_are_followed_without_loss() {
     }
 }
 
-fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(LightPath) -> bool) -> (usize, f64) {
-    let chosen = photons.iter().filter(|p| wanted(p.path));
+fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(PathClass) -> bool) -> (usize, f64) {
+    let chosen = photons.iter().filter(|p| wanted(p.class));
     chosen.fold((0, 0.0), |(n, sum), p| (n + 1, sum + f64::from(p.flux.lanes()[0])))
 }
 
@@ -130,9 +130,9 @@ fn owners_divide_the_photons_without_loss_or_overlap() {
         |owner, next_event, caustic_map| trace(&scene, &job(owner, next_event, caustic_map)).photons;
     let all = photons(Owner::GlobalMap, false, false);
     let (direct, specular, scattered) = (
-        flux(&all, |p| p == LightPath::Direct),
-        flux(&all, |p| p == LightPath::Specular),
-        flux(&all, |p| p == LightPath::Scattered),
+        flux(&all, |p| p == PathClass::Direct),
+        flux(&all, |p| p == PathClass::Caustic),
+        flux(&all, |p| p == PathClass::Indirect),
     );
     assert!(direct.0 > 10_000 && specular.0 > 1000 && scattered.0 > 10_000);
     assert_eq!(flux(&photons(Owner::GlobalMap, true, true), |_| true), scattered);
@@ -141,8 +141,8 @@ fn owners_divide_the_photons_without_loss_or_overlap() {
     assert_eq!(flux(&photons(Owner::NextEvent, true, true), |_| true), direct);
     let both = photons(Owner::GlobalMap, false, true);
     assert_eq!(both.len(), direct.0 + scattered.0);
-    assert_eq!(flux(&both, |p| p == LightPath::Specular).0, 0);
+    assert_eq!(flux(&both, |p| p == PathClass::Caustic).0, 0);
     let both = photons(Owner::GlobalMap, true, false);
     assert_eq!(both.len(), specular.0 + scattered.0);
-    assert_eq!(flux(&both, |p| p == LightPath::Direct).0, 0);
+    assert_eq!(flux(&both, |p| p == PathClass::Direct).0, 0);
 }

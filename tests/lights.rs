@@ -15,8 +15,8 @@ fn plane(lamp: &str) -> Stage {
     scene(&format!("{}{floor}{lamp}", camera("0,0.0001,10", "0,0,0", 0.011, 1)))
 }
 
-/// Radiance of the patch is ρE/π. With next event estimation and a delta light there is no noise but the
-/// place within the patch.
+/// The radiance of the patch is ρE/π. With next event estimation and a delta light the only noise is that of
+/// the position within the patch.
 fn check(what: &str, lamp: &str, irradiance: f64, passes: u32) {
     let scene = plane(lamp);
     let expected = Estimate::exact(0.5 * irradiance / PI);
@@ -33,7 +33,7 @@ fn irradiance_of_delta_lights_is_exact() {
     check("point", point, 10.0 * 0.8 / 25.0, 32);
     let sun = "<emitter type='directional'><vector name='direction' value='0.6,0,-0.8'/><rgb name='irradiance' value='2'/></emitter>";
     check("directional", sun, 2.0 * 0.8, 32);
-    // 17.5° off the axis of a spot that falls from 15° to 20°: half of the intensity, linear in the angle.
+    // 17.5° off the axis of a spot that falls off linearly in the angle from 15° to 20°: half the intensity.
     let angle = 17.5f64.to_radians();
     let spot = format!(
         "<emitter type='spot'><transform name='to_world'><lookat origin='0,0,2' target='{},0,0' up='0,1,0'/></transform>
@@ -41,11 +41,11 @@ fn irradiance_of_delta_lights_is_exact() {
         2.0 * angle.tan()
     );
     check("spot", &spot, 10.0 * 0.5 / 4.0, 1024);
-    // Mitsuba's projector gives π·irradiance/z² on the plane at depth z, here 2.
+    // Mitsuba's projector gives π·irradiance/z² on the plane at depth z.
     let projector = "<emitter type='projector'><transform name='to_world'><lookat origin='0,0,2' target='0.3,0.2,0' up='0,1,0'/></transform>
          <float name='fov' value='60'/><rgb name='irradiance' value='0.7'/></emitter>";
-    // The depth of the origin is 2·cosθ, cosθ = 2/√4.13; so is the cosine on the floor against the
-    // intensity π·E/cos³θ at distance 2, straight below.
+    // The patch is straight below at distance 2, at the angle θ to the axis with cosθ = 2/√4.13. The intensity
+    // there is π·E/cos³θ, and the cosine at the floor is 1.
     let cos = 2.0 / 4.13f64.sqrt();
     check("projector", projector, PI * 0.7 / cos.powi(3) / 4.0, 32);
     // A beam of 0.7 W/m² straight down.
@@ -54,15 +54,15 @@ fn irradiance_of_delta_lights_is_exact() {
     check("directionalarea", beam, 0.7, 32);
 }
 
-/// A Lambertian disc lamp of radius a at height h over the patch: E = πL·a²/(a² + h²). The narrow sky
-/// of a constant emitter: E = πL.
+/// A Lambertian disc lamp of radius a at height h over the patch: E = πL·a²/(a² + h²). Under
+/// a constant sky: E = πL.
 #[test]
 fn irradiance_of_area_lights_is_exact() {
     let disk = format!(
         "<shape type='disk'><transform name='to_world'><rotate x='1' angle='180'/><translate z='1'/></transform>{}</shape>",
         area("3")
     );
-    // The camera would see the lamp from above: its back does not emit, but hides. Look from below it.
+    // The camera is below the lamp, whose back would hide the patch.
     let floor = rectangle(50.0, "", &diffuse("0.5"));
     let view = camera("0,0.0001,0.9", "0,0,0", 1.0, 8);
     let disk_scene = scene(&format!("{view}{floor}{disk}"));
@@ -74,14 +74,14 @@ fn irradiance_of_area_lights_is_exact() {
         for integrator in ["path", "photonmap"] {
             let settings = [("integrator", integrator), ("max_depth", "2")];
             let got = render(&scene, &settings, 1 << 12).estimate(&[Layer::Direct], 0);
-            // Noise as measured; nothing is biased, the patch is 0.016 wide.
+            // For noise, as measured; there is no bias, since the patch is only 0.016 wide.
             assert_agree(&format!("{what}, {integrator}"), got, expected, 0.005);
         }
     }
 }
 
 /// A point light in the middle of a diffuse sphere: E = I/R² everywhere, and with all bounces
-/// L = ρE/(π(1 − ρ)); photon densities on a sphere are unbiased (see the furnace).
+/// L = ρE/(π(1 − ρ)); photon densities on a sphere are unbiased (see `furnace`).
 #[test]
 fn a_point_light_in_a_diffuse_sphere_lights_it_evenly() {
     let shell = format!("<boolean name='flip_normals' value='true'/>{}", diffuse("0.6"));

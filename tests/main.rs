@@ -1,7 +1,7 @@
 //! The renderer through its public interface: physics, reproducibility, messages, and the layout rules.
 //!
-//! Every tolerance stands beside its reason: noise is measured (see `support`), bias is bounded.
-// Measured values are printed for whoever runs a test with --nocapture.
+//! Every tolerance is given with its reason: noise is measured (see `support`), bias is bounded.
+// Measured values are printed; `--nocapture` shows them.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod support;
@@ -15,12 +15,14 @@ mod convergence;
 mod convert;
 mod depth;
 mod determinism;
+mod documents;
 mod environment;
 mod faults;
 mod flux;
 mod furnace;
 mod hard;
 mod hostile;
+mod imports;
 mod inspect;
 mod laws;
 mod layers;
@@ -30,6 +32,7 @@ mod nee;
 mod noise;
 mod readme;
 mod roulette;
+mod settings;
 mod tidy;
 mod transmission;
 mod twins;

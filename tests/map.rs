@@ -6,15 +6,16 @@ use caustica::film::Radiance;
 use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Frame, Vec2, Vec3};
 use caustica::photon::store::{HEIGHT, NORMAL_AGREEMENT};
-use caustica::photon::{Estimator, Gather, LightPath, Photon, PhotonMap, Query};
+use caustica::photon::{Estimator, Gather, GatherPoint, Photon, PhotonMap, Query};
 use caustica::sampling::CounterRng;
 use caustica::scene::{PhotonSide, Surface};
 use caustica::settings::Lookup;
 use caustica::texture::Textures;
+use caustica::transport::{PathClass, Vertex};
 use proptest::prelude::*;
 
 fn photon(p: Vec3, n: Vec3) -> Photon {
-    Photon { p, flux: Color::ONE, wi: n, n, path: LightPath::Direct, depth: 1 }
+    Photon { p, flux: Color::ONE, wi: n, n, class: PathClass::Direct, depth: 1 }
 }
 
 /// Photons of the disc as the definition has them, in the arithmetic of the map (so that sets compare
@@ -169,18 +170,11 @@ fn white() -> caustica::bsdf::Closure<'static> {
 
 fn density(map: &PhotonMap, estimator: &Estimator, p: Vec3) -> f64 {
     let mut out = Radiance::default();
-    Gather::default().estimate(
-        map,
-        estimator,
-        &surface(p),
-        PhotonSide { n: Vec3::Z, both: false },
-        &white(),
-        Vec3::Z,
-        Color::ONE,
-        u32::MAX,
-        None,
-        &mut out,
-    );
+    let surface = surface(p);
+    let vertex = Vertex { surface: &surface, back: Vec3::Z, wi: Vec3::Z, closure: white() };
+    let side = PhotonSide { n: Vec3::Z, both: false };
+    let at = GatherPoint { vertex: &vertex, side, throughput: Color::ONE, max_photon_depth: u32::MAX };
+    estimator.estimate(map, &at, None, &mut Gather::default(), &mut out);
     f64::from(out.sum().lanes()[0]) * std::f64::consts::PI
 }
 

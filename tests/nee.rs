@@ -1,9 +1,9 @@
-//! Direct light by next event estimation and from first photon hits are the same light.
+//! Direct light is the same by next event estimation and from photons at their first hit.
 
 use crate::support::{ALL, assert_same, box_camera, lamp, render, scene, walls};
 
-/// The issue's figure: 0.5 % per channel after 200 progressive passes. The noise of both renders is
-/// asserted to leave it room; what remains is the bias of the boundary correction in both.
+/// Within 0.5 % per channel after 200 progressive passes. The noise of both renders is asserted to be well below
+/// that; what remains is the bias of the boundary correction in both.
 #[test]
 fn next_event_estimation_on_and_off_agree() {
     let block = "<shape type='cube'><transform name='to_world'><scale value='0.3'/><rotate y='1' angle='20'/>

@@ -1,11 +1,11 @@
-//! The standard error that is printed is the scatter of pictures over seeds.
+//! The printed standard error equals the scatter of pictures over seeds.
 
 use crate::support::{UP, area, box_camera, camera, diffuse, lamp, rectangle, render, scene, sphere, walls};
 
 const SEEDS: usize = 16;
 
 /// Root mean square over the picture of the standard deviation of a pixel's luminance over seeds, relative
-/// to the mean; and the root mean square of what each of the renders prints.
+/// to the mean; and the root mean square of the errors that the renders print.
 fn measured(body: &str, integrator: &str, passes: u32) -> (f64, f64) {
     let scene = scene(body);
     let mut printed = 0.0;
@@ -30,9 +30,9 @@ fn measured(body: &str, integrator: &str, passes: u32) -> (f64, f64) {
     ((variance / pixels).sqrt() / (mean / pixels), (printed / count).sqrt())
 }
 
-/// Within 30 %. The scatter itself is known to 1/√(2·15·pixels): below 1 % where all pixels have a share in
-/// it, some per cent where a lamp's edge makes most of it. The estimate takes V(n) to fall by one power
-/// over three doublings; measured: 0.85 to 1.00.
+/// Within 30 %. The scatter itself is known to 1/√(2·15·pixels): below 1 % where all pixels contribute
+/// to it, a few percent where a lamp's edge makes up most of it. The estimate assumes that V(n) follows one power
+/// law over three doublings; measured: 0.85 to 1.00.
 #[test]
 fn the_printed_standard_error_is_the_scatter_over_seeds() {
     let glass =

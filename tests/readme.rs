@@ -1,14 +1,29 @@
-//! The README's table of plugins is what the code's own tables say.
+//! The generated parts of the documents: the support tables and the table of settings say what the code says.
+//! `CAUSTICA_BLESS=1 cargo test --test suite readme` writes them anew.
 
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
-use caustica_formats::support::{Concept, Support};
-use caustica_formats::{mitsuba, pbrt};
+use caustica_formats::language::LANGUAGES;
+use caustica_formats::{Concept, Support};
 
 const BEGIN: &str = "<!-- made by tests/readme.rs -->\n";
 const END: &str = "<!-- end -->\n";
+
+/// The text between the marks of `page` is `right`.
+fn check(page: &str, right: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+    let text = fs::read_to_string(&path).expect("the page can be read");
+    let (before, rest) = text.split_once(BEGIN).expect("the page has the first mark");
+    let (found, after) = rest.split_once(END).expect("the page has the last mark");
+    if std::env::var_os("CAUSTICA_BLESS").is_some() {
+        fs::write(&path, [before, BEGIN, right, END, after].concat()).expect("the page can be written");
+    } else {
+        assert_eq!(found, right, "{page}: run CAUSTICA_BLESS=1 cargo test --test suite readme");
+    }
+}
 
 fn table(language: &str, concepts: &[Concept]) -> String {
     let mut text =
@@ -33,17 +48,38 @@ fn table(language: &str, concepts: &[Concept]) -> String {
     text
 }
 
-/// `CAUSTICA_BLESS=1 cargo test --test suite readme` writes it anew.
 #[test]
-fn the_table_of_plugins_is_what_the_code_says() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    let text = fs::read_to_string(&path).expect("the README");
-    let (before, rest) = text.split_once(BEGIN).expect("the README has the first mark");
-    let (found, after) = rest.split_once(END).expect("the README has the last mark");
-    let right = [table("Mitsuba", &mitsuba::support()), table("pbrt-v4", &pbrt::support())].join("\n");
-    if std::env::var_os("CAUSTICA_BLESS").is_some() {
-        fs::write(&path, [before, BEGIN, &right, END, after].concat()).expect("the README can be written");
-    } else {
-        assert_eq!(found, right, "CAUSTICA_BLESS=1 cargo test --test suite readme");
+fn the_support_tables_are_what_the_code_says() {
+    let right: Vec<String> = LANGUAGES.iter().map(|l| table(l.name, &(l.support)())).collect();
+    check("docs/support.md", &right.join("\n"));
+}
+
+#[test]
+fn the_table_of_settings_is_what_the_program_prints() {
+    let output = Command::new(env!("CARGO_BIN_EXE_caustica"))
+        .args(["render", "--help-settings"])
+        .output()
+        .expect("the program starts");
+    let help = String::from_utf8(output.stdout).expect("the help is text");
+    let (rows, kernels) = help.split_once("\n\n").expect("the kernels follow the settings");
+    let mut right = String::from("| setting | default | value | meaning |\n|---|---|---|---|\n");
+    for row in rows.lines() {
+        let (name, rest) = row.split_once(' ').expect("a name");
+        let (meaning, rest) = rest.rsplit_once(" [").expect("the value in brackets");
+        let (value, default) = rest.split_once("; default ").expect("a default");
+        let default = default.trim_end_matches(']');
+        writeln!(right, "| `{name}` | `{default}` | {value} | {} |", meaning.trim())
+            .expect("a string takes all");
     }
+    let names: Vec<String> =
+        kernels.trim().trim_start_matches("kernels: ").split(", ").map(|name| format!("`{name}`")).collect();
+    writeln!(right, "\nKernels: {}.", names.join(", ")).expect("a string takes all");
+    check("docs/settings.md", &right);
+}
+
+#[test]
+fn the_readme_is_short() {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md"));
+    let lines = text.expect("the README can be read").lines().count();
+    assert!(lines <= 150, "README.md has {lines} lines; 150 is the limit: move the details to docs/");
 }

@@ -1,7 +1,7 @@
 //! Our pictures against references made by Mitsuba 3: one trial for each manifest `reference/*.toml`
 //! and integrator. `CAUSTICA_REFERENCE=long` renders 4 times as many samples under tighter limits.
 //!
-//! A trial that fails leaves picture, reference, FLIP map and the HTML page of the comparison in
+//! A failed trial leaves the picture, the reference, a FLIP map and an HTML page of the comparison in
 //! `target/reference-failures/NAME/`.
 
 mod reference_suite;

@@ -1,10 +1,10 @@
-//! Choices that change noise only, never the mean.
+//! Settings that change the noise, but not the mean.
 
 use caustica::film::Layer;
 
 use crate::support::{ALL, Stage, assert_agree, assert_same, box_camera, lamp, render, scene, sphere, walls};
 
-/// The owner's spheres: plastic kd 0.7 ks 0.2 and glass ks 0.1 kt 0.8.
+/// A box with spheres like those of `scenes/cornell-owner.xml`: plastic kd 0.7 ks 0.2 and glass ks 0.1 kt 0.8.
 fn owners_box() -> Stage {
     let plastic = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.7'/><rgb name='specular_reflectance' value='0.2'/></bsdf>";
     let glass = "<bsdf type='dielectric'><rgb name='specular_reflectance' value='0.1'/><rgb name='specular_transmittance' value='0.8'/></bsdf>";
@@ -20,8 +20,8 @@ fn owners_box() -> Stage {
     )
 }
 
-/// All three draw the same events, so there is no bias between them at all: with the same photons only
-/// the camera paths differ, and 0.5 % is 4.5 sigma or more of both renders (asserted).
+/// All three policies draw the same events, so their expectations are equal. With the same photons only the camera
+/// paths differ, and 0.5 % is at least 4.5 sigma of both renders (asserted).
 #[test]
 fn roulette_policies_have_the_same_mean() {
     let scene = owners_box();
@@ -37,7 +37,7 @@ fn roulette_policies_have_the_same_mean() {
     }
 }
 
-/// And they are right: `path` knows no such policy. 1 %: noise, and the blur of shadows and caustics.
+/// That mean is right: `path` has no such policies. Within 1 %, for noise and the blur of shadows and caustics.
 #[test]
 fn owners_spheres_agree_with_path_tracing() {
     let scene = owners_box();
@@ -48,9 +48,9 @@ fn owners_spheres_agree_with_path_tracing() {
     }
 }
 
-/// One map with a fixed radius: a disc of 0.08 blurs the indirect light by ½·E[d²]·∇²L, about a per cent
-/// of it on walls of size 2; the mean over the picture moves less. One map's own noise, 10⁶ photons
-/// of the same power, is 0.1 %. The k nearest with a cap smooth regions alike.
+/// One map with a fixed radius: a disc of 0.08 blurs the indirect light by ½·E[d²]·∇²L, about a percent
+/// of it on walls of size 2; the mean over the picture changes less. The noise of one map, 10⁶ photons of
+/// equal power, is 0.1 %. Lookups of the k nearest within a maximum radius blur about as much.
 #[test]
 fn classic_mode_and_nearest_lookups_agree_with_path_tracing() {
     let scene = scene(&[box_camera(24), walls("0.6"), lamp(0.5, "4")].concat());
@@ -70,8 +70,8 @@ fn classic_mode_and_nearest_lookups_agree_with_path_tracing() {
     }
 }
 
-/// A cap below what the disc holds uses a smaller disc around the same place: same mean where the
-/// caustic is smooth. 4 %: noise, and the two sizes of blur at the caustic's rim.
+/// If the disc holds more photons than the cap, a smaller disc is used: the mean is the same where the caustic is
+/// smooth. Within 4 %, for noise and the different blur at the caustic's rim.
 #[test]
 fn a_cap_on_caustic_photons_keeps_the_mean() {
     let scene = owners_box();

@@ -1,10 +1,10 @@
-//! Light that rough and diffuse surfaces let through reaches the camera by photons as by paths.
+//! Photon mapping and path tracing agree on light transmitted by rough and diffuse surfaces.
 
 use crate::support::{assert_agree, box_camera, lamp, render, scene, sphere, walls};
 
-/// A ball in the lamp-lit box: light enters and leaves through it, and its inside is seen through it.
+/// A transmitting ball in the box: light enters and leaves it, and its inside is seen through its surface.
 #[test]
-fn rough_glass_and_diffuse_transmitters_look_alike_by_both_methods() {
+fn rough_glass_and_diffuse_transmitters_agree_between_integrators() {
     for (name, bsdf) in [
         ("rough glass", "<bsdf type='roughdielectric'><float name='alpha' value='0.4'/></bsdf>"),
         ("diffuse transmitter", "<bsdf type='difftrans'><rgb name='transmittance' value='0.7'/></bsdf>"),
@@ -18,8 +18,8 @@ fn rough_glass_and_diffuse_transmitters_look_alike_by_both_methods() {
         let scene = scene(&body);
         let path = render(&scene, &[("integrator", "path")], 2048).beauty(1);
         let maps = render(&scene, &[("photons", "20000"), ("caustic_photons", "20000")], 96).beauty(1);
-        // Discs reach over the silhouette of the ball, a tenth of its radius at first: some percent of its light,
-        // which is a fifth of the picture.
+        // Discs, at first a tenth of the ball's radius, overlap its silhouette. That changes its light, a fifth of
+        // the picture's, by a few percent.
         assert_agree(name, maps, path, 0.02);
     }
 }

@@ -1,4 +1,4 @@
-//! Rays find what is there: no gaps at edges, traversal equals testing everything, instances equal
+//! Ray queries: no gaps at shared edges, traversal finds what testing every triangle finds, and instances equal
 //! copies.
 
 use std::collections::HashMap;
@@ -67,7 +67,7 @@ pub fn obj(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
     text
 }
 
-/// Triangles as a mesh in a scene, and where they lie in it.
+/// A scene of the triangles as one mesh, and the triangles in its coordinates.
 fn soup(triangles: &[[Vec3; 3]]) -> (Stage, Vec<[Vec3; 3]>) {
     let points: Vec<[f64; 3]> = triangles.iter().flatten().map(|v| v.to_array().map(f64::from)).collect();
     let faces: Vec<[usize; 3]> = (0..triangles.len()).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -82,11 +82,12 @@ fn mesh_scene(text: &str) -> Stage {
     scene_with(&format!("{}{shape}", camera("0,0,0", "0,0,1", 40.0, 4)), &[("mesh.obj", text)])
 }
 
-/// The author's point in the coordinates of the compiled scene.
+/// A point of the scene file in the coordinates of the compiled scene.
 pub fn ours(scene: &Scene, p: [f32; 3]) -> Vec3 {
     Vec3::from(std::array::from_fn(|i| (f64::from(p[i]) - scene.origin[i]) as f32))
 }
 
+/// Random numbers, uniform in [−1, 1).
 pub struct Floats(CounterRng);
 
 impl Floats {
@@ -107,8 +108,8 @@ impl Floats {
     }
 }
 
-/// A closed mesh cannot be left: a million rays from inside, aimed at vertices and at points of shared
-/// edges, all hit, and the shadow ray agrees.
+/// A million rays from inside a closed mesh, aimed at vertices and at points of shared edges: all hit, and shadow
+/// rays agree.
 #[test]
 fn no_ray_escapes_through_the_edges_of_a_closed_mesh() {
     let (points, faces) = icosphere(4);
@@ -133,12 +134,12 @@ fn no_ray_escapes_through_the_edges_of_a_closed_mesh() {
     assert_eq!(missed, 0, "of {rays} rays");
 }
 
-/// What a ray meets among all triangles, by signed volumes in f64.
+/// The nearest hit of a ray, found by testing all triangles by signed volumes in f64.
 #[derive(Debug, PartialEq)]
 enum Truth {
     Miss,
     At(f64),
-    /// It passes an edge or an end of its range within the rounding of f32: no verdict.
+    /// The ray passes an edge or an end of its range within f32 rounding: both answers are right.
     Close,
 }
 
@@ -183,7 +184,7 @@ fn traversal_equals_testing_every_triangle() {
             let (a, b, c) = (floats.vector(), floats.vector(), floats.vector());
             let small = 0.3;
             triangles.push(match i % 7 {
-                // A point, a needle, a flat one, a duplicate, one along an axis, and ordinary ones.
+                // A point, a needle, one of zero area, a duplicate, an axis-aligned one, and ordinary ones.
                 0 if count > 2 => [a, a, a],
                 1 => [a, a + b * 1e-6, a + c * small],
                 2 => [a, a + b * small, a + b * 2.0 * small],
@@ -213,18 +214,18 @@ fn traversal_equals_testing_every_triangle() {
                 Truth::Miss => assert_eq!(got, None, "{count} triangles, {ray:?}"),
                 Truth::At(t) => {
                     hits += 1;
-                    // Sixteen roundings of coordinates up to 3, over cosines down to 1e-2.
+                    // 16 roundings of coordinates up to 3, divided by cosines down to 1e-2.
                     let near = got.is_some_and(|g| (g - t).abs() <= 1e-3 * t.max(1.0));
                     assert!(near, "{count} triangles, {ray:?}: {got:?} against {t}");
                 }
             }
         }
         // One ray in four is aimed at a vertex.
-        assert!(hits > 150 && close < 2500, "{count} triangles: {hits} hits, {close} without verdict");
+        assert!(hits > 150 && close < 2500, "{count} triangles: {hits} hits, {close} too close to tell");
     }
 }
 
-/// Distances and shading normals that camera-like rays find; `None` for a miss.
+/// Distance, geometric normal and shading normal that each ray finds; `None` for a miss.
 fn look(scene: &Scene, rays: &[(Vec3, Vec3)]) -> Vec<Option<(f32, Vec3, Vec3)>> {
     let shift = Vec3::from(scene.origin.map(|x| x as f32));
     rays.iter()
@@ -240,10 +241,10 @@ fn look(scene: &Scene, rays: &[(Vec3, Vec3)]) -> Vec<Option<(f32, Vec3, Vec3)>> 
         .collect()
 }
 
-/// A group seen through an instance, and its shapes placed directly with the same transform, mirrored
-/// ones included (where normals compare up to their sign: Mitsuba turns those of a mirrored shape, but
-/// not those of a mirrored instance, and so do we). The two work in different coordinates, so distances agree to some roundings of the
-/// scene's size (1e-5) and only rays that graze a silhouette may differ (fewer than one in a thousand).
+/// An instance of a group equals its shapes placed directly with the same transform, also when mirrored (normals
+/// are then compared up to sign: like Mitsuba, we flip those of a mirrored shape, but not those of a mirrored
+/// instance). The two are computed in different coordinates, so distances agree to some roundings of the scene's
+/// size (1e-5), and rays that graze a silhouette may differ (fewer than one in a thousand).
 #[test]
 fn instances_equal_copies() {
     let (points, faces) = icosphere(1);
@@ -298,7 +299,7 @@ fn instances_equal_copies() {
     }
 }
 
-/// Far from the author's origin nothing is lost: the compiled scene has its own.
+/// A scene far from the origin loses no precision, because the compiled scene has an origin of its own.
 #[test]
 fn a_scene_far_from_the_origin_is_the_same_scene() {
     let body = |at: f64| {

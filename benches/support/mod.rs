@@ -1,43 +1,37 @@
-//! Scenes and photons that the benchmarks generate for themselves.
+//! Scenes and photons for the benchmarks.
 #![allow(dead_code, reason = "every benchmark uses a part")]
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use caustica::photon::Photon;
 use caustica::photon::trace::{TraceJob, trace};
-use caustica::photon::{Owner, Photon};
 use caustica::scene::Scene;
-use caustica::scene::compile::{CompileOptions, Compiled, compile};
+use caustica::session::{Options, Session};
+use caustica::transport::Owner;
 use caustica_formats::files::Memory;
-use caustica_formats::{ReadOptions, read_scene};
 
 /// The Cornell box with diffuse boxes.
 const CORNELL: &str = include_str!("../../scenes/cornell-diffuse.xml");
 
-/// Reads and compiles a scene with the files it names.
-fn load(xml: &str, more: Vec<(&str, Vec<u8>)>) -> Compiled {
+/// Opens a scene with the files it names.
+fn open(xml: &str, more: Vec<(&str, Vec<u8>)>, options: &Options) -> Session {
     let mut files: BTreeMap<PathBuf, Vec<u8>> =
         more.into_iter().map(|(name, bytes)| (PathBuf::from(name), bytes)).collect();
     files.insert("scene.xml".into(), xml.as_bytes().to_vec());
-    let files = Memory(files);
-    let read = match read_scene(&files, Path::new("scene.xml"), &ReadOptions::default()) {
-        Ok(read) => read,
-        Err(failure) => panic!("{failure}"),
-    };
-    match compile(&read.scene, &files, CompileOptions::default()) {
-        Ok(compiled) => compiled,
-        Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
+    match Session::open_in(&Memory(files), Path::new("scene.xml"), options) {
+        Ok(session) => session,
+        Err(problem) => panic!("{problem}"),
     }
 }
 
 /// The box with a film of `size` pixels squared.
-pub fn cornell(size: u32) -> Compiled {
-    let width = CORNELL.replace(r#"name="width" value="512""#, &format!(r#"name="width" value="{size}""#));
-    load(&width.replace(r#"name="height" value="512""#, &format!(r#"name="height" value="{size}""#)), vec![])
+pub fn cornell(size: u32) -> Session {
+    open(CORNELL, vec![], &Options { size: Some([size; 2]), ..Options::default() })
 }
 
 /// A million triangles: a hilly sheet, seen from above under a lamp.
-pub fn hills() -> Compiled {
+pub fn hills() -> Session {
     let side = 708;
     let mut ply = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
@@ -72,10 +66,10 @@ pub fn hills() -> Compiled {
         <shape type="sphere"><point name="center" x="0" y="0" z="3"/><float name="radius" value="0.3"/>
             <emitter type="area"><rgb name="radiance" value="10"/></emitter></shape>
     </scene>"#;
-    load(xml, vec![("hills.ply", ply)])
+    open(xml, vec![("hills.ply", ply)], &Options::default())
 }
 
-/// Photons of the box's global map in a default render: all have scattered before.
+/// The photons of the global map in a default render, all of which have scattered at least once.
 pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
     let job = |paths| TraceJob {
         key: 1,
@@ -92,7 +86,7 @@ pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
     photons
 }
 
-/// One worker thread, for figures per core.
+/// A pool of one thread, to measure per core.
 pub fn one_thread() -> rayon::ThreadPool {
     match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
         Ok(pool) => pool,

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::char::{REPLACEMENT_CHARACTER, decode_utf16};
 
-/// The text in UTF-8 and without its mark: what begins with that of UTF-16 is converted, anything else is
-/// left as it is.
+/// The text as UTF-8 without its byte order mark. Text with the mark of UTF-16 is converted; anything else is left
+/// unchanged.
 pub fn to_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     let unit: fn([u8; 2]) -> u16 = match bytes {
         [0xef, 0xbb, 0xbf, rest @ ..] => return Cow::Borrowed(rest),
@@ -18,7 +18,7 @@ pub fn to_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(text.into_bytes())
 }
 
-/// The same, without a copy of what has no mark.
+/// As [`to_utf8`], without a copy where there is no mark.
 pub fn into_utf8(bytes: Vec<u8>) -> Vec<u8> {
     match to_utf8(&bytes) {
         Cow::Borrowed(text) if text.len() == bytes.len() => bytes,

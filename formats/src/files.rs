@@ -9,8 +9,12 @@ use flate2::read::MultiGzDecoder;
 
 /// Source of files. Paths are as produced by [`resolve`].
 pub trait Files: fmt::Debug + Sync {
-    /// Whole content. Fails when missing, unreadable, or over [`MAX_FILE_BYTES`].
+    /// The whole content of a file.
+    ///
+    /// # Errors
+    /// When it is missing, unreadable, or larger than [`MAX_FILE_BYTES`].
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
+    /// Whether `path` is a file that can be read.
     fn is_file(&self, path: &Path) -> bool;
     /// Names of the entries of a folder, for suggestions only; empty when unknown.
     fn names(&self, _folder: &Path) -> Vec<String> {
@@ -35,7 +39,7 @@ impl Files for Disk {
         let about = std::fs::metadata(path)?;
         // A device or a pipe may never end.
         if !about.is_file() {
-            return Err(io::Error::other("it is no ordinary file"));
+            return Err(io::Error::other("it is not a regular file"));
         }
         let length = about.len();
         if length > MAX_FILE_BYTES {
@@ -134,7 +138,7 @@ impl Included {
     }
 }
 
-/// A compressed file may grow this much; more is no scene but a bomb. Plain text reaches 1:50.
+/// Most expansion of a compressed file: text reaches 1:50, and a decompression bomb far more.
 const MAX_GROWTH: u64 = 400;
 
 pub(crate) fn is_gzip(bytes: &[u8]) -> bool {

@@ -3,21 +3,26 @@
 //! Invariants (checked by `tests/tidy.rs`): `ir` depends on `diagnostic` only; the scene
 //! languages never import each other; nothing here knows of rendering.
 
+#![warn(missing_docs, clippy::missing_errors_doc)]
+
 pub mod confined;
 pub mod diagnostic;
 mod encoding;
 pub mod files;
 pub mod image;
 pub mod ir;
+pub mod language;
 pub mod memory;
 pub mod mesh;
 mod missing;
-pub mod mitsuba;
-pub mod pbrt;
+mod mitsuba;
+mod pbrt;
+mod plugin;
 mod read;
 pub mod spectrum;
-pub mod support;
 mod write;
 
-pub use read::{Failure, Read, ReadOptions, read_scene};
-pub use write::{Asset, Content, Loss, WriteError, Written, write_scene};
+pub use language::{read_scene, write_scene};
+pub use plugin::{Concept, Support};
+pub use read::{Failure, Read, ReadOptions};
+pub use write::{Asset, Content, Loss, WriteError, Written};

@@ -1,10 +1,10 @@
-//! How much memory there is to read into.
+//! How much memory is available.
 
 use std::fs::read_to_string;
 use std::path::Path;
 
 /// Memory in bytes that this process can still take: free on the machine, and below the limits of its
-/// control group (containers) and of its address space (`ulimit -v`). Where the system does not tell,
+/// control group (containers) and of its address space (`ulimit -v`). Where the system does not say,
 /// that of a large machine.
 pub fn available() -> u128 {
     [of_machine(), of_group(Path::new("/sys/fs/cgroup")), of_process()]
@@ -24,7 +24,7 @@ fn of_machine() -> Option<u128> {
 }
 
 fn of_process() -> Option<u128> {
-    // "unlimited" is no number.
+    // "unlimited" does not parse.
     let limit = row(&read_to_string("/proc/self/limits").ok()?, "Max address space")?;
     let taken = row(&read_to_string("/proc/self/status").ok()?, "VmSize:")? * 1024;
     Some(limit.saturating_sub(taken))
@@ -40,9 +40,9 @@ fn of_group(root: &Path) -> Option<u128> {
 
 fn free_in(group: &Path) -> Option<u128> {
     let number = |name: &str| read_to_string(group.join(name)).ok()?.trim().parse::<u128>().ok();
-    // "max" is no number.
+    // "max" does not parse.
     let (limit, taken) = (number("memory.max")?, number("memory.current")?);
-    // Pages of files that were read give way.
+    // Cached file pages are reclaimable.
     let stat = read_to_string(group.join("memory.stat")).unwrap_or_default();
     let cached = row(&stat, "inactive_file ").unwrap_or(0);
     Some(limit.saturating_sub(taken.saturating_sub(cached)))

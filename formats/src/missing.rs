@@ -1,4 +1,4 @@
-//! Files that a scene names: where they are, or what to say when they are not there.
+//! Finding the files a scene names, and the messages when they are missing.
 
 use std::path::{Path, PathBuf};
 
@@ -41,14 +41,14 @@ pub(crate) fn not_found(
     problem.help(format!("searched in: {}", searched.join(", ")))
 }
 
-/// Entries of a folder that are compared with a name; of a folder with more, the first ones.
+/// Most entries of a folder that are compared with a name.
 const COMPARED: usize = 2000;
 
 /// The file nearest to `name` in spelling, part by part, below one of `folders`.
 fn similar(files: &dyn Files, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
     part_by_part(files, name, folders, |mut names, part| {
         names.sort_unstable();
-        // What is told apart by its extension is no slip of the hand.
+        // A different extension is a different file, not a typo.
         let (stem, extension) = split(part);
         let alike = names.iter().map(|n| split(n)).filter(|(_, e)| *e == extension).take(COMPARED);
         let stem = nearest(stem, alike.map(|(stem, _)| stem))?;

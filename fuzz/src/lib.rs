@@ -7,7 +7,7 @@ pub use libfuzzer_sys;
 pub use memory::Counting;
 pub use targets::{TARGETS, run};
 
-/// A fuzz target that counts its memory and runs one row of [`TARGETS`].
+/// A fuzz target that runs one row of [`TARGETS`], with an allocator that counts memory.
 #[macro_export]
 macro_rules! target {
     ($name:literal) => {

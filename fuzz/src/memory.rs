@@ -1,13 +1,15 @@
-//! An allocator that knows how much is held at once.
+//! A global allocator that records the peak of allocated memory.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// The system's allocator with counts.
+/// The system allocator, which also counts bytes.
 #[derive(Debug)]
 pub struct Counting;
 
+/// Bytes allocated now.
 static HELD: AtomicUsize = AtomicUsize::new(0);
+/// The largest value of [`HELD`] since the last [`most_held`] began.
 static MOST: AtomicUsize = AtomicUsize::new(0);
 
 fn add(bytes: usize) {
@@ -15,7 +17,7 @@ fn add(bytes: usize) {
     MOST.fetch_max(held, Relaxed);
 }
 
-// SAFETY: every call is passed on to the system's allocator as it came.
+// SAFETY: every call is passed on unchanged to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         add(layout.size());
@@ -43,7 +45,8 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// The most bytes held at once by `work` beyond what was held before. Zero unless [`Counting`] allocates.
+/// Peak memory of `work` in bytes, beyond what was allocated before. Zero unless [`Counting`] is the global
+/// allocator.
 pub fn most_held(work: impl FnOnce()) -> usize {
     let before = HELD.load(Relaxed);
     MOST.store(before, Relaxed);

@@ -1,34 +1,32 @@
-//! What is fuzzed: every reader through its public entry point, with files in memory, and scenes from
+//! The fuzz targets: every reader through its public entry point, with files in memory, and rendering from scene
 //! text to picture.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use caustica::film::Pixels;
-use caustica::integrator::Task;
 use caustica::render::Budget;
-use caustica::scene::compile::{CompileOptions, compile};
+use caustica::session::{Options, Session};
 use caustica_formats::files::Memory;
 use caustica_formats::mesh::{self, MeshOptions};
 use caustica_formats::{ReadOptions, image, ir, read_scene};
 
 use super::memory::most_held;
 
-/// A row: name of the target and of its folder in the corpus, and what it does with the bytes.
+/// A fuzz target: its name, which is also that of its folder in the corpus, and what it does with an input.
 #[derive(Debug)]
 pub struct Target {
     pub name: &'static str,
-    /// Bytes that may be held at once for each byte of input, beyond [`FIXED`].
+    /// Bytes of memory allowed per byte of input, in addition to [`FIXED`].
     growth: usize,
     run: fn(&[u8]),
 }
 
-/// Tables, buffers of decoders, stacks: what the smallest input may cost.
+/// Bytes of memory allowed to any input: tables, decoder buffers, stacks.
 const FIXED: usize = 64 << 20;
 
-/// Growth: what the compression of the format reaches at most, times the bytes held for one unpacked.
+/// All targets. `growth` is the highest compression ratio of the format times the bytes held per unpacked byte.
 pub const TARGETS: &[Target] = &[
-    // A character is a node of the tree or a value at best; scenes hold names, origins, defaults.
+    // A character makes at most one node of the tree or one value, with its name, origin and defaults.
     Target { name: "mitsuba", growth: 4096, run: |data| scene("scene.xml", data) },
     Target { name: "pbrt", growth: 4096, run: |data| scene("scene.pbrt", data) },
     Target { name: "ply", growth: 4096, run: |data| meshes(ir::MeshFormat::Ply, data) },
@@ -38,9 +36,9 @@ pub const TARGETS: &[Target] = &[
         growth: 4 * 1032,
         run: |data| (0..3).for_each(|index| meshes(ir::MeshFormat::Serialized { index }, data)),
     },
-    // The discrete cosine codecs reach 1 to 64 × 1032. Their decoder holds a half float of two bytes as
-    // blocks of floats for three channels (12), by channel, by line and as samples (4 × 2 at most), and we
-    // as 4, some of it while a buffer grows: 38 bytes for two at most.
+    // The DCT codecs compress up to 64 × 1032 times. For a half float of two bytes their decoder holds blocks of
+    // floats for three channels (12 bytes) and copies by channel, by line and as samples (4 × 2 at most), and we
+    // hold 4, some of it twice while a buffer grows: at most 38 bytes for two.
     Target { name: "exr", growth: 19 * 64 * 1032, run: |data| picture(b"\x76\x2f\x31\x01", data) },
     // One bit a pixel through a palette: three bytes, then three floats.
     Target { name: "png", growth: 1032 * 8 * 15, run: |data| picture(b"\x89PNG\r\n\x1a\n", data) },
@@ -52,7 +50,10 @@ pub const TARGETS: &[Target] = &[
     Target { name: "render_pbrt", growth: 4096, run: |data| render("scene.pbrt", data) },
 ];
 
-/// Runs a target by name and holds it to its memory.
+/// Runs a target by name.
+///
+/// # Panics
+/// If the target takes more memory than its row allows, or fails a check of its own.
 pub fn run(name: &str, data: &[u8]) {
     let target = TARGETS.iter().find(|t| t.name == name).expect("a target's name");
     let held = most_held(|| (target.run)(data));
@@ -67,7 +68,7 @@ element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0
 const PART_XML: &[u8] = b"<scene version='3.0.0'><bsdf type='diffuse' id='part'/></scene>";
 const PART_PBRT: &[u8] = b"MakeNamedMaterial \"part\" \"string type\" \"diffuse\"\n";
 
-/// The scene itself, which may include itself, and one file of every kind it may name.
+/// The input itself, which may include itself, and one file of each kind that a scene may refer to.
 fn files(name: &str, data: &[u8]) -> Memory {
     let picture = image::encode_pfm(2, 1, &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).expect("two pixels");
     let all: [(&str, &[u8]); 6] = [
@@ -89,7 +90,7 @@ fn read(name: &str, files: &Memory) -> Option<ir::Scene> {
             Some(read.scene)
         }
         Err(failure) => {
-            assert!(!failure.to_string().is_empty(), "a failure without words");
+            assert!(!failure.to_string().is_empty(), "a failure without a message");
             None
         }
     }
@@ -110,7 +111,7 @@ fn meshes(format: ir::MeshFormat, data: &[u8]) {
     }
 }
 
-/// Formats are told apart by how they start, so a target gives the start and the fuzzer the rest.
+/// Image formats are recognised by their first bytes, which the target prepends to inputs that lack them.
 fn picture(start: &[u8], data: &[u8]) {
     let whole;
     let data = if data.starts_with(start) {
@@ -124,31 +125,26 @@ fn picture(start: &[u8], data: &[u8]) {
     }
 }
 
-/// A scene that reads must compile or say why not, and then give a finite picture.
+/// A scene that can be read must compile or be refused, and then give a finite picture.
 fn render(name: &str, data: &[u8]) {
     let files = files(name, data);
-    let Some(ir) = read(name, &files) else { return };
-    let options = CompileOptions { allow_unsupported: true, ..CompileOptions::default() };
-    let Ok(mut compiled) = compile(&ir, &files, options) else { return };
-    let crop = &mut compiled.view.film.crop;
-    (crop[2], crop[3]) = (crop[2].min(3), crop[3].min(2));
-    let count = compiled.view.film.pixel_count();
-    for integrator in ["path", "photonmap"] {
-        let mut settings = compiled.settings.clone();
-        for (name, value) in [("integrator", integrator), ("photons", "64"), ("caustic_photons", "64")] {
-            settings.set(name, value).expect("a setting of the table");
+    let options =
+        Options { allow_unsupported: true, upgrade_v3: true, spectrum_rule: None, ..Options::default() };
+    let mut session = match Session::open_in(&files, Path::new(name), &options) {
+        Ok(session) => session,
+        Err(problem) => {
+            assert!(!problem.to_string().is_empty(), "a failure without words");
+            return;
         }
-        let task = Task {
-            scene: &compiled.scene,
-            facts: &compiled.facts,
-            view: &compiled.view,
-            settings: &settings,
-        };
-        let budget = Budget { passes: Some(2), time: None, error: None, interrupt: None };
-        let pixels = Pixels::new(count);
-        let done = caustica::render::render(task, budget, pixels, 0, &mut |_| {});
-        for i in 0..count {
-            let value = done.pixels.beauty(i, 2);
+    };
+    let crop = &mut session.view.film.crop;
+    (crop[2], crop[3]) = (crop[2].min(3), crop[3].min(2));
+    for integrator in ["path", "photonmap"] {
+        for (name, value) in [("integrator", integrator), ("photons", "64"), ("caustic_photons", "64")] {
+            session.settings.set(name, value).expect("a setting of the table");
+        }
+        let outcome = session.render(Budget::passes(2), &mut |_| {});
+        for (i, value) in session.picture(&outcome).rgb().enumerate() {
             assert!(value.iter().all(|v| v.is_finite()), "{integrator}: pixel {i} is {value:?}");
         }
     }

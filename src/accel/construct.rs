@@ -1,5 +1,5 @@
-//! Boxes → [`Bvh`]. The only file that names obvhs, which builds binary trees; they are then widened to eight
-//! boxes a node.
+//! Builds a [`Bvh`]: obvhs makes a binary tree, which is then collapsed to eight children per node. Only
+//! `construct` uses obvhs.
 
 mod band;
 mod part;
@@ -13,29 +13,29 @@ use crate::math::Bounds;
 use crate::math::simd::WIDTH;
 use band::Band;
 
-/// obvhs's medium preset with leaves as large as the packets that primitives are tested in.
+/// The medium preset of obvhs, with leaves as large as the packets in which primitives are tested.
 const PARAMETERS: BvhBuildParams = BvhBuildParams {
     max_prims_per_leaf: WIDTH as u32,
     collapse_traversal_cost: 6.0,
     ..BvhBuildParams::medium_build()
 };
 
-/// Up to so many boxes there is no tree: testing eight packets in a row is faster than choosing among
-/// them, because nothing in that loop can be mispredicted.
+/// Up to this many boxes there is no tree: testing eight packets in a row is faster than traversal, because
+/// that loop has no branch to mispredict.
 const FLAT: usize = 64;
 
-/// A subtree with nodes and packs of its own.
+/// A subtree whose indices count from its own first node and pack.
 struct Piece<P> {
     nodes: Vec<Node>,
     packs: Vec<P>,
-    /// Node, or first pack and number of packs, that stands for all of it.
+    /// Its root as `Node::child` and `Node::count` hold it: (node, 0) or (first pack, number of packs).
     root: (u32, u32),
-    /// The whole, in the boxes' own scale.
+    /// Box around everything in it, in scene units.
     bounds: Aabb,
     depth: usize,
 }
 
-/// A node of the binary tree that is yet to be put into a lane of a node.
+/// A node of the binary tree that is still to be put into a lane of the node `parent`.
 struct Pending {
     binary: u32,
     parent: usize,
@@ -44,9 +44,9 @@ struct Pending {
 }
 
 impl Bvh {
-    /// Builds over boxes; what has one that is not finite is left out. `pack(items, packs)` is called for every
-    /// leaf with the indices of its boxes, and appends what the leaf is to name. The packs are returned in
-    /// the tree's order, which does not depend on the threads.
+    /// Builds a tree over `boxes`; boxes that are not finite are left out. `pack(items, packs)` is called for
+    /// every leaf with the indices of its boxes and appends the leaf's elements to `packs`. Tree and elements
+    /// do not depend on the number of threads.
     pub fn build<P: Send>(boxes: &[Bounds], pack: impl Fn(&[u32], &mut Vec<P>) + Sync) -> (Self, Vec<P>) {
         let bands = Band::all(boxes);
         if bands.iter().map(|b| b.boxes.len()).sum::<usize>() <= FLAT {
@@ -64,7 +64,7 @@ impl Bvh {
         Self::joined(pieces)
     }
 
-    /// At most eight pieces below one node, unless the only one has its own.
+    /// Joins at most eight pieces under one root, unless there is one piece whose root is a node already.
     fn joined<P>(pieces: Vec<Piece<P>>) -> (Self, Vec<P>) {
         let mut nodes = Vec::new();
         let single = matches!(&*pieces, [piece] if piece.root.1 == 0);
@@ -104,7 +104,7 @@ impl Node {
 }
 
 impl<P> Piece<P> {
-    /// Of some boxes of a band, or of all.
+    /// Builds the subtree of the boxes `part` of a band, or of all its boxes.
     fn new(band: &Band, part: Option<&[u32]>, pack: &(impl Fn(&[u32], &mut Vec<P>) + Sync)) -> Self {
         let mut time = std::time::Duration::ZERO;
         let binary = match part {
@@ -141,7 +141,7 @@ impl<P> Piece<P> {
             return piece;
         }
         let mut pending = piece.open(widened(&binary, 0), 1);
-        // A loop, since the tree may be deeper than a thread's stack allows.
+        // Not recursive, since the tree may be deeper than a thread's stack allows.
         while let Some(Pending { binary: index, parent, lane, depth }) = pending.pop() {
             let node = &binary.nodes[index as usize];
             let child = if node.is_leaf() {
@@ -156,7 +156,7 @@ impl<P> Piece<P> {
         piece
     }
 
-    /// Appends an empty node, and says what is to be put into it, last first.
+    /// Appends an empty node, and returns what is to be put into its lanes, last lane first.
     fn open(&mut self, children: Vec<u32>, depth: usize) -> Vec<Pending> {
         let parent = self.nodes.len();
         self.nodes.push(Node::EMPTY);
@@ -166,8 +166,8 @@ impl<P> Piece<P> {
     }
 }
 
-/// Up to eight descendants of an inner node that together cover it: the child with the largest surface
-/// is opened until the node is full.
+/// Up to eight descendants of an inner node that together cover it: starting from its two children, the one of
+/// largest surface area is replaced by its own children until there are eight.
 fn widened(binary: &Bvh2, index: u32) -> Vec<u32> {
     let open = |i: u32| {
         let first = binary.nodes[i as usize].first_index;
@@ -193,7 +193,7 @@ mod tests {
     use super::*;
     use crate::math::Vec3;
 
-    /// A grid of small boxes.
+    /// A grid of 20,000 boxes with spacing `scale`, starting at `at`.
     fn grid(scale: f32, at: f32) -> impl Iterator<Item = Bounds> {
         (0..20_000_u16).map(move |i| {
             let corner = Vec3::new(f32::from(i % 27), f32::from(i / 27 % 27), f32::from(i / 729));
@@ -203,15 +203,18 @@ mod tests {
     }
 
     #[test]
-    fn trees_stay_shallow_whatever_the_sizes() {
+    fn trees_stay_shallow_at_any_scale() {
         let vast = Bounds { min: Vec3::splat(-3e38), max: Vec3::splat(3e38) };
         let cases: [(&str, Vec<Bounds>); 6] = [
-            ("usual", grid(1.0, 0.0).collect()),
+            ("ordinary", grid(1.0, 0.0).collect()),
             ("areas overflow", grid(1e30, 0.0).collect()),
             ("areas vanish", grid(1e-30, 0.0).collect()),
             ("subnormal", grid(1e-42, 0.0).collect()),
             ("equal but for rounding", grid(1e-12, 1.0).collect()),
-            ("one is vast", grid(1.0, 0.0).chain(std::iter::once(vast)).chain(grid(1e18, 0.0)).collect()),
+            (
+                "mixed, with one vast box",
+                grid(1.0, 0.0).chain(std::iter::once(vast)).chain(grid(1e18, 0.0)).collect(),
+            ),
         ];
         for (name, boxes) in cases {
             let (bvh, mut packed) = Bvh::build(&boxes, |items, packs| packs.extend_from_slice(items));

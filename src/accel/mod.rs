@@ -1,5 +1,5 @@
-//! Bounding volume hierarchy of eight boxes a node, which one instruction tests together. Primitive tests are
-//! the caller's (obvhs's own lose rays aimed at shared edges).
+//! A bounding volume hierarchy with eight children per node, tested together in one SIMD register. Primitives
+//! are tested by the caller: obvhs's triangle tests miss rays aimed at shared edges.
 
 mod construct;
 
@@ -9,14 +9,15 @@ use std::ops::Range;
 use crate::math::Ray;
 use crate::math::simd::{WIDTH, Wide};
 
-/// Eight children: their boxes by bound (min, max), axis and lane. Unused lanes hold empty boxes.
+/// Eight children, one per lane; unused lanes hold empty boxes.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 struct Node {
+    /// Boxes by bound (min, max), axis and lane.
     bounds: [[[f32; WIDTH]; 3]; 2],
-    /// Node, or first element of a leaf.
+    /// Index of an inner node, or of the first element of a leaf.
     child: [u32; WIDTH],
-    /// Elements of a leaf; 0 is an inner node.
+    /// Number of elements of a leaf; 0 for an inner node.
     count: [u32; WIDTH],
 }
 
@@ -28,32 +29,32 @@ impl Node {
     };
 }
 
-/// A BVH over boxes, whose leaves name elements of the caller's arrays.
+/// A BVH over boxes. Its leaves are ranges of elements: indices into an array that the caller keeps.
 #[derive(Debug)]
 pub struct Bvh {
     nodes: Vec<Node>,
-    /// All elements, when they are too few for a tree.
+    /// All elements, if they are too few to need a tree.
     flat: Option<Range<usize>>,
-    /// Entries that a walk may have to remember.
+    /// Stack entries that a traversal needs at most.
     stack: usize,
 }
 
-/// A component of 1/d that stays finite, so that 0·inf never makes a NaN in the slab test.
+/// 1/d for one axis, kept finite so that the slab test never computes 0·∞ = NaN.
 fn reciprocal(d: f32) -> f32 {
     if d.abs() < 1e-30 { 1e30f32.copysign(d) } else { 1.0 / d }
 }
 
-/// Far distances grow by this factor, more than the three roundings of the slab test (Ize 2013).
+/// Factor on the exit distance that makes up for the three roundings of the slab test (Ize 2013).
 const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
 
-/// What a walk does at the elements of leaves. A trait rather than a closure: only methods can be
-/// forced inline into the functions that are compiled for wider instructions.
+/// The caller's part of a traversal. This is a trait and not a closure because only methods can be forced inline
+/// into functions compiled for wider instruction sets.
 pub trait Visitor {
-    /// Tests some elements, shortens the ray to what it hit, and says whether that ends the walk.
+    /// Tests the elements of a leaf, lowers `tmax` to the nearest hit, and returns true to end the traversal.
     fn test(&mut self, elements: Range<usize>, tmax: &mut f32) -> bool;
 }
 
-/// A subtree to visit, and where the ray enters it.
+/// A subtree still to be visited, with the ray parameter where the ray enters its box.
 #[derive(Clone, Copy)]
 struct Entry {
     child: u32,
@@ -61,21 +62,22 @@ struct Entry {
     t: f32,
 }
 
-/// Entries kept without the heap.
+/// Entries of the traversal stack that need no heap allocation.
 const STACK: usize = 192;
 
 impl Bvh {
-    /// Whether there is no tree because the elements are few.
+    /// Whether there is no tree because there are few elements; then every traversal tests them all.
     pub fn is_flat(&self) -> bool {
         self.flat.is_some()
     }
 
-    /// Bytes held by nodes.
+    /// Memory of the nodes, in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice())
     }
 
-    /// Visits the leaves whose boxes the ray crosses: nearest first when `ORDERED`, else in any order.
+    /// Visits the leaves whose boxes the ray crosses before its `tmax`: front to back if `ORDERED`, else in any
+    /// order. `W` is the SIMD instruction set, which must be available.
     #[inline(always)]
     pub fn walk<W: Wide, const ORDERED: bool>(&self, ray: &Ray, visitor: &mut impl Visitor) {
         if let Some(all) = &self.flat {
@@ -125,20 +127,8 @@ impl Bvh {
                     let l = mask.trailing_zeros() as usize;
                     mask &= mask - 1;
                     let entry = Entry { child: node.child[l], count: node.count[l], t: near[l] };
-                    let mut at = top;
-                    if ORDERED {
-                        // Farthest first, so that the nearest is taken next.
-                        while at > bottom {
-                            // SAFETY: entries below `top` have been written.
-                            let below = unsafe { stack[at - 1].assume_init() };
-                            if below.t >= entry.t {
-                                break;
-                            }
-                            stack[at].write(below);
-                            at -= 1;
-                        }
-                    }
-                    stack[at].write(entry);
+                    // SAFETY: entries below `top` have been written.
+                    unsafe { push::<ORDERED>(stack, bottom, top, entry) };
                     top += 1;
                 }
             }
@@ -155,4 +145,30 @@ impl Bvh {
             }
         }
     }
+}
+
+/// Puts `entry` on the stack as entry `top`; if `ORDERED`, sorts it into the entries from `bottom` on, farthest
+/// first, so that the nearest is popped next.
+///
+/// # Safety
+///
+/// Entries `bottom..top` have been written.
+#[inline(always)]
+unsafe fn push<const ORDERED: bool>(
+    stack: &mut [MaybeUninit<Entry>],
+    bottom: usize,
+    top: usize,
+    entry: Entry,
+) {
+    let mut at = top;
+    while ORDERED && at > bottom {
+        // SAFETY: the caller's promise.
+        let below = unsafe { stack[at - 1].assume_init() };
+        if below.t >= entry.t {
+            break;
+        }
+        stack[at].write(below);
+        at -= 1;
+    }
+    stack[at].write(entry);
 }

@@ -5,7 +5,7 @@ use super::material::flat;
 use super::microfacet::{Microfacet, reflect};
 use super::roughconductor::reflected_pdf;
 use super::{
-    DeltaLobe, Deltas, Nature, Node, PARTS, Parameters, Part, PartList, Point, Range, Returned, Roughness,
+    Bxdf, DeltaLobe, Deltas, Lobe, Lobes, Nature, Node, Parameters, Point, Range, Returned, Roughness,
     Scatter, Transmittance, Transport, fresnel,
 };
 use crate::math::{Color, Vec2, Vec3};
@@ -38,9 +38,7 @@ pub enum Interreflection<R> {
 }
 
 impl Parameters for CoatingModel {
-    type At = Coating;
-
-    fn at(&self, point: &Point<'_>) -> Coating {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         Coating {
             eta: self.eta,
             absorption: point.color(self.absorption),
@@ -55,6 +53,7 @@ impl Parameters for CoatingModel {
             },
             nested: [Vec3::Z, -Vec3::Z].map(|wi| flat(&self.nested, point, wi)),
         }
+        .into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -63,7 +62,7 @@ impl Parameters for CoatingModel {
             Interreflection::Rough(r, _) => r.params(),
             Interreflection::None | Interreflection::Mirror => Vec::new(),
         };
-        rough.chain(base).chain([self.absorption, self.specular]).collect()
+        rough.chain(base).chain([self.absorption, self.specular]).chain(self.nested.params()).collect()
     }
 
     fn varies(&self) -> bool {
@@ -159,14 +158,14 @@ impl Coating {
 
     /// Smooth lobes below, in order, with where they are found there. Probabilities are joint with those
     /// of the specular directions below.
-    fn nested_parts(&self, inside: Vec3) -> impl Iterator<Item = (usize, usize, Part)> {
-        self.below(inside).smooth_parts(inside)
+    fn nested_lobes(&self, inside: Vec3) -> impl Iterator<Item = (usize, usize, Lobe)> {
+        self.below(inside).smooth_lobes(inside)
     }
 
-    /// What the coat's rough reflection is drawn with, and the parts' sum (with specular ones left out).
+    /// What the coat's rough reflection is drawn with, and the sum of all smooth lobes.
     fn weights(&self, wi: Vec3, inside: Vec3) -> (f32, f32) {
         let coat = self.coat_probability(wi);
-        let nested: f32 = self.nested_parts(inside).map(|(_, _, p)| p.probability).sum();
+        let nested: f32 = self.nested_lobes(inside).map(|(_, _, l)| l.probability).sum();
         let own = if self.rough.is_some() { coat } else { 0.0 };
         (own, own + (1.0 - coat) * nested)
     }
@@ -179,21 +178,21 @@ impl Coating {
 }
 
 impl Scatter for Coating {
-    fn parts(&self, wi: Vec3) -> PartList {
-        let mut parts = PartList::default();
+    fn lobes(&self, wi: Vec3) -> Lobes {
         let inside = self.inside(wi);
         let (own, total) = self.weights(wi, inside);
         if total <= 0.0 {
-            return parts;
+            return Lobes::default();
         }
-        if let Some((m, _)) = &self.rough {
-            parts[0] = Part { probability: own / total, roughness: m.roughness() };
-        }
+        // The coat's own lobe is the first, even if a smooth coat never chooses it.
+        let roughness = self.rough.as_ref().map_or(0.0, |(m, _)| m.roughness());
+        let mut lobes = Lobes::one(roughness);
+        lobes[0].probability = own / total;
         let share = (1.0 - self.coat_probability(wi)) / total;
-        for (slot, (_, _, part)) in parts[1..].iter_mut().zip(self.nested_parts(inside)) {
-            *slot = Part { probability: part.probability * share, ..part };
+        for (_, _, lobe) in self.nested_lobes(inside) {
+            lobes.push(Lobe { probability: lobe.probability * share, ..lobe });
         }
-        parts
+        lobes
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
@@ -229,14 +228,14 @@ impl Scatter for Coating {
         if total > 0.0 { pdf / total } else { 0.0 }
     }
 
-    fn draw(&self, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-        if part == 0 {
+    fn draw(&self, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        if lobe == 0 {
             let (microfacet, up, _) = self.rough_lobe(wi, wi, Range::ALL)?;
             let wo = reflect(up, microfacet.sample(up, u));
             return (wo.z > 0.0).then(|| (wo * 1.0f32.copysign(wi.z), 1.0));
         }
         let inside = self.inside(wi);
-        let (entry, nested, _) = self.nested_parts(inside).take(PARTS - 1).nth(part - 1)?;
+        let (entry, nested, _) = self.nested_lobes(inside).nth(lobe - 1)?;
         let wo = self.below(wi).draw(entry, nested, inside, u_lobe, u)?.0;
         self.outside(wo).filter(|wo| wo.z * wi.z > 0.0).map(|wo| (wo, 1.0))
     }

@@ -1,5 +1,5 @@
 use super::metal::MetalAt;
-use super::{DeltaLobe, Deltas, Metal, Nature, Parameters, Point, Scatter, Transport};
+use super::{Bxdf, DeltaLobe, Deltas, Metal, Nature, Parameters, Point, Scatter, Transport};
 use crate::math::{Color, Vec3};
 use crate::texture::Param;
 
@@ -11,10 +11,8 @@ pub struct ConductorModel {
 }
 
 impl Parameters for ConductorModel {
-    type At = Conductor;
-
-    fn at(&self, point: &Point<'_>) -> Conductor {
-        Conductor { metal: self.metal.at(point), reflectance: point.color(self.reflectance) }
+    fn at(&self, point: &Point<'_>) -> Bxdf {
+        Conductor { metal: self.metal.at(point), reflectance: point.color(self.reflectance) }.into()
     }
 
     fn params(&self) -> Vec<Param> {

@@ -1,4 +1,4 @@
-use super::{DeltaLobe, Deltas, Nature, Parameters, Point, Scatter, Transport, fresnel};
+use super::{Bxdf, DeltaLobe, Deltas, Nature, Parameters, Point, Scatter, Transport, fresnel};
 use crate::math::{Color, Vec3};
 use crate::texture::Param;
 
@@ -10,15 +10,19 @@ pub struct DielectricModel {
     pub transmittance: Param,
 }
 
-impl Parameters for DielectricModel {
-    type At = Dielectric;
-
-    fn at(&self, point: &Point<'_>) -> Dielectric {
+impl DielectricModel {
+    pub(super) fn interface(&self, point: &Point<'_>) -> Dielectric {
         Dielectric {
             eta: self.eta,
             reflectance: point.color(self.reflectance),
             transmittance: point.color(self.transmittance),
         }
+    }
+}
+
+impl Parameters for DielectricModel {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
+        self.interface(point).into()
     }
 
     fn params(&self) -> Vec<Param> {

@@ -1,7 +1,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::diffuse::cosine_pdf;
-use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport};
+use super::{Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Scatter, Transport};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
@@ -14,13 +14,11 @@ pub struct DiffuseTransmissionModel {
 }
 
 impl Parameters for DiffuseTransmissionModel {
-    type At = DiffuseTransmission;
-
-    fn at(&self, point: &Point<'_>) -> DiffuseTransmission {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         let (reflectance, transmittance) = (point.color(self.reflectance), point.color(self.transmittance));
         let (r, t) = (reflectance.max_element(), transmittance.max_element());
         let reflects = if r + t > 0.0 { r / (r + t) } else { 0.5 };
-        DiffuseTransmission { reflectance, transmittance, reflects }
+        DiffuseTransmission { reflectance, transmittance, reflects }.into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -41,11 +39,11 @@ pub struct DiffuseTransmission {
 }
 
 impl Scatter for DiffuseTransmission {
-    fn parts(&self, _: Vec3) -> PartList {
-        let mut parts = PartList::default();
-        parts[0] = Part { probability: self.reflects, roughness: Range::DIFFUSE };
-        parts[1] = Part { probability: 1.0 - self.reflects, roughness: Range::DIFFUSE };
-        parts
+    fn lobes(&self, _: Vec3) -> Lobes {
+        Lobes::from([
+            Lobe { probability: self.reflects, roughness: Range::DIFFUSE },
+            Lobe { probability: 1.0 - self.reflects, roughness: Range::DIFFUSE },
+        ])
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
@@ -61,9 +59,9 @@ impl Scatter for DiffuseTransmission {
         if range.diffuse() { choice * cosine_pdf(wo.abs()) } else { 0.0 }
     }
 
-    fn draw(&self, part: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    fn draw(&self, lobe: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let w = warp::cosine_hemisphere(u);
-        let side = 1.0f32.copysign(wi.z) * if part == 0 { 1.0 } else { -1.0 };
+        let side = 1.0f32.copysign(wi.z) * if lobe == 0 { 1.0 } else { -1.0 };
         (w.z > 0.0).then(|| (Vec3::new(w.x, w.y, w.z * side), 1.0))
     }
 

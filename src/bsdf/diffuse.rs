@@ -1,6 +1,6 @@
 use std::f32::consts::FRAC_1_PI;
 
-use super::{Nature, Parameters, PartList, Point, Range, Scatter, Transport, one_part};
+use super::{Bxdf, Lobes, Nature, Parameters, Point, Range, Scatter, Transport};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
@@ -12,14 +12,16 @@ pub struct DiffuseModel {
 }
 
 impl Parameters for DiffuseModel {
-    type At = Diffuse;
-
-    fn at(&self, point: &Point<'_>) -> Diffuse {
-        Diffuse { reflectance: point.color(self.reflectance) }
+    fn at(&self, point: &Point<'_>) -> Bxdf {
+        Diffuse { reflectance: point.color(self.reflectance) }.into()
     }
 
     fn params(&self) -> Vec<Param> {
         vec![self.reflectance]
+    }
+
+    fn lambertian(&self) -> Option<Param> {
+        Some(self.reflectance)
     }
 
     fn nature(&self) -> Nature {
@@ -34,8 +36,8 @@ pub struct Diffuse {
 }
 
 impl Scatter for Diffuse {
-    fn parts(&self, _: Vec3) -> PartList {
-        one_part(Range::DIFFUSE)
+    fn lobes(&self, _: Vec3) -> Lobes {
+        Lobes::one(Range::DIFFUSE)
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
@@ -48,6 +50,10 @@ impl Scatter for Diffuse {
 
     fn draw(&self, _: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
         (wi.z > 0.0).then(|| (warp::cosine_hemisphere(u), 1.0))
+    }
+
+    fn lambertian(&self) -> Option<Color> {
+        Some(self.reflectance)
     }
 
     fn albedo(&self, wi: Vec3, range: Range) -> Color {

@@ -2,7 +2,7 @@
 
 use super::event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
 use super::tilt::Tilt;
-use super::{Lobe, Part, PartList, Scatter};
+use super::{Bxdf, Lobe, Lobes};
 use crate::math::{Color, Frame, Vec2, Vec3};
 
 /// A model in its place: on which side of what it lies, and how much of it there is.
@@ -14,7 +14,7 @@ pub(super) struct Entry {
     pub tilt: Option<Tilt>,
     /// The same for a wrapper inside the tilt.
     pub mirrored_inside: bool,
-    pub lobe: Lobe,
+    pub bxdf: Bxdf,
 }
 
 fn side(w: Vec3, mirrored: bool) -> Vec3 {
@@ -38,7 +38,7 @@ impl Entry {
 
     fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
         let Some(tilt) = &self.tilt else {
-            return self.lobe.eval(self.local(None, wi), self.local(None, wo), mode, range);
+            return self.bxdf.eval(self.local(None, wi), self.local(None, wo), mode, range);
         };
         let (viewer, light) = match mode {
             Transport::Radiance => (wi, wo),
@@ -51,23 +51,23 @@ impl Entry {
         if cos * flat <= 0.0 {
             return Color::ZERO;
         }
-        let f = self.lobe.eval(self.local(frame, wi), self.local(frame, wo), mode, range);
+        let f = self.bxdf.eval(self.local(frame, wi), self.local(frame, wo), mode, range);
         // The cosine belongs to the tilted facet; that of the surface is applied by who asks.
         f * (cos / flat * tilt.shadow(light))
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
         let frame = self.frame(wi);
-        self.lobe.pdf(self.local(frame, wi), self.local(frame, wo), range)
+        self.bxdf.pdf(self.local(frame, wi), self.local(frame, wo), range)
     }
 
-    fn parts(&self, wi: Vec3) -> PartList {
-        self.lobe.parts(self.local(self.frame(wi), wi))
+    fn lobes(&self, wi: Vec3) -> Lobes {
+        self.bxdf.lobes(self.local(self.frame(wi), wi))
     }
 
     fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
         let frame = self.frame(wi);
-        let found = self.lobe.deltas(self.local(frame, wi), mode);
+        let found = self.bxdf.deltas(self.local(frame, wi), mode);
         if self.tilt.is_none() && !self.mirrored && !self.mirrored_inside {
             return found;
         }
@@ -126,28 +126,28 @@ impl Layers {
     }
 
     pub fn has_smooth(&self, wi: Vec3, range: Range) -> bool {
-        let inside = |p: &Part| p.probability > 0.0 && range.contains(p.roughness);
-        self.entries.iter().any(|e| e.parts(wi).iter().any(inside))
+        let inside = |p: &Lobe| p.probability > 0.0 && range.contains(p.roughness);
+        self.entries.iter().any(|e| e.lobes(wi).iter().any(inside))
     }
 
     /// Every smooth lobe with its entry, its number there, and its probability among all events but
     /// passing through.
-    pub fn smooth_parts(&self, wi: Vec3) -> impl Iterator<Item = (usize, usize, Part)> {
+    pub fn smooth_lobes(&self, wi: Vec3) -> impl Iterator<Item = (usize, usize, Lobe)> {
         let total = self.total();
         self.entries.iter().enumerate().flat_map(move |(i, e)| {
             let share = e.weight / total * e.smooth_probability(wi);
-            let parts = e.parts(wi).into_iter().enumerate().filter(|(_, p)| p.probability > 0.0);
-            parts.map(move |(k, p)| (i, k, Part { probability: p.probability * share, ..p }))
+            let lobes = e.lobes(wi).into_iter().enumerate().filter(|(_, l)| l.probability > 0.0);
+            lobes.map(move |(k, l)| (i, k, Lobe { probability: l.probability * share, ..l }))
         })
     }
 
-    /// A direction from a lobe of [`Layers::smooth_parts`].
-    pub fn draw(&self, entry: usize, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-        draw(&self.entries[entry], part, wi, u_lobe, u)
+    /// A direction from a lobe of [`Layers::smooth_lobes`].
+    pub fn draw(&self, entry: usize, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        draw(&self.entries[entry], lobe, wi, u_lobe, u)
     }
 
     pub fn albedo(&self, wi: Vec3, range: Range) -> Color {
-        self.entries.iter().map(|e| e.lobe.albedo(e.local(e.frame(wi), wi), range) * e.weight).sum()
+        self.entries.iter().map(|e| e.bxdf.albedo(e.local(e.frame(wi), wi), range) * e.weight).sum()
     }
 
     /// Specular directions; weights and probabilities are those of an opaque surface.
@@ -191,14 +191,14 @@ impl Layers {
             u_lobe -= lobe.probability;
         }
         u_lobe /= entry.smooth_probability(wi);
-        let parts = entry.parts(wi);
-        let part = pick(&mut u_lobe, parts.iter().map(|p| p.probability))?;
-        let (range, event) = if parts[part].roughness < glossy {
+        let lobes = entry.lobes(wi);
+        let lobe = pick(&mut u_lobe, lobes.iter().map(|l| l.probability))?;
+        let (range, event) = if lobes[lobe].roughness < glossy {
             (Range::glossy(glossy), Event::Glossy)
         } else {
             (Range::rough(glossy), Event::Smooth)
         };
-        let (wo, eta) = draw(entry, part, wi, u_lobe, u)?;
+        let (wo, eta) = draw(entry, lobe, wi, u_lobe, u)?;
         let pdf = self.pdf(wi, wo, range);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
         Some(Sample { wo, weight, pdf, eta, event })
@@ -214,9 +214,9 @@ impl Layers {
         range: Range,
     ) -> Option<SmoothSample> {
         let share = |e: &Entry| {
-            let parts = e.parts(wi);
+            let lobes = e.lobes(wi);
             let inside: f32 =
-                parts.iter().filter(|p| range.contains(p.roughness)).map(|p| p.probability).sum();
+                lobes.iter().filter(|l| range.contains(l.roughness)).map(|l| l.probability).sum();
             if inside > 0.0 { e.weight * inside * e.smooth_probability(wi) } else { 0.0 }
         };
         let all: f32 = self.entries.iter().map(share).sum();
@@ -225,19 +225,20 @@ impl Layers {
         }
         let chosen = pick(&mut u_lobe, self.entries.iter().map(|e| share(e) / all))?;
         let entry = &self.entries[chosen];
-        let parts = entry.parts(wi).map(|p| if range.contains(p.roughness) { p.probability } else { 0.0 });
-        let inside: f32 = parts.iter().sum();
-        let part = pick(&mut u_lobe, parts.iter().map(|p| p / inside))?;
-        let (wo, eta) = draw(entry, part, wi, u_lobe, u)?;
+        let lobes = entry.lobes(wi);
+        let probability = |l: &Lobe| if range.contains(l.roughness) { l.probability } else { 0.0 };
+        let inside: f32 = lobes.iter().map(probability).sum();
+        let lobe = pick(&mut u_lobe, lobes.iter().map(|l| probability(l) / inside))?;
+        let (wo, eta) = draw(entry, lobe, wi, u_lobe, u)?;
         let pdf = self.pdf_solid(wi, wo, range) * (self.total() / all);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
         Some(SmoothSample { wo, weight, pdf, eta })
     }
 }
 
-fn draw(entry: &Entry, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+fn draw(entry: &Entry, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
     let frame = entry.frame(wi);
-    let (wo, eta) = entry.lobe.draw(part, entry.local(frame, wi), u_lobe.clamp(0.0, ONE_MINUS), u)?;
+    let (wo, eta) = entry.bxdf.draw(lobe, entry.local(frame, wi), u_lobe.clamp(0.0, ONE_MINUS), u)?;
     Some((entry.outer(frame, wo), eta))
 }
 

@@ -1,7 +1,7 @@
 use super::closure::{Closure, Content, Lambertian};
 use super::layers::{Entry, Layers};
 use super::tilt::{Perturbation, Tilt};
-use super::{Lobe, Model, Nature, Point, Range};
+use super::{Model, Nature, Point, Range};
 use crate::math::{Vec2, Vec3};
 use crate::texture::{Param, Textures};
 
@@ -45,7 +45,7 @@ impl Node {
             Self::Model(m) => {
                 let Place { weight, mirrored, tilt, mirrored_inside } = place;
                 if weight > 0.0 {
-                    out.entries.push(Entry { weight, mirrored, tilt, mirrored_inside, lobe: m.at(point) });
+                    out.entries.push(Entry { weight, mirrored, tilt, mirrored_inside, bxdf: m.at(point) });
                 }
             }
             Self::TwoSided(sides) => {
@@ -123,6 +123,18 @@ impl Node {
         varies
     }
 
+    /// Every parameter of the models and wrappers in the nest that may be a texture.
+    pub(super) fn params(&self) -> Vec<Param> {
+        let mut params = Vec::new();
+        self.visit(&mut |node| match node {
+            Self::Model(m) => params.extend(m.params()),
+            Self::Mask(p, _) | Self::Blend(p, _) => params.push(*p),
+            Self::Tilted(p, _) => params.push(p.relief.param()),
+            Self::Null | Self::TwoSided(_) | Self::Mixture(_) => {}
+        });
+        params
+    }
+
     /// How many models there are on one side at most.
     pub fn models(&self) -> usize {
         match self {
@@ -187,10 +199,7 @@ impl Material {
             [Vec3::Z, -Vec3::Z].map(|wi| prepared(flat(&root, &point, wi)))
         });
         let of = |node: &Node| match node {
-            Node::Model(model) => match &**model {
-                Model::Diffuse(d) => Some(d.reflectance),
-                _ => None,
-            },
+            Node::Model(model) => model.lambertian(),
             _ => None,
         };
         let diffuse = match &root {
@@ -228,14 +237,7 @@ impl Material {
 
     /// Every parameter that may be a texture.
     pub fn params(&self) -> Vec<Param> {
-        let mut params = Vec::new();
-        self.root.visit(&mut |node| match node {
-            Node::Model(m) => params.extend(m.params()),
-            Node::Mask(p, _) | Node::Blend(p, _) => params.push(*p),
-            Node::Tilted(p, _) => params.push(p.relief.param()),
-            Node::Null | Node::TwoSided(_) | Node::Mixture(_) => {}
-        });
-        params
+        self.root.params()
     }
 
     /// Whether the scattering differs from point to point.
@@ -274,11 +276,12 @@ pub(super) fn flat(root: &Node, point: &Point<'_>, wi: Vec3) -> Layers {
 }
 
 fn prepared(layers: Layers) -> Prepared {
-    match &layers.entries[..] {
-        [Entry { weight, mirrored, lobe: Lobe::Diffuse(d), .. }] if layers.through + weight == 1.0 => {
-            let side = if *mirrored { -1.0 } else { 1.0 };
-            Prepared::Diffuse(Lambertian { reflectance: d.reflectance, opacity: *weight, side })
-        }
-        _ => Prepared::Layers(layers),
+    if let [Entry { weight, mirrored, bxdf, .. }] = &layers.entries[..]
+        && layers.through + weight == 1.0
+        && let Some(reflectance) = bxdf.lambertian()
+    {
+        let side = if *mirrored { -1.0 } else { 1.0 };
+        return Prepared::Diffuse(Lambertian { reflectance, opacity: *weight, side });
     }
+    Prepared::Layers(layers)
 }

@@ -6,7 +6,7 @@
 //! angle. Perfectly specular directions are never part of `eval` or `pdf`: they are listed by `deltas`.
 //!
 //! A model has two faces: `XModel` holds parameters that may be textured ([`Parameters`]), `X` the
-//! numbers at one point ([`Scatter`]). Adding one is one new file and one row in the table below.
+//! numbers at one point ([`Scatter`]). Adding one is one new file and a row in each of the two tables below.
 //! [`Material`] nests models (masks, blends, two sides, bumps); [`Closure`] is a material at a point.
 
 mod between;
@@ -19,6 +19,7 @@ mod diffuse;
 mod event;
 pub mod fresnel;
 mod layers;
+mod lobes;
 mod material;
 mod metal;
 pub mod microfacet;
@@ -41,30 +42,31 @@ mod ward;
 
 pub use between::{Between, Walk};
 pub use closure::Closure;
-pub use coating::{CoatingModel, Interreflection};
-pub use conductor::ConductorModel;
-pub use dielectric::DielectricModel;
-pub use difftrans::DiffuseTransmissionModel;
-pub use diffuse::DiffuseModel;
+pub use coating::{Coating, CoatingModel, Interreflection};
+pub use conductor::{Conductor, ConductorModel};
+pub use dielectric::{Dielectric, DielectricModel};
+pub use difftrans::{DiffuseTransmission, DiffuseTransmissionModel};
+pub use diffuse::{Diffuse, DiffuseModel};
 pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
+pub use lobes::{Lobe, Lobes};
 pub use material::{Material, Node};
 pub use metal::Metal;
-pub use phong::PhongModel;
-pub use plastic::PlasticModel;
-pub use principled::PrincipledModel;
-pub use principledthin::PrincipledThinModel;
+pub use phong::{Phong, PhongModel};
+pub use plastic::{Plastic, PlasticModel};
+pub use principled::{Principled, PrincipledModel};
+pub use principledthin::{PrincipledThin, PrincipledThinModel};
 pub use returned::Returned;
-pub use roughconductor::RoughConductorModel;
-pub use roughdielectric::RoughDielectricModel;
-pub use roughdiffuse::RoughDiffuseModel;
+pub use roughconductor::{RoughConductor, RoughConductorModel};
+pub use roughdielectric::{RoughDielectric, RoughDielectricModel};
+pub use roughdiffuse::{RoughDiffuse, RoughDiffuseModel};
 pub use roughness::Roughness;
-pub use roughplastic::RoughPlasticModel;
-pub use thindielectric::ThinDielectricModel;
+pub use roughplastic::{RoughPlastic, RoughPlasticModel};
+pub use thindielectric::{ThinDielectric, ThinDielectricModel};
 pub use tilt::{Perturbation, Relief};
 pub use transmittance::Transmittance;
-pub use ward::{WardModel, WardVariant};
+pub use ward::{Ward, WardModel, WardVariant};
 
-use crate::math::{Color, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3, closed_enum};
 use crate::spectrum;
 use crate::texture::{Param, Site, Textures};
 
@@ -136,147 +138,115 @@ impl Nature {
     }
 }
 
-/// A model with parameters.
-trait Parameters {
-    type At: Scatter;
+closed_enum! {
+    /// A model with parameters, which may be textured. Nothing here fails: parameters out of range are clamped where
+    /// they are looked up.
+    pub trait Parameters {
+        /// The model at a point.
+        fn at(&self, point: &Point<'_>) -> Bxdf;
 
-    fn at(&self, point: &Point<'_>) -> Self::At;
-    fn params(&self) -> Vec<Param>;
-    /// Whether any parameter is a texture.
-    fn varies(&self) -> bool {
-        self.params().iter().any(|p| p.constant().is_none())
-    }
-    fn nature(&self) -> Nature;
-}
+        /// Every parameter that may be a texture, those of nested materials included: mesh attributes are handed to
+        /// the textures that are listed here, and to no others.
+        fn params(&self) -> Vec<Param>;
 
-/// A lobe of a model that can be chosen when sampling.
-#[derive(Clone, Copy, Debug, Default)]
-struct Part {
-    /// Among the smooth lobes.
-    probability: f32,
-    roughness: f32,
-}
-
-/// The smooth lobes of a model; unused ones have probability 0.
-type PartList = [Part; PARTS];
-
-/// Two nested models of three lobes under a coat, and one to spare.
-const PARTS: usize = 8;
-
-fn one_part(roughness: f32) -> PartList {
-    let mut parts = PartList::default();
-    parts[0] = Part { probability: 1.0, roughness };
-    parts
-}
-
-/// A model at a point. What takes a [`Range`] answers for the lobes in it.
-trait Scatter {
-    /// How sampling chooses among the smooth lobes, for light handled along `wi`.
-    fn parts(&self, _wi: Vec3) -> PartList {
-        PartList::default()
-    }
-
-    fn eval(&self, _wi: Vec3, _wo: Vec3, _mode: Transport, _range: Range) -> Color {
-        Color::ZERO
-    }
-
-    /// Density with which `draw` gives `wo`, times the probabilities of `parts`.
-    fn pdf(&self, _wi: Vec3, _wo: Vec3, _range: Range) -> f32 {
-        0.0
-    }
-
-    /// A direction from the lobe numbered `part`, and the relative index it crossed (1 for reflection).
-    fn draw(&self, _part: usize, _wi: Vec3, _u_lobe: f32, _u: Vec2) -> Option<(Vec3, f32)> {
-        None
-    }
-
-    /// Share of what arrives along `wi` that is scattered by smooth lobes; where no closed form is
-    /// known it is an estimate, good enough for choosing among lobes.
-    fn albedo(&self, _wi: Vec3, _range: Range) -> Color {
-        Color::ZERO
-    }
-
-    fn deltas(&self, _wi: Vec3, _mode: Transport) -> Deltas {
-        Deltas::default()
-    }
-}
-
-macro_rules! models {
-    ($($name:ident($model:ty)),+ $(,)?) => {
-        /// Models with parameters.
-        #[derive(Clone, Debug)]
-        pub enum Model { $($name($model)),+ }
-
-        /// Models at a point.
-        #[derive(Clone, Debug)]
-        enum Lobe { $($name(<$model as Parameters>::At)),+ }
-
-        $(impl From<$model> for Model {
-            fn from(model: $model) -> Self {
-                Self::$name(model)
-            }
-        })+
-
-        impl Model {
-            fn at(&self, point: &Point<'_>) -> Lobe {
-                match self { $(Self::$name(m) => Lobe::$name(m.at(point))),+ }
-            }
-
-            fn varies(&self) -> bool {
-                match self { $(Self::$name(m) => m.varies()),+ }
-            }
-
-            fn params(&self) -> Vec<Param> {
-                match self { $(Self::$name(m) => m.params()),+ }
-            }
-
-            pub fn nature(&self) -> Nature {
-                match self { $(Self::$name(m) => m.nature()),+ }
-            }
+        /// Whether the scattering differs from point to point.
+        fn varies(&self) -> bool {
+            self.params().iter().any(|p| p.constant().is_none())
         }
 
-        impl Scatter for Lobe {
-            fn parts(&self, wi: Vec3) -> PartList {
-                match self { $(Self::$name(l) => l.parts(wi)),+ }
-            }
+        /// What holds at every point.
+        fn nature(&self) -> Nature;
 
-            fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
-                match self { $(Self::$name(l) => l.eval(wi, wo, mode, range)),+ }
-            }
-
-            fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
-                match self { $(Self::$name(l) => l.pdf(wi, wo, range)),+ }
-            }
-
-            fn draw(&self, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-                match self { $(Self::$name(l) => l.draw(part, wi, u_lobe, u)),+ }
-            }
-
-            fn albedo(&self, wi: Vec3, range: Range) -> Color {
-                match self { $(Self::$name(l) => l.albedo(wi, range)),+ }
-            }
-
-            fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
-                match self { $(Self::$name(l) => l.deltas(wi, mode)),+ }
-            }
+        /// The reflectance of a model that is one Lambertian lobe on the front side and nothing else.
+        fn lambertian(&self) -> Option<Param> {
+            None
         }
-    };
+    }
+
+    /// Every model, with parameters. To add one, add a row here and one to [`Bxdf`].
+    #[derive(Clone, Debug)]
+    pub enum Model {
+        Diffuse(DiffuseModel),
+        Dielectric(DielectricModel),
+        ThinDielectric(ThinDielectricModel),
+        RoughDielectric(RoughDielectricModel),
+        Conductor(ConductorModel),
+        RoughConductor(RoughConductorModel),
+        Plastic(PlasticModel),
+        RoughPlastic(RoughPlasticModel),
+        Principled(PrincipledModel),
+        PrincipledThin(PrincipledThinModel),
+        RoughDiffuse(RoughDiffuseModel),
+        DiffuseTransmission(DiffuseTransmissionModel),
+        Phong(PhongModel),
+        Ward(WardModel),
+        Coating(CoatingModel),
+    }
 }
 
-models! {
-    Diffuse(DiffuseModel),
-    Dielectric(DielectricModel),
-    ThinDielectric(ThinDielectricModel),
-    RoughDielectric(RoughDielectricModel),
-    Conductor(ConductorModel),
-    RoughConductor(RoughConductorModel),
-    Plastic(PlasticModel),
-    RoughPlastic(RoughPlasticModel),
-    Principled(PrincipledModel),
-    PrincipledThin(PrincipledThinModel),
-    RoughDiffuse(RoughDiffuseModel),
-    DiffuseTransmission(DiffuseTransmissionModel),
-    Phong(PhongModel),
-    Ward(WardModel),
-    Coating(CoatingModel),
+closed_enum! {
+    /// A model at a point. Directions are of unit length, in the shading frame, and point away from the surface: `wi` is
+    /// where the path came from, `wo` where it goes; z > 0 is the front side, and a model answers for both. What takes a
+    /// [`Range`] answers for the smooth lobes in it only.
+    pub trait Scatter {
+        /// How sampling chooses among the smooth lobes, for light handled along `wi`. Empty when there are none on that
+        /// side.
+        fn lobes(&self, _wi: Vec3) -> Lobes {
+            Lobes::default()
+        }
+
+        /// f in 1/sr, per solid angle of `wo` and without the cosine; black where the lobes do not reach. For radiance
+        /// refraction divides it by eta².
+        fn eval(&self, _wi: Vec3, _wo: Vec3, _mode: Transport, _range: Range) -> Color {
+            Color::ZERO
+        }
+
+        /// Density in 1/sr with which `draw` gives `wo`, times the probabilities of `lobes`; 0 where it never does.
+        fn pdf(&self, _wi: Vec3, _wo: Vec3, _range: Range) -> f32 {
+            0.0
+        }
+
+        /// A direction from the lobe numbered `lobe`, and the relative index it crossed (1 for reflection). `None` when
+        /// the drawn direction is on the wrong side or does not exist: the path ends.
+        fn draw(&self, _lobe: usize, _wi: Vec3, _u_lobe: f32, _u: Vec2) -> Option<(Vec3, f32)> {
+            None
+        }
+
+        /// Share of what arrives along `wi` that is scattered by smooth lobes; where no closed form is known it is an
+        /// estimate, good enough for choosing among lobes.
+        fn albedo(&self, _wi: Vec3, _range: Range) -> Color {
+            Color::ZERO
+        }
+
+        /// Perfectly specular directions: never part of `eval` and `pdf`. Their probabilities are among all lobes; what
+        /// is left of 1 is that of the smooth ones.
+        fn deltas(&self, _wi: Vec3, _mode: Transport) -> Deltas {
+            Deltas::default()
+        }
+
+        /// The reflectance of one Lambertian lobe on the front side, when there is nothing else.
+        fn lambertian(&self) -> Option<Color> {
+            None
+        }
+    }
+
+    /// Every model, at a point.
+    #[derive(Clone, Debug)]
+    pub enum Bxdf {
+        Diffuse(Diffuse),
+        Dielectric(Dielectric),
+        ThinDielectric(ThinDielectric),
+        RoughDielectric(RoughDielectric),
+        Conductor(Conductor),
+        RoughConductor(RoughConductor),
+        Plastic(Plastic),
+        RoughPlastic(RoughPlastic),
+        Principled(Principled),
+        PrincipledThin(PrincipledThin),
+        RoughDiffuse(RoughDiffuse),
+        DiffuseTransmission(DiffuseTransmission),
+        Phong(Phong),
+        Ward(Ward),
+        Coating(Coating),
+    }
 }

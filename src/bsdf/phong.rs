@@ -2,7 +2,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use super::diffuse::cosine_pdf;
 use super::plastic::specular_weight;
-use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport};
+use super::{Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Scatter, Transport};
 use crate::math::{Color, Frame, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::spectrum::scalar;
@@ -17,12 +17,10 @@ pub struct PhongModel {
 }
 
 impl Parameters for PhongModel {
-    type At = Phong;
-
-    fn at(&self, point: &Point<'_>) -> Phong {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         let [diffuse, specular] = conserving(point.color(self.diffuse), point.color(self.specular));
         let specular_weight = specular_weight(diffuse, specular);
-        Phong { diffuse, specular, specular_weight, exponent: point.scalar(self.exponent).max(0.0) }
+        Phong { diffuse, specular, specular_weight, exponent: point.scalar(self.exponent).max(0.0) }.into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -66,11 +64,11 @@ impl Phong {
 }
 
 impl Scatter for Phong {
-    fn parts(&self, _: Vec3) -> PartList {
-        let mut parts = PartList::default();
-        parts[0] = Part { probability: self.specular_weight, roughness: roughness(self.exponent) };
-        parts[1] = Part { probability: 1.0 - self.specular_weight, roughness: Range::DIFFUSE };
-        parts
+    fn lobes(&self, _: Vec3) -> Lobes {
+        Lobes::from([
+            Lobe { probability: self.specular_weight, roughness: roughness(self.exponent) },
+            Lobe { probability: 1.0 - self.specular_weight, roughness: Range::DIFFUSE },
+        ])
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
@@ -101,11 +99,11 @@ impl Scatter for Phong {
         pdf
     }
 
-    fn draw(&self, part: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    fn draw(&self, lobe: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
         if wi.z <= 0.0 {
             return None;
         }
-        let wo = if part == 0 {
+        let wo = if lobe == 0 {
             let z = u.x.powf(1.0 / (self.exponent + 1.0));
             let (r, (sin, cos)) = ((1.0 - z * z).max(0.0).sqrt(), (2.0 * PI * u.y).sin_cos());
             Frame::from_normal(mirror(wi)).to_world(Vec3::new(r * cos, r * sin, z))

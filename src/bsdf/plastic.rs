@@ -2,8 +2,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::diffuse::cosine_pdf;
 use super::{
-    Between, DeltaLobe, Deltas, Nature, Parameters, PartList, Point, Range, Scatter, Transport, fresnel,
-    one_part,
+    Between, Bxdf, DeltaLobe, Deltas, Lobes, Nature, Parameters, Point, Range, Scatter, Transport, fresnel,
 };
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
@@ -21,9 +20,7 @@ pub struct PlasticModel {
 }
 
 impl Parameters for PlasticModel {
-    type At = Plastic;
-
-    fn at(&self, point: &Point<'_>) -> Plastic {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         let (diffuse, specular) = (point.color(self.diffuse), point.color(self.specular));
         let internal = fresnel::diffuse_reflectance(1.0 / self.eta);
         Plastic {
@@ -34,6 +31,7 @@ impl Parameters for PlasticModel {
             specular,
             specular_weight: specular_weight(diffuse, specular),
         }
+        .into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -69,8 +67,8 @@ impl Plastic {
 }
 
 impl Scatter for Plastic {
-    fn parts(&self, _: Vec3) -> PartList {
-        one_part(Range::DIFFUSE)
+    fn lobes(&self, _: Vec3) -> Lobes {
+        Lobes::one(Range::DIFFUSE)
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {

@@ -3,7 +3,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use super::diffuse::cosine_pdf;
 use super::microfacet::{Kind, Microfacet, Shadowing, reflect, refract};
 use super::roughdielectric::Meeting;
-use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport, fresnel};
+use super::{Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Scatter, Transport, fresnel};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::spectrum::{luminance, scalar};
@@ -27,9 +27,7 @@ pub struct PrincipledModel {
 }
 
 impl Parameters for PrincipledModel {
-    type At = Principled;
-
-    fn at(&self, point: &Point<'_>) -> Principled {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         let share = |p: Param| point.scalar(p).clamp(0.0, 1.0);
         let base = point.color(self.base_color);
         let (roughness, metallic, spec_trans) =
@@ -51,6 +49,7 @@ impl Parameters for PrincipledModel {
             clearcoat_alpha: 0.1 + (0.001 - 0.1) * share(self.clearcoat_gloss),
             microfacet: distribution(roughness, share(self.anisotropic)),
         }
+        .into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -199,20 +198,20 @@ fn gtr1(cos: f32, alpha: f32) -> f32 {
 }
 
 impl Scatter for Principled {
-    fn parts(&self, wi: Vec3) -> PartList {
-        let mut parts = PartList::default();
+    fn lobes(&self, wi: Vec3) -> Lobes {
+        let mut lobes = [Lobe::default(); 3];
         let roughness = self.microfacet.roughness();
         if wi.z < 0.0 {
             if self.bsdf > 0.0 {
-                parts[SPECULAR] = Part { probability: 1.0, roughness };
+                lobes[SPECULAR] = Lobe { probability: 1.0, roughness };
             }
-            return parts;
+            return lobes.into();
         }
         let total = 1.0 + self.brdf + self.clearcoat;
-        parts[SPECULAR] = Part { probability: 1.0 / total, roughness };
-        parts[DIFFUSE] = Part { probability: self.brdf / total, roughness: Range::DIFFUSE };
-        parts[CLEARCOAT] = Part { probability: self.clearcoat / total, roughness: self.clearcoat_alpha };
-        parts
+        lobes[SPECULAR] = Lobe { probability: 1.0 / total, roughness };
+        lobes[DIFFUSE] = Lobe { probability: self.brdf / total, roughness: Range::DIFFUSE };
+        lobes[CLEARCOAT] = Lobe { probability: self.clearcoat / total, roughness: self.clearcoat_alpha };
+        lobes.into()
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
@@ -244,11 +243,11 @@ impl Scatter for Principled {
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
-        let parts = self.parts(wi);
-        let on = |part: usize| range.contains(parts[part].roughness) && parts[part].probability > 0.0;
+        let lobes = self.lobes(wi);
+        let on = |lobe: usize| range.contains(lobes[lobe].roughness) && lobes[lobe].probability > 0.0;
         let mut pdf = 0.0;
         if on(DIFFUSE) {
-            pdf += parts[DIFFUSE].probability * cosine_pdf(wo);
+            pdf += lobes[DIFFUSE].probability * cosine_pdf(wo);
         }
         if !on(SPECULAR) && !on(CLEARCOAT) {
             return pdf;
@@ -257,16 +256,16 @@ impl Scatter for Principled {
         if on(SPECULAR) {
             let reflected = self.reflect_probability(wi, m.fresnel);
             let choice = if m.reflected { reflected } else { 1.0 - reflected };
-            pdf += parts[SPECULAR].probability * choice * m.pdf(&self.microfacet, wi);
+            pdf += lobes[SPECULAR].probability * choice * m.pdf(&self.microfacet, wi);
         }
         if on(CLEARCOAT) && m.reflected {
-            pdf += parts[CLEARCOAT].probability * gtr1(m.m.z, self.clearcoat_alpha) * m.m.z * m.jacobian;
+            pdf += lobes[CLEARCOAT].probability * gtr1(m.m.z, self.clearcoat_alpha) * m.m.z * m.jacobian;
         }
         pdf
     }
 
-    fn draw(&self, part: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-        match part {
+    fn draw(&self, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        match lobe {
             DIFFUSE => Some((warp::cosine_hemisphere(u), 1.0)),
             SPECULAR => {
                 let up = if wi.z < 0.0 { -wi } else { wi };

@@ -4,7 +4,7 @@ use super::diffuse::cosine_pdf;
 use super::microfacet::{Microfacet, reflect};
 use super::principled::{bounds, diffuse_lobes, distribution, schlick, schlick_between, tint};
 use super::roughconductor::reflected_pdf;
-use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport, fresnel};
+use super::{Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Scatter, Transport, fresnel};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::spectrum::scalar;
@@ -27,9 +27,7 @@ pub struct PrincipledThinModel {
 }
 
 impl Parameters for PrincipledThinModel {
-    type At = PrincipledThin;
-
-    fn at(&self, point: &Point<'_>) -> PrincipledThin {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         let share = |p: Param| point.scalar(p).clamp(0.0, 1.0);
         let base = point.color(self.base_color);
         let (roughness, anisotropic, eta) =
@@ -51,6 +49,7 @@ impl Parameters for PrincipledThinModel {
             // Burley 2015, figure 15.
             transmission: distribution(((0.65 * eta - 0.35) * roughness).abs(), anisotropic),
         }
+        .into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -144,15 +143,15 @@ impl PrincipledThin {
 
 impl Scatter for PrincipledThin {
     /// Glossy reflection and passage, diffuse reflection and passage.
-    fn parts(&self, _: Vec3) -> PartList {
+    fn lobes(&self, _: Vec3) -> Lobes {
         let diffuse = 1.0 - self.spec_trans;
-        let part = |probability, roughness| Part { probability, roughness };
-        let mut parts = PartList::default();
-        parts[0] = part(0.5 * self.spec_trans, self.reflection.roughness());
-        parts[1] = part(0.5 * self.spec_trans, self.transmission.roughness());
-        parts[2] = part(diffuse * (1.0 - self.diff_trans), Range::DIFFUSE);
-        parts[3] = part(diffuse * self.diff_trans, Range::DIFFUSE);
-        parts
+        let lobe = |probability, roughness| Lobe { probability, roughness };
+        Lobes::from([
+            lobe(0.5 * self.spec_trans, self.reflection.roughness()),
+            lobe(0.5 * self.spec_trans, self.transmission.roughness()),
+            lobe(diffuse * (1.0 - self.diff_trans), Range::DIFFUSE),
+            lobe(diffuse * self.diff_trans, Range::DIFFUSE),
+        ])
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
@@ -186,23 +185,23 @@ impl Scatter for PrincipledThin {
         if wi.z == 0.0 || wo.z == 0.0 {
             return 0.0;
         }
-        let parts = self.parts(wi);
+        let lobes = self.lobes(wi);
         let side = if reflected { wo } else { mirrored(wo) };
         let (glossy, diffuse) = if reflected { (0, 2) } else { (1, 3) };
         let mut pdf = 0.0;
         if range.diffuse() {
-            pdf += parts[diffuse].probability * cosine_pdf(side);
+            pdf += lobes[diffuse].probability * cosine_pdf(side);
         }
-        if parts[glossy].probability > 0.0 && range.contains(parts[glossy].roughness) {
+        if lobes[glossy].probability > 0.0 && range.contains(lobes[glossy].roughness) {
             let microfacet = if reflected { &self.reflection } else { &self.transmission };
-            pdf += parts[glossy].probability * reflected_pdf(microfacet, wi, side);
+            pdf += lobes[glossy].probability * reflected_pdf(microfacet, wi, side);
         }
         pdf
     }
 
-    fn draw(&self, part: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    fn draw(&self, lobe: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let up = upright(wi, wi).0;
-        let wo = match part {
+        let wo = match lobe {
             0 => reflect(up, self.reflection.sample(up, u)),
             1 => reflect(up, self.transmission.sample(up, u)),
             _ => warp::cosine_hemisphere(u),
@@ -210,7 +209,7 @@ impl Scatter for PrincipledThin {
         if wo.z <= 0.0 {
             return None;
         }
-        let wo = if part % 2 == 1 { mirrored(wo) } else { wo };
+        let wo = if lobe % 2 == 1 { mirrored(wo) } else { wo };
         Some((wo * 1.0f32.copysign(wi.z), 1.0))
     }
 

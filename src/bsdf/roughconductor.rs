@@ -1,6 +1,6 @@
 use super::metal::MetalAt;
 use super::microfacet::{Microfacet, reflect};
-use super::{Metal, Nature, Parameters, PartList, Point, Range, Roughness, Scatter, Transport, one_part};
+use super::{Bxdf, Lobes, Metal, Nature, Parameters, Point, Range, Roughness, Scatter, Transport};
 use crate::math::{Color, Vec2, Vec3};
 use crate::texture::Param;
 
@@ -13,14 +13,13 @@ pub struct RoughConductorModel {
 }
 
 impl Parameters for RoughConductorModel {
-    type At = RoughConductor;
-
-    fn at(&self, point: &Point<'_>) -> RoughConductor {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         RoughConductor {
             metal: self.metal.at(point),
             reflectance: point.color(self.reflectance),
             microfacet: self.roughness.at(point),
         }
+        .into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -44,8 +43,8 @@ pub struct RoughConductor {
 }
 
 impl Scatter for RoughConductor {
-    fn parts(&self, _: Vec3) -> PartList {
-        one_part(self.microfacet.roughness())
+    fn lobes(&self, _: Vec3) -> Lobes {
+        Lobes::one(self.microfacet.roughness())
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {

@@ -1,5 +1,5 @@
 use super::microfacet::{Microfacet, reflect, refract};
-use super::{Nature, Parameters, PartList, Point, Range, Roughness, Scatter, Transport, fresnel, one_part};
+use super::{Bxdf, Lobes, Nature, Parameters, Point, Range, Roughness, Scatter, Transport, fresnel};
 use crate::math::{Color, Vec2, Vec3};
 use crate::texture::Param;
 
@@ -13,15 +13,14 @@ pub struct RoughDielectricModel {
 }
 
 impl Parameters for RoughDielectricModel {
-    type At = RoughDielectric;
-
-    fn at(&self, point: &Point<'_>) -> RoughDielectric {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         RoughDielectric {
             eta: self.eta,
             reflectance: point.color(self.reflectance),
             transmittance: point.color(self.transmittance),
             microfacet: self.roughness.at(point),
         }
+        .into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -100,8 +99,8 @@ impl Meeting {
 }
 
 impl Scatter for RoughDielectric {
-    fn parts(&self, _: Vec3) -> PartList {
-        one_part(self.microfacet.roughness())
+    fn lobes(&self, _: Vec3) -> Lobes {
+        Lobes::one(self.microfacet.roughness())
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {

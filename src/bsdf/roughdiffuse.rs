@@ -1,7 +1,7 @@
 use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI};
 
 use super::diffuse::cosine_pdf;
-use super::{Nature, Parameters, PartList, Point, Range, Scatter, Transport, one_part};
+use super::{Bxdf, Lobes, Nature, Parameters, Point, Range, Scatter, Transport};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Param;
@@ -16,11 +16,10 @@ pub struct RoughDiffuseModel {
 }
 
 impl Parameters for RoughDiffuseModel {
-    type At = RoughDiffuse;
-
-    fn at(&self, point: &Point<'_>) -> RoughDiffuse {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         let sigma = point.scalar(self.alpha).max(0.0) * FRAC_1_SQRT_2;
         RoughDiffuse { reflectance: point.color(self.reflectance), sigma2: sigma * sigma, fast: self.fast }
+            .into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -70,8 +69,8 @@ impl RoughDiffuse {
 }
 
 impl Scatter for RoughDiffuse {
-    fn parts(&self, _: Vec3) -> PartList {
-        one_part(Range::DIFFUSE)
+    fn lobes(&self, _: Vec3) -> Lobes {
+        Lobes::one(Range::DIFFUSE)
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {

@@ -6,8 +6,8 @@ use super::microfacet::{Microfacet, reflect};
 use super::plastic::specular_weight;
 use super::roughconductor::reflected_pdf;
 use super::{
-    Between, Nature, Parameters, Part, PartList, Point, Range, Roughness, Scatter, Transmittance, Transport,
-    fresnel,
+    Between, Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Roughness, Scatter, Transmittance,
+    Transport, fresnel,
 };
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
@@ -27,9 +27,7 @@ pub struct RoughPlasticModel {
 }
 
 impl Parameters for RoughPlasticModel {
-    type At = RoughPlastic;
-
-    fn at(&self, point: &Point<'_>) -> RoughPlastic {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         let (diffuse, specular) = (point.color(self.diffuse), point.color(self.specular));
         let microfacet = self.roughness.at(point);
         let internal = self.transmittance.internal(microfacet.roughness());
@@ -43,6 +41,7 @@ impl Parameters for RoughPlasticModel {
             microfacet,
             transmittance: self.transmittance.clone(),
         }
+        .into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -90,12 +89,12 @@ impl RoughPlastic {
 }
 
 impl Scatter for RoughPlastic {
-    fn parts(&self, wi: Vec3) -> PartList {
+    fn lobes(&self, wi: Vec3) -> Lobes {
         let s = self.specular_probability(wi);
-        let mut parts = PartList::default();
-        parts[0] = Part { probability: s, roughness: self.microfacet.roughness() };
-        parts[1] = Part { probability: 1.0 - s, roughness: Range::DIFFUSE };
-        parts
+        Lobes::from([
+            Lobe { probability: s, roughness: self.microfacet.roughness() },
+            Lobe { probability: 1.0 - s, roughness: Range::DIFFUSE },
+        ])
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
@@ -130,11 +129,11 @@ impl Scatter for RoughPlastic {
         pdf
     }
 
-    fn draw(&self, part: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    fn draw(&self, lobe: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
         if wi.z <= 0.0 {
             return None;
         }
-        let wo = match part {
+        let wo = match lobe {
             0 => reflect(wi, self.microfacet.sample(wi, u)),
             _ => warp::cosine_hemisphere(u),
         };

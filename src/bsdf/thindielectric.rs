@@ -1,5 +1,7 @@
 use super::dielectric::Dielectric;
-use super::{DeltaLobe, Deltas, DielectricModel, Nature, Parameters, Point, Scatter, Transport, fresnel};
+use super::{
+    Bxdf, DeltaLobe, Deltas, DielectricModel, Nature, Parameters, Point, Scatter, Transport, fresnel,
+};
 use crate::math::Vec3;
 use crate::texture::Param;
 
@@ -8,10 +10,8 @@ use crate::texture::Param;
 pub struct ThinDielectricModel(pub DielectricModel);
 
 impl Parameters for ThinDielectricModel {
-    type At = ThinDielectric;
-
-    fn at(&self, point: &Point<'_>) -> ThinDielectric {
-        ThinDielectric(self.0.at(point))
+    fn at(&self, point: &Point<'_>) -> Bxdf {
+        ThinDielectric(self.0.interface(point)).into()
     }
 
     fn params(&self) -> Vec<Param> {

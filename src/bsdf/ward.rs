@@ -3,7 +3,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use super::diffuse::cosine_pdf;
 use super::microfacet::{MIN_ALPHA, reflect};
 use super::plastic::specular_weight;
-use super::{Nature, Parameters, Part, PartList, Point, Range, Scatter, Transport};
+use super::{Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Scatter, Transport};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::spectrum::scalar;
@@ -31,13 +31,11 @@ pub struct WardModel {
 }
 
 impl Parameters for WardModel {
-    type At = Ward;
-
-    fn at(&self, point: &Point<'_>) -> Ward {
+    fn at(&self, point: &Point<'_>) -> Bxdf {
         let (diffuse, specular) = (point.color(self.diffuse), point.color(self.specular));
         let [au, av] = [self.alpha_u, self.alpha_v].map(|a| point.scalar(a).max(MIN_ALPHA));
         let specular_weight = specular_weight(diffuse, specular);
-        Ward { variant: self.variant, diffuse, specular, specular_weight, au, av }
+        Ward { variant: self.variant, diffuse, specular, specular_weight, au, av }.into()
     }
 
     fn params(&self) -> Vec<Param> {
@@ -90,11 +88,11 @@ impl Ward {
 }
 
 impl Scatter for Ward {
-    fn parts(&self, _: Vec3) -> PartList {
-        let mut parts = PartList::default();
-        parts[0] = Part { probability: self.specular_weight, roughness: self.roughness() };
-        parts[1] = Part { probability: 1.0 - self.specular_weight, roughness: Range::DIFFUSE };
-        parts
+    fn lobes(&self, _: Vec3) -> Lobes {
+        Lobes::from([
+            Lobe { probability: self.specular_weight, roughness: self.roughness() },
+            Lobe { probability: 1.0 - self.specular_weight, roughness: Range::DIFFUSE },
+        ])
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> Color {
@@ -127,11 +125,11 @@ impl Scatter for Ward {
         pdf
     }
 
-    fn draw(&self, part: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    fn draw(&self, lobe: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
         if wi.z <= 0.0 {
             return None;
         }
-        let wo = if part == 0 {
+        let wo = if lobe == 0 {
             // A Gaussian of slopes, stretched along u and v.
             let r = (-(1.0 - u.x).ln()).sqrt();
             let (sin, cos) = (2.0 * PI * u.y).sin_cos();

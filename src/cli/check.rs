@@ -1,11 +1,13 @@
 //! `convert --check`: do both scenes give the same picture?
 
+use std::path::Path;
+
 use super::convert::ConvertArgs;
 use super::failure::Failure;
-use super::load::{SceneArgs, SpectralRule};
 use super::report;
 use crate::film::Pixels;
-use crate::render::{Budget, render};
+use crate::render::Budget;
+use crate::session::{Options, Session};
 
 /// Longer side of the picture and samples a pixel: some seconds at most.
 const SIDE: u32 = 96;
@@ -20,16 +22,19 @@ const WORST_BIAS: f64 = 4.0;
 /// Renders the source twice and the result once, and compares. 0 or 1.
 pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     let source = |seed| {
-        let rule = args.spectral_to_rgb;
-        let scene =
-            SceneArgs::plain(&args.input, &args.define, &args.allow_path, args.allow_unsupported, rule);
-        picture(scene, seed)
+        let options = Options {
+            defines: args.define.clone(),
+            allow_paths: args.allow_path.clone(),
+            spectrum_rule: args.spectral_to_rgb.rule(),
+            ..small(args.allow_unsupported, seed)
+        };
+        picture(&args.input, &options)
     };
     let first = source(1)?;
     let other = source(2)?;
     // The result's folder holds all it needs; its spectra mean what its language says.
-    let result =
-        picture(SceneArgs::plain(&args.output, &[], &[], args.allow_unsupported, SpectralRule::File), 1)?;
+    let options = Options { spectrum_rule: None, ..small(args.allow_unsupported, 1) };
+    let result = picture(&args.output, &options)?;
     if first.len() != result.len() {
         return Err(Failure::Work(format!(
             "check: the pictures differ in shape ({} and {} pixels)",
@@ -58,17 +63,22 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     Ok(if good { 0 } else { super::FAILED })
 }
 
-/// Of a few samples a pixel, by path tracing.
-fn picture(scene: SceneArgs, seed: u64) -> Result<Pixels, Failure> {
-    let mut loaded = scene.small(SIDE).load(true)?;
-    for (name, value) in
-        [("integrator", "path"), ("passes", &PASSES.to_string()), ("seed", &seed.to_string())]
-    {
-        loaded.settings.set(name, value).map_err(|e| e.to_string())?;
+/// A small film and a few samples a pixel, by path tracing.
+fn small(allow_unsupported: bool, seed: u64) -> Options {
+    let settings =
+        [("integrator", "path".to_owned()), ("passes", PASSES.to_string()), ("seed", seed.to_string())];
+    Options {
+        longest_side: Some(SIDE),
+        allow_unsupported,
+        upgrade_v3: true,
+        settings: settings.map(|(name, value)| (name.to_owned(), value)).to_vec(),
+        ..Options::default()
     }
-    let budget = Budget { passes: Some(PASSES), time: None, error: None, interrupt: None };
-    let pixels = Pixels::new(loaded.view.film.pixel_count());
-    Ok(render(loaded.task(), budget, pixels, 0, &mut |_| {}).pixels)
+}
+
+fn picture(scene: &Path, options: &Options) -> Result<Pixels, Failure> {
+    let session = Session::open(scene, options)?;
+    Ok(session.render(Budget::passes(PASSES), &mut |_| {}).pixels)
 }
 
 struct Difference {

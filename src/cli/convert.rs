@@ -8,9 +8,9 @@ use caustica_formats::{Loss, Read, ReadOptions, WriteError, Written, ir, read_sc
 use clap::Args;
 
 use super::failure::Failure;
-use super::load::{SpectralRule, pair};
-use super::output::check_place;
+use super::scene::{SpectralRule, pair};
 use super::{check, report};
+use crate::session::check_place;
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {

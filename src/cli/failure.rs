@@ -1,5 +1,7 @@
 //! Why a subcommand did not do its work, and the exit status that says so.
 
+use crate::session::Error;
+
 /// A message for people, by whose hand it is to mend.
 #[derive(Debug)]
 pub enum Failure {
@@ -21,6 +23,13 @@ impl Failure {
             Self::Usage(_) => 2,
             Self::Work(_) => super::FAILED,
         }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        let message = error.to_string();
+        if error.is_request() { Self::Usage(message) } else { Self::Work(message) }
     }
 }
 

@@ -5,16 +5,12 @@ mod check;
 mod compare;
 mod convert;
 mod failure;
-mod hashing;
 mod inspect;
 mod interrupt;
-mod limits;
-mod load;
-mod lock;
-mod output;
 mod render;
 mod report;
-mod resume;
+mod scene;
+mod summary;
 
 use std::process::ExitCode;
 

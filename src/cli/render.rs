@@ -8,16 +8,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::limits;
-use super::load::{Loaded, SceneArgs, stem};
-use super::lock::Lock;
-use super::output::{self, KNOWN_LAYERS, Output, wants_alpha};
-use super::report::{self, count, megabytes};
-use super::resume::{self, Saver};
-use crate::film::Pixels;
-use crate::render::{Budget, Outcome, Progress, Statistics, Stop, render};
-use crate::settings::SETTINGS;
+use super::scene::SceneArgs;
+use super::{report, summary};
+use crate::math::kernel::KernelKind;
+use crate::render::{Budget, Outcome, Progress, Stop, Sums};
+use crate::session::{Layers, Output, Saver, Session};
+use crate::settings::{SETTINGS, Settings};
 
+/// Arguments of `render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[command(flatten)]
@@ -34,9 +32,10 @@ pub struct RenderArgs {
     /// Store 16-bit floats
     #[arg(long)]
     half: bool,
-    /// Layers of the EXR: emission, direct, caustic, indirect, variance, samples, all or none
-    #[arg(long, value_name = "LIST", default_value = "emission,direct,caustic,indirect")]
-    layers: String,
+    /// Layers of the EXR: emission, direct, caustic, indirect, variance, samples, all or none [default:
+    /// emission,direct,caustic,indirect]
+    #[arg(long, value_name = "LIST")]
+    layers: Option<String>,
     /// End after this many seconds of rendering
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     time: Option<Duration>,
@@ -88,6 +87,10 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a positive number of seconds".to_owned())
 }
 
+/// Renders a scene into files. The exit status is 0, or that of the signal which ended the render.
+///
+/// # Errors
+/// When something asked for is wrong, the scene cannot be opened, or a file cannot be written.
 pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     if args.help_settings {
         return Ok(help_settings()?);
@@ -95,122 +98,113 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     if let Some(n) = args.threads {
         rayon::ThreadPoolBuilder::new().num_threads(n as usize).build_global().map_err(|e| e.to_string())?;
     }
+    // Found before the scene is read, which may take long.
+    let layers = args.layers.as_deref().map(str::parse::<Layers>).transpose()?;
     let started = Instant::now();
-    let loaded = args.scene.load(args.quiet)?;
+    let session = args.scene.open(args.quiet)?;
     let load_seconds = started.elapsed().as_secs_f64();
-    limits::check(&loaded)?;
-    let output = args.output(&loaded).map_err(Failure::Usage)?;
-    output.check()?;
-    let mut saver = Saver::new(args.checkpoint_path(&output), &loaded);
+    session.check_memory()?;
+    let output = args.output(&session, layers);
+    let saver = Saver::new(args.checkpoint_path(&output), &session);
     let saving = args.checkpoint.is_some() || args.resume;
-    let written = args.stats.iter().chain(saving.then_some(&saver.path));
-    written.clone().try_for_each(|file| output::check_place(file))?;
-    let every: Vec<&Path> = output.files.iter().chain(written).map(PathBuf::as_path).collect();
-    output::check_distinct(&every, &loaded.inputs)?;
-    let _locks: Vec<_> = output
-        .files
-        .iter()
-        .chain(saving.then_some(&saver.path))
-        .map(|file| Lock::take(file))
-        .collect::<Result<_, _>>()?;
-    let saved = if args.resume { saver.resume()? } else { None };
-    let (pixels, done) = saved.unwrap_or_else(|| (Pixels::new(loaded.view.film.pixel_count()), 0));
-    let asked = args.scene.spp.or(args.scene.passes);
-    if let Some(asked) = asked.filter(|asked| *asked < done && !args.quiet) {
-        report::line(&format!("warning: the checkpoint holds {done} passes; {asked} were asked for"));
-    }
-    if args.verbose {
-        report::line(&loaded.plan.to_string());
-    }
-    if loaded.scene.emitters.is_empty() && !args.quiet {
-        let scene = loaded.path.display();
-        report::line(&format!("warning: {scene}: the scene has no light; the picture will be black"));
-    }
-
+    let checkpoint = saving.then_some(saver.path.as_path());
+    let others: Vec<&Path> = args.stats.as_deref().into_iter().chain(checkpoint).collect();
+    output.check(&session, &others)?;
+    let _locks = output.lock(checkpoint.as_slice())?;
+    let sums = args.begin(&session, &saver)?;
+    args.tell(&session);
     interrupt.watch();
-    let limited = args.time.is_some() || args.target_error.is_some();
-    let budget = Budget {
-        // A time or an error ends the render, unless a number of passes was asked for as well.
-        passes: (!limited || asked.is_some()).then_some(loaded.settings.passes),
-        time: args.time,
-        error: args.target_error,
-        interrupt: Some(interrupt.flag()),
-    };
-    let bar = args.progress_bar(&budget);
-    let mut on_pass = |p: &Progress<'_>| {
-        show(&bar, p, &budget);
-        if saving {
-            saver.after_pass(p.pixels, p.passes);
-        }
-    };
-    let outcome = render(loaded.task(), budget, pixels, done, &mut on_pass);
-    bar.finish_and_clear();
-    let passes = outcome.statistics.passes;
+    let mut saver = saver;
+    let outcome = args.render(&session, sums, saving.then_some(&mut saver), interrupt);
     // A picture from before is worth more than a part of the first pass.
-    let kept = passes == 0 && output.files.iter().any(|file| file.exists());
+    let kept = outcome.statistics.passes == 0 && output.files.iter().any(|file| file.exists());
     // The picture first: it is what nobody wants to lose.
-    let picture = if kept {
-        Ok(())
-    } else {
-        output.write(&loaded, &outcome.pixels, passes, &radii(&outcome.statistics))
-    };
+    let picture = if kept { Ok(()) } else { output.write(&session.picture(&outcome)) };
     for file in output.files.iter().filter(|_| kept) {
         report::line(&format!("interrupted in the first pass: nothing was written to {}", file.display()));
     }
-    let whole = passes > 0 && !outcome.statistics.first_pass_cut;
+    let whole = outcome.statistics.passes > 0 && !outcome.statistics.first_pass_cut;
     if whole && (saving || outcome.stop == Stop::Interrupted) {
-        let saved = saver.save(&outcome.pixels, passes, true);
+        let saved = saver.save(&outcome.pixels, outcome.statistics.passes, true);
         if let (Err(_), Err(problem)) = (&picture, &saved) {
-            report::error(problem);
+            report::error(&problem.to_string());
         }
         picture.and(saved)?;
     } else {
         picture?;
     }
     let written = if kept { &[] } else { &*output.files };
-    args.summary(&loaded, written, &outcome, load_seconds)?;
+    args.summary(&session, written, &outcome, load_seconds)?;
     Ok(if outcome.stop == Stop::Interrupted { interrupt.status() } else { 0 })
 }
 
 impl RenderArgs {
-    fn output(&self, loaded: &Loaded) -> Result<Output, String> {
-        let main =
-            self.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", stem(&loaded.path))));
+    fn output(&self, session: &Session, layers: Option<Layers>) -> Output {
+        let main = self.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", session.name())));
         let mut files = vec![main.clone()];
         match &self.png {
             Some(Some(file)) => files.push(file.clone()),
             Some(None) => files.push(main.with_extension("png")),
             None => {}
         }
-        files.dedup_by_key(|file| output::real(file));
-        let mut layers = Vec::new();
-        for name in self.layers.split(',').map(str::trim).filter(|n| !n.is_empty()) {
-            match name {
-                "none" => {}
-                "all" => layers.extend(KNOWN_LAYERS.map(str::to_owned)),
-                known if KNOWN_LAYERS.contains(&known) => layers.push(known.to_owned()),
-                other => {
-                    return Err(format!(
-                        "there is no layer `{other}`; there are {}",
-                        KNOWN_LAYERS.join(", ")
-                    ));
-                }
-            }
-        }
-        layers.dedup();
-        let tonemap = loaded.film.tonemap;
-        Ok(Output {
-            files,
-            layers,
-            half: self.half,
-            exposure: self.exposure + tonemap.map_or(0.0, |t| t.exposure),
-            gamma: tonemap.and_then(|t| t.gamma),
-            alpha: wants_alpha(&loaded.film),
-        })
+        let own = Output::new(session, files);
+        Output { layers, half: self.half, exposure: self.exposure + own.exposure, ..own }
     }
 
     fn checkpoint_path(&self, output: &Output) -> PathBuf {
-        self.checkpoint.clone().unwrap_or_else(|| resume::default_path(&output.files[0]))
+        self.checkpoint.clone().unwrap_or_else(|| Saver::default_path(&output.files[0]))
+    }
+
+    /// What the render goes on from.
+    fn begin(&self, session: &Session, saver: &Saver) -> Result<Sums, Failure> {
+        let saved = if self.resume { saver.resume()? } else { None };
+        if self.resume && saved.is_none() {
+            let path = saver.path.display();
+            report::line(&format!("warning: there is no checkpoint `{path}`; beginning with pass 1"));
+        }
+        let sums = saved.unwrap_or_else(|| Sums::none(session.view.film.pixel_count()));
+        let done = sums.passes;
+        if let Some(asked) = self.scene.passes().filter(|asked| *asked < done && !self.quiet) {
+            report::line(&format!("warning: the checkpoint holds {done} passes; {asked} were asked for"));
+        }
+        Ok(sums)
+    }
+
+    /// Whatever is to be said before rendering.
+    fn tell(&self, session: &Session) {
+        if self.verbose {
+            report::line(&session.plan().to_string());
+        }
+        if !session.facts.lit && !self.quiet {
+            let scene = session.path().display();
+            report::line(&format!("warning: {scene}: the scene has no light; the picture will be black"));
+        }
+    }
+
+    fn render(
+        &self,
+        session: &Session,
+        sums: Sums,
+        mut saver: Option<&mut Saver>,
+        interrupt: &Interrupt,
+    ) -> Outcome {
+        let limited = self.time.is_some() || self.target_error.is_some();
+        let budget = Budget {
+            // A time or an error ends the render, unless a number of passes was asked for as well.
+            passes: (!limited || self.scene.passes().is_some()).then_some(session.settings.passes),
+            time: self.time,
+            error: self.target_error,
+            interrupt: Some(interrupt.flag()),
+        };
+        let bar = self.progress_bar(&budget);
+        let outcome = session.resume(sums, budget, &mut |p| {
+            show(&bar, p, &budget);
+            if let Some(Err(problem)) = saver.as_mut().map(|saver| saver.after_pass(p.pixels, p.passes)) {
+                report::line(&format!("warning: {problem}; rendering goes on, and this is tried again"));
+            }
+        });
+        bar.finish_and_clear();
+        outcome
     }
 
     fn progress_bar(&self, budget: &Budget<'_>) -> ProgressBar {
@@ -232,132 +226,36 @@ impl RenderArgs {
 
     fn summary(
         &self,
-        loaded: &Loaded,
+        session: &Session,
         written: &[PathBuf],
         outcome: &Outcome,
         load_seconds: f64,
     ) -> Result<(), String> {
-        let s = &outcome.statistics;
         if let Some(path) = &self.stats {
-            let value = serde_json::json!({
-                "scene": loaded.path.display().to_string(),
-                "scene_hash": loaded.hash,
-                "threads": rayon::current_num_threads(),
-                "load_seconds": load_seconds,
-                "peak_memory_bytes": report::peak_memory(),
-                "relative_standard_error": finite(outcome.pixels.relative_error(s.passes)),
-                "stop": outcome.stop,
-                "render": s,
-                "settings": loaded.settings.values().collect::<std::collections::BTreeMap<_, _>>(),
-            });
+            let value = summary::json(session, outcome, load_seconds);
             let text = serde_json::to_string_pretty(&value).map_err(|e| e.to_string())?;
             caustica_formats::image::atomic_write(path, text.as_bytes())
                 .map_err(|e| format!("cannot write `{}`: {e}", path.display()))?;
         }
-        for (cause, n) in s.rejected.causes().into_iter().filter(|(_, n)| *n > 0) {
-            report::line(&format!("warning: left out {n} {cause}"));
-        }
-        if s.light_paths > 0 && s.photons_stored == 0 {
-            let paths = count(s.light_paths as f64);
-            report::line(&format!(
-                "warning: none of {paths} light paths left a photon: what lamps do not light directly is missing, \
-                 if there is any (--integrator path tells)"
-            ));
-        }
+        summary::warnings(outcome).iter().for_each(|line| report::line(line));
         if !self.quiet {
-            report::line(&self.table(outcome, load_seconds));
+            report::line(&summary::table(outcome, load_seconds));
             for file in written {
                 report::line(&format!("wrote {}", file.display()));
             }
         }
         Ok(())
     }
-
-    fn table(&self, outcome: &Outcome, load_seconds: f64) -> String {
-        let s = &outcome.statistics;
-        let per =
-            |n: u64, seconds: f64| if seconds > 0.0 { count(n as f64 / seconds) } else { "0".to_owned() };
-        let mut rows = vec![
-            ("passes", format!("{} in {:.2} s (loading {load_seconds:.2} s)", s.passes, s.seconds)),
-            ("rays", format!("{} ({}/s)", count(s.rays as f64), per(s.rays, s.seconds))),
-        ];
-        if s.light_paths > 0 {
-            rows.push((
-                "photons",
-                format!("{} stored ({}/s)", count(s.photons_stored as f64), per(s.photons_stored, s.seconds)),
-            ));
-            rows.push((
-                "lookups",
-                format!(
-                    "{} ({}/s of camera time), {:.1} photons each",
-                    count(s.lookups as f64),
-                    per(s.lookups, s.camera_seconds),
-                    s.photons_gathered as f64 / s.lookups.max(1) as f64
-                ),
-            ));
-            rows.push((
-                "phases",
-                format!(
-                    "prepare {:.2} s, photons {:.2} s, maps {:.2} s, camera {:.2} s",
-                    s.prepare_seconds, s.trace_seconds, s.build_seconds, s.camera_seconds
-                ),
-            ));
-        }
-        if s.first_radius > 0.0 {
-            rows.push(("radius", format!("{:.4e} to {:.4e}", s.first_radius, s.last_radius)));
-        }
-        if s.first_caustic_radius > 0.0 {
-            rows.push((
-                "caustic radius",
-                format!("{:.4e} to {:.4e}", s.first_caustic_radius, s.last_caustic_radius),
-            ));
-        }
-        let memory =
-            report::peak_memory().map_or_else(String::new, |m| format!("{} at the peak; ", megabytes(m)));
-        rows.push((
-            "memory",
-            format!(
-                "{memory}maps {}, film {}, scene {}",
-                megabytes(s.map_bytes),
-                megabytes(s.film_bytes),
-                megabytes(s.scene_bytes)
-            ),
-        ));
-        if s.passes > 1 {
-            rows.push((
-                "standard error",
-                format!("{:.3} % of the mean", 100.0 * outcome.pixels.relative_error(s.passes)),
-            ));
-        }
-        let ended = match outcome.stop {
-            Stop::Passes => "all passes done",
-            Stop::Time if s.first_pass_cut => {
-                "time is up: the only pass has fewer light paths than asked for, and no checkpoint"
-            }
-            Stop::Time => "time is up",
-            Stop::Error => "target error reached",
-            Stop::Interrupted if s.passes == 0 => {
-                "interrupted in the first pass, from which nothing can go on; black is what it did not reach"
-            }
-            Stop::Interrupted => "interrupted; --resume goes on from the checkpoint",
-        };
-        rows.push(("ended", ended.to_owned()));
-        rows.iter().map(|(n, v)| format!("{n:<15} {v}")).collect::<Vec<_>>().join("\n")
-    }
-}
-
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
 }
 
 fn help_settings() -> Result<u8, String> {
-    let defaults = crate::settings::Settings::default();
+    let defaults = Settings::default();
     let rows: Vec<String> = SETTINGS
         .iter()
         .zip(defaults.values())
         .map(|(row, (_, default))| format!("{:<20} {} [{}; default {default}]", row.name, row.doc, row.wants))
         .collect();
-    let kernels: Vec<&str> = crate::math::kernel::KernelKind::ALL.iter().map(|k| k.name()).collect();
+    let kernels: Vec<&str> = KernelKind::ALL.iter().map(|k| k.name()).collect();
     report::data(&format!("{}\n\nkernels: {}", rows.join("\n"), kernels.join(", ")))?;
     Ok(0)
 }
@@ -378,12 +276,4 @@ fn show(bar: &ProgressBar, p: &Progress<'_>, budget: &Budget<'_>) {
             100.0 * p.pixels.relative_error(p.passes)
         ));
     }
-}
-
-fn radii(s: &Statistics) -> Vec<(String, String)> {
-    [("firstRadius", s.first_radius), ("firstCausticRadius", s.first_caustic_radius)]
-        .into_iter()
-        .filter(|(_, r)| *r > 0.0)
-        .map(|(n, r)| (n.to_owned(), r.to_string()))
-        .collect()
 }

@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use super::table::Table;
-use super::{DirectSample, Emission};
+use super::{Arena, DirectSample, Emission, Light, SceneSphere};
 use crate::math::{Color, Frame, LIFT, Ray, Vec2, Vec3};
 use crate::sampling::{Discrete, warp};
 use crate::shape::{Analytic, AreaSample, triangle};
@@ -112,28 +112,6 @@ impl Area {
         Self { surface, radiance, sides, lift, area, places, mean }
     }
 
-    #[inline(always)]
-    pub fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        if let Some((sphere, gap)) = self.visible_cone(p) {
-            return self.sample_cone(textures, p, sphere, gap, u);
-        }
-        let s = self.surface.sample(u);
-        let d = s.p - p;
-        let d2 = d.length_squared();
-        let dir = d / d2.sqrt();
-        let mut cos = -dir.dot(s.n);
-        let mut n = s.n;
-        if self.sides == Sides::Both && cos < 0.0 {
-            (cos, n) = (-cos, -n);
-        }
-        if !(cos > 0.0 && d2 > 0.0) {
-            return None;
-        }
-        let pdf = d2 / (cos * self.area);
-        let value = textures.eval(self.radiance, &site(&s)) / pdf;
-        Some(DirectSample { dir, target: Some(self.above(s.p, n, p)), value, pdf })
-    }
-
     /// The end of a shadow ray from `p` to the point `q` of the lamp: clear of it by the roundings of both.
     #[inline(always)]
     fn above(&self, q: Vec3, n: Vec3, p: Vec3) -> Vec3 {
@@ -185,7 +163,48 @@ impl Area {
         if cos > 0.0 { (q - p).length_squared() / (cos * self.area) } else { 0.0 }
     }
 
-    pub fn sample_emission(&self, textures: &Textures, place: Vec2, direction: Vec2) -> Option<Emission> {
+    /// World area in square scene units.
+    pub fn area(&self) -> f32 {
+        self.area
+    }
+
+    /// Power in W per lane: exact but for textures, whose mean over the surface is sampled.
+    pub fn flux(&self) -> Color {
+        let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
+        self.mean * (sides * PI * self.area)
+    }
+}
+
+impl Light for Area {
+    #[inline(always)]
+    fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
+        if let Some((sphere, gap)) = self.visible_cone(p) {
+            return self.sample_cone(textures, p, sphere, gap, u);
+        }
+        let s = self.surface.sample(u);
+        let d = s.p - p;
+        let d2 = d.length_squared();
+        let dir = d / d2.sqrt();
+        let mut cos = -dir.dot(s.n);
+        let mut n = s.n;
+        if self.sides == Sides::Both && cos < 0.0 {
+            (cos, n) = (-cos, -n);
+        }
+        if !(cos > 0.0 && d2 > 0.0) {
+            return None;
+        }
+        let pdf = d2 / (cos * self.area);
+        let value = textures.eval(self.radiance, &site(&s)) / pdf;
+        Some(DirectSample { dir, target: Some(self.above(s.p, n, p)), value, pdf })
+    }
+
+    fn sample_emission(
+        &self,
+        textures: &Textures,
+        _arena: &Arena<'_>,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
         let (place, density) = self.places.as_ref().map_or((place, 1.0), |p| p.choose(place));
         let s = self.surface.sample(place);
         let (mut n, mut u, mut sides) = (s.n, direction, 1.0);
@@ -201,15 +220,8 @@ impl Area {
         (flux.max_element() > 0.0).then_some(Emission { o: s.p + n * self.lift, d, flux })
     }
 
-    /// Exact but for textures, whose mean over the surface is sampled.
-    pub fn power(&self) -> Color {
-        let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
-        self.mean * (sides * PI * self.area)
-    }
-
-    /// World area in square scene units.
-    pub fn area(&self) -> f32 {
-        self.area
+    fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
+        self.flux()
     }
 }
 

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use super::area::site;
-use super::{DirectSample, Emission, MeshTriangle, Surface};
+use super::{Arena, DirectSample, Emission, Light, MeshTriangle, SceneSphere, Surface};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::Discrete;
 use crate::shape::triangle;
@@ -39,9 +39,11 @@ impl Collimated {
     pub fn area(&self) -> f32 {
         self.by_area.total() as f32
     }
+}
 
+impl Light for Collimated {
     /// One of the faces: its beam either holds `p` or not.
-    pub fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
+    fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
         let (i, _) = self.faces_by_area.sample(u.x);
         let (t, b) = self.triangles[self.faces[i].clone()].iter().find_map(|t| Some((t, below(t, p)?)))?;
         let b0 = 1.0 - b.x - b.y;
@@ -53,13 +55,19 @@ impl Collimated {
         (value.max_element() > 0.0).then_some(DirectSample { dir: -t.normal, target, value, pdf: 0.0 })
     }
 
-    pub fn sample_emission(&self, textures: &Textures, place: Vec2) -> Option<Emission> {
+    fn sample_emission(
+        &self,
+        textures: &Textures,
+        _arena: &Arena<'_>,
+        place: Vec2,
+        _direction: Vec2,
+    ) -> Option<Emission> {
         let s = Surface::sample_triangles(&self.triangles, &self.by_area, place);
         let flux = textures.eval(self.radiance, &site(&s)) * self.area();
         (flux.max_element() > 0.0).then_some(Emission { o: s.p + s.n * self.lift, d: s.n, flux })
     }
 
-    pub fn power(&self, textures: &Textures) -> Color {
+    fn power(&self, textures: &Textures, _scene: &SceneSphere) -> Color {
         textures.mean(self.radiance) * self.area()
     }
 }

@@ -1,9 +1,10 @@
 use std::f64::consts::PI;
 
 use super::table::{Table, linear};
-use super::{Arena, DirectSample, Emission, Picture, SceneSphere, equal_area};
+use super::{Arena, DirectSample, Emission, Light, Picture, SceneSphere, equal_area};
 use crate::math::{Color, Frame, Vec2, Vec3};
 use crate::spectrum::{luminance, rgb, to_rgb};
+use crate::texture::Textures;
 
 /// Radiance from infinity by a picture. Directions are drawn in proportion to luminance exactly, as it
 /// is looked up, so the density needs no table.
@@ -188,24 +189,36 @@ impl Environment {
         (pdf > 0.0 && pdf.is_finite()).then(|| (self.axes.to_world(local).normalize(), radiance / pdf, pdf))
     }
 
-    pub fn sample_direct(&self, u: Vec2) -> Option<DirectSample> {
+    pub fn bytes(&self) -> usize {
+        self.picture.bytes() + self.table.bytes()
+    }
+}
+
+impl Light for Environment {
+    fn sample_direct(&self, _textures: &Textures, _p: Vec3, u: Vec2) -> Option<DirectSample> {
         let (dir, value, pdf) = self.sample(u)?;
         Some(DirectSample { dir, target: None, value, pdf })
     }
 
     /// A direction as for direct light, and a place on the disk that the scene's sphere shows to it.
-    pub fn sample_emission(&self, arena: &Arena<'_>, place: Vec2, direction: Vec2) -> Option<Emission> {
+    fn sample_emission(
+        &self,
+        _textures: &Textures,
+        arena: &Arena<'_>,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
         let (dir, value, _) = self.sample(direction)?;
         let (o, weight) = arena.enter(-dir, place);
         Some(Emission { o, d: -dir, flux: value * (arena.sphere.disk() * weight) })
     }
 
-    pub fn power(&self, scene: &SceneSphere) -> Color {
+    fn power(&self, _textures: &Textures, scene: &SceneSphere) -> Color {
         self.total * scene.disk()
     }
 
-    pub fn bytes(&self) -> usize {
-        self.picture.bytes() + self.table.bytes()
+    fn is_infinite(&self) -> bool {
+        true
     }
 }
 

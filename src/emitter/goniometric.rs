@@ -1,9 +1,10 @@
 use std::f32::consts::PI;
 
 use super::table::Table;
-use super::{DirectSample, Emission, Picture, equal_area, just_before};
+use super::{Arena, DirectSample, Emission, Light, Picture, SceneSphere, equal_area, just_before};
 use crate::math::{Color, Frame, Vec2, Vec3};
 use crate::spectrum::scalar;
+use crate::texture::Textures;
 
 /// A point light whose intensity is scaled by the nearest pixel of an equal-area picture around it.
 #[derive(Clone, Debug)]
@@ -28,7 +29,15 @@ impl Goniometric {
         Self { position, axes, intensity, picture, table }
     }
 
-    pub fn sample_direct(&self, p: Vec3) -> Option<DirectSample> {
+    /// Power in W per lane, in closed form.
+    pub fn flux(&self) -> Color {
+        let pixels = (self.picture.width * self.picture.height) as f64;
+        self.intensity * (4.0 * PI * (self.table.total() / pixels) as f32)
+    }
+}
+
+impl Light for Goniometric {
+    fn sample_direct(&self, _textures: &Textures, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         let d = self.position - p;
         let d2 = d.length_squared();
         let dir = d / d2.sqrt();
@@ -43,16 +52,21 @@ impl Goniometric {
         })
     }
 
-    pub fn sample_emission(&self, direction: Vec2) -> Option<Emission> {
+    fn sample_emission(
+        &self,
+        _textures: &Textures,
+        _arena: &Arena<'_>,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
         let (x, y, rest) = self.table.sample(direction);
         let size = Vec2::new(self.picture.width as f32, self.picture.height as f32);
         let local = equal_area::to_direction((Vec2::new(x as f32, y as f32) + rest) / size);
-        let flux = self.power();
+        let flux = self.flux();
         (flux.max_element() > 0.0).then(|| Emission { o: self.position, d: self.axes.to_world(local), flux })
     }
 
-    pub fn power(&self) -> Color {
-        let pixels = (self.picture.width * self.picture.height) as f64;
-        self.intensity * (4.0 * PI * (self.table.total() / pixels) as f32)
+    fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
+        self.flux()
     }
 }

@@ -1,4 +1,5 @@
-//! Emitters: direct sampling (for next event estimation) and photon emission. One file per model.
+//! Emitters: direct sampling (for next event estimation) and photon emission. One file per model; [`Light`] is
+//! the contract, [`Emitter`] the table.
 
 mod aim;
 mod area;
@@ -30,7 +31,7 @@ pub use projection::Projection;
 pub use projector::Projector;
 pub use spot::{Falloff, Spot};
 
-use crate::math::{Color, Vec2, Vec3};
+use crate::math::{Color, Vec2, Vec3, closed_enum};
 use crate::texture::Textures;
 
 /// Light arriving at a point from one sampled direction, before visibility.
@@ -76,81 +77,54 @@ impl SceneSphere {
     }
 }
 
-#[derive(Clone, Debug)]
-pub enum Emitter {
-    Area(Area),
-    Point(Point),
-    Spot(Spot),
-    Directional(Directional),
-    Constant(Constant),
-    Environment(Box<Environment>),
-    Projector(Projector),
-    Projection(Box<Projection>),
-    Goniometric(Box<Goniometric>),
-    Collimated(Box<Collimated>),
-}
+closed_enum! {
+    /// What every emitter can do. Lengths and areas are in world units, radiometric quantities per colour lane;
+    /// directions are of unit length and in world space.
+    ///
+    /// An emitter that cannot be met by a ray (a point, a single direction) answers with `pdf` 0, and its `value`
+    /// holds the whole of its delta.
+    pub trait Light {
+        /// Light at `p` from one place of the emitter, chosen by `u`: of density `pdf` per solid angle at `p`. The
+        /// mean of `value` over `u`, times f and the cosine at `p`, is the light reflected; visibility is left to the
+        /// caller. `None` when nothing arrives from the chosen place: its back side, or beyond the cone of a spot.
+        #[inline(always)]
+        fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample>;
 
-impl Emitter {
-    /// Light at `p`; `None` when nothing arrives from the sampled place.
-    #[inline(always)]
-    pub fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        match self {
-            Self::Area(e) => e.sample_direct(textures, p, u),
-            Self::Point(e) => e.sample_direct(p),
-            Self::Spot(e) => e.sample_direct(textures, p),
-            Self::Directional(e) => e.sample_direct(),
-            Self::Constant(e) => e.sample_direct(u),
-            Self::Environment(e) => e.sample_direct(u),
-            Self::Projector(e) => e.sample_direct(textures, p),
-            Self::Projection(e) => e.sample_direct(p),
-            Self::Goniometric(e) => e.sample_direct(p),
-            Self::Collimated(e) => e.sample_direct(textures, p, u),
+        /// Start of a light path: `place` chooses where, `direction` whither. The flux is the power per unit of
+        /// `place` and `direction` (its mean over both is [`Emitter::power`]), the cosine at the lamp included, and
+        /// light from infinity starts outside of the sphere of `arena`. `None` where the sample carries no light.
+        fn sample_emission(
+            &self,
+            textures: &Textures,
+            arena: &Arena<'_>,
+            place: Vec2,
+            direction: Vec2,
+        ) -> Option<Emission>;
+
+        /// Power in W per lane; of light from infinity, what passes through the sphere `scene`. Exact but for
+        /// textures, whose mean is sampled. Decides how often the emitter is chosen, and is never 0 for one that
+        /// shines.
+        fn power(&self, textures: &Textures, scene: &SceneSphere) -> Color;
+
+        /// Whether its light comes from infinity: such an emitter covers the whole scene's sphere.
+        fn is_infinite(&self) -> bool {
+            false
         }
     }
 
-    /// Start of a light path with density proportional to nothing in particular: the flux carries the
-    /// weight. `None` where the sample carries no light.
-    pub fn sample_emission(
-        &self,
-        textures: &Textures,
-        arena: &Arena<'_>,
-        place: Vec2,
-        direction: Vec2,
-    ) -> Option<Emission> {
-        match self {
-            Self::Area(e) => e.sample_emission(textures, place, direction),
-            Self::Point(e) => e.sample_emission(direction),
-            Self::Spot(e) => e.sample_emission(textures, direction),
-            Self::Directional(e) => e.sample_emission(arena, place),
-            Self::Constant(e) => e.sample_emission(arena, place, direction),
-            Self::Environment(e) => e.sample_emission(arena, place, direction),
-            Self::Projector(e) => e.sample_emission(textures, direction),
-            Self::Projection(e) => e.sample_emission(direction),
-            Self::Goniometric(e) => e.sample_emission(direction),
-            Self::Collimated(e) => e.sample_emission(textures, place),
-        }
-    }
-
-    /// Whether its light comes from infinity.
-    pub fn is_infinite(&self) -> bool {
-        matches!(self, Self::Directional(_) | Self::Constant(_) | Self::Environment(_))
-    }
-
-    /// Power in W per channel; what light from infinity sends through the scene's sphere. Exact but
-    /// for textures, whose mean is sampled.
-    pub fn power(&self, textures: &Textures, scene: &SceneSphere) -> Color {
-        match self {
-            Self::Area(e) => e.power(),
-            Self::Point(e) => e.power(),
-            Self::Spot(e) => e.power(),
-            Self::Directional(e) => e.power(scene),
-            Self::Constant(e) => e.power(scene),
-            Self::Environment(e) => e.power(scene),
-            Self::Projector(e) => e.power(textures),
-            Self::Projection(e) => e.power(),
-            Self::Goniometric(e) => e.power(),
-            Self::Collimated(e) => e.power(textures),
-        }
+    /// Every kind of emitter.
+    #[derive(Clone, Debug)]
+    pub enum Emitter {
+        Area(Area),
+        Point(Point),
+        Spot(Spot),
+        Directional(Directional),
+        Constant(Constant),
+        Environment(Box<Environment>),
+        Projector(Projector),
+        Projection(Box<Projection>),
+        Goniometric(Box<Goniometric>),
+        Collimated(Box<Collimated>),
     }
 }
 

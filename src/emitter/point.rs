@@ -1,8 +1,9 @@
 use std::f32::consts::PI;
 
-use super::{DirectSample, Emission, just_before};
+use super::{Arena, DirectSample, Emission, Light, SceneSphere, just_before};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
+use crate::texture::Textures;
 
 /// Isotropic point light; `intensity` in W/sr.
 #[derive(Clone, Debug)]
@@ -11,8 +12,8 @@ pub struct Point {
     pub intensity: Color,
 }
 
-impl Point {
-    pub fn sample_direct(&self, p: Vec3) -> Option<DirectSample> {
+impl Light for Point {
+    fn sample_direct(&self, _textures: &Textures, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         let d = self.position - p;
         let d2 = d.length_squared();
         (d2 > 0.0).then(|| DirectSample {
@@ -23,11 +24,21 @@ impl Point {
         })
     }
 
-    pub fn sample_emission(&self, direction: Vec2) -> Option<Emission> {
-        Some(Emission { o: self.position, d: warp::sphere(direction), flux: self.power() })
+    fn sample_emission(
+        &self,
+        textures: &Textures,
+        arena: &Arena<'_>,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
+        Some(Emission {
+            o: self.position,
+            d: warp::sphere(direction),
+            flux: self.power(textures, &arena.sphere),
+        })
     }
 
-    pub fn power(&self) -> Color {
+    fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         self.intensity * (4.0 * PI)
     }
 }

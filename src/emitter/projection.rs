@@ -1,8 +1,9 @@
 use super::frustum::Frustum;
 use super::table::Table;
-use super::{DirectSample, Emission, Picture, just_before};
+use super::{Arena, DirectSample, Emission, Light, Picture, SceneSphere, just_before};
 use crate::math::{Color, Vec2, Vec3};
 use crate::spectrum::{luminance, rgb, to_rgb};
+use crate::texture::Textures;
 
 /// pbrt's projection light: a point light whose intensity is that of the picture's nearest pixel.
 #[derive(Clone, Debug)]
@@ -39,8 +40,10 @@ impl Projection {
         let table = Table::new(w, h, |x, y| f64::from(picture.luminance(x, y)) * solid(x, y));
         Self { frustum, picture, table, power: total }
     }
+}
 
-    pub fn sample_direct(&self, p: Vec3) -> Option<DirectSample> {
+impl Light for Projection {
+    fn sample_direct(&self, _textures: &Textures, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         let beam = self.frustum.toward(p)?;
         let [x, y] = self.picture.at(beam.uv.x, beam.uv.y);
         let value = self.picture.texel(x, y) / beam.d2;
@@ -48,7 +51,13 @@ impl Projection {
         (value.max_element() > 0.0).then_some(DirectSample { dir: beam.dir, target, value, pdf: 0.0 })
     }
 
-    pub fn sample_emission(&self, direction: Vec2) -> Option<Emission> {
+    fn sample_emission(
+        &self,
+        _textures: &Textures,
+        _arena: &Arena<'_>,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
         let p = &self.picture;
         let size = Vec2::new(p.width as f32, p.height as f32);
         let (x, y, rest) = self.table.sample(direction);
@@ -62,7 +71,7 @@ impl Projection {
         flux.is_finite().then_some(Emission { o: self.frustum.position, d, flux })
     }
 
-    pub fn power(&self) -> Color {
+    fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         self.power
     }
 }

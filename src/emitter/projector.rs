@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use super::frustum::Frustum;
-use super::{DirectSample, Emission, just_before};
+use super::{Arena, DirectSample, Emission, Light, SceneSphere, just_before};
 use crate::math::{Color, Vec2, Vec3};
 use crate::texture::{Param, Site, Textures};
 
@@ -12,8 +12,8 @@ pub struct Projector {
     pub irradiance: Param,
 }
 
-impl Projector {
-    pub fn sample_direct(&self, textures: &Textures, p: Vec3) -> Option<DirectSample> {
+impl Light for Projector {
+    fn sample_direct(&self, textures: &Textures, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         let beam = self.frustum.toward(p)?;
         // Intensity π·T/cos³: on the plane at depth z it gives π·T/z².
         let value =
@@ -22,13 +22,19 @@ impl Projector {
         (value.max_element() > 0.0).then_some(DirectSample { dir: beam.dir, target, value, pdf: 0.0 })
     }
 
-    pub fn sample_emission(&self, textures: &Textures, direction: Vec2) -> Option<Emission> {
+    fn sample_emission(
+        &self,
+        textures: &Textures,
+        _arena: &Arena<'_>,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
         let (d, _) = self.frustum.through(direction);
         let flux = textures.eval(self.irradiance, &Site::flat(direction)) * (PI * self.frustum.area());
         (flux.max_element() > 0.0).then_some(Emission { o: self.frustum.position, d, flux })
     }
 
-    pub fn power(&self, textures: &Textures) -> Color {
+    fn power(&self, textures: &Textures, _scene: &SceneSphere) -> Color {
         textures.mean(self.irradiance) * (PI * self.frustum.area())
     }
 }

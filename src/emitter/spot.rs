@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use super::{DirectSample, Emission, just_before};
+use super::{Arena, DirectSample, Emission, Light, SceneSphere, just_before};
 use crate::math::{Color, Frame, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::{Param, Site, Textures};
@@ -50,8 +50,10 @@ impl Spot {
         });
         self.intensity * color * falloff
     }
+}
 
-    pub fn sample_direct(&self, textures: &Textures, p: Vec3) -> Option<DirectSample> {
+impl Light for Spot {
+    fn sample_direct(&self, textures: &Textures, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         let d = self.position - p;
         let d2 = d.length_squared();
         let dir = d / d2.sqrt();
@@ -64,7 +66,13 @@ impl Spot {
         })
     }
 
-    pub fn sample_emission(&self, textures: &Textures, direction: Vec2) -> Option<Emission> {
+    fn sample_emission(
+        &self,
+        textures: &Textures,
+        _arena: &Arena<'_>,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<Emission> {
         let gap = 2.0 * (self.cutoff * 0.5).sin().powi(2);
         let local = warp::cone(direction, gap);
         let flux = self.toward(textures, local) * (2.0 * PI * gap);
@@ -72,7 +80,7 @@ impl Spot {
     }
 
     /// Without the texture: 2π∫ falloff·sinθ dθ, in closed form.
-    pub fn power(&self) -> Color {
+    fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         let (b, c) = (f64::from(self.beam), f64::from(self.cutoff));
         let ramp = match self.falloff {
             Falloff::Linear if c > b => b.cos() - (c.sin() - b.sin()) / (c - b),
@@ -119,17 +127,19 @@ mod tests {
     }
 
     fn adds_up(s: &Spot) {
+        let textures = Textures::default();
+        let scene = SceneSphere { center: Vec3::ZERO, radius: 1.0 };
+        let arena = Arena::even(scene);
         let n = 64;
         let mut sum = 0.0;
         for i in 0..n * n {
             let u = Vec2::new(((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32);
-            sum += s.sample_emission(&Textures::default(), u).map_or(0.0, |e| f64::from(e.flux.lanes()[0]));
+            sum += s
+                .sample_emission(&textures, &arena, Vec2::ZERO, u)
+                .map_or(0.0, |e| f64::from(e.flux.lanes()[0]));
         }
         let mean = sum / f64::from(n * n);
-        assert!(
-            (mean / f64::from(s.power().lanes()[0]) - 1.0).abs() < 2.5e-4,
-            "{mean} {}",
-            s.power().lanes()[0]
-        );
+        let power = s.power(&textures, &scene).lanes()[0];
+        assert!((mean / f64::from(power) - 1.0).abs() < 2.5e-4, "{mean} {power}");
     }
 }

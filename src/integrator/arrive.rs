@@ -1,9 +1,11 @@
 //! The end of a camera ray, before anything is scattered there.
 
 use super::direct::power_heuristic;
-use crate::film::{Layer, Radiance};
+use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec3};
-use crate::scene::{Hit, Scene, Surface};
+use crate::scene::{Hit, Scene};
+use crate::transport::PathClass;
+use crate::transport::walk::{self, Lamps, Next};
 
 /// How a lamp at the end of the ray counts.
 #[derive(Clone, Copy, Debug)]
@@ -18,53 +20,54 @@ pub struct Sight {
     pub from: Vec3,
 }
 
-/// What a ray came to.
-#[derive(Debug)]
-pub enum Arrival {
-    /// It left the scene.
-    Gone,
-    /// It goes on behind a hidden lamp, which costs no segment.
-    Behind,
-    At(Surface),
-}
-
 impl Sight {
     /// Share of light that next event estimation finds with density `pdf_direct`.
     #[inline(always)]
     fn weight(&self, pdf_direct: f32) -> f32 {
         if self.pdf > 0.0 { power_heuristic(self.pdf, pdf_direct) } else { 1.0 }
     }
+
+    #[inline(always)]
+    fn of_lamps(&self) -> Lamps {
+        if !self.lamps && self.through { Lamps::Transparent } else { Lamps::Solid }
+    }
 }
 
-/// Adds what shines at the end of `ray` to `layer` of `out`.
+/// What a camera path is when its next ray is traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Carried {
+    pub throughput: Color,
+    /// Where the light belongs that it meets.
+    pub class: PathClass,
+}
+
+/// Adds what shines at the end of `ray` to `out`.
 #[inline(always)]
 pub fn arrive(
     scene: &Scene,
     ray: &mut Ray,
     hit: Option<&Hit>,
     sight: Sight,
-    throughput: Color,
-    layer: Layer,
+    path: Carried,
     out: &mut Radiance,
-) -> Arrival {
-    let Some(hit) = hit else {
-        if sight.lamps {
+) -> Next {
+    let next = walk::arrive(scene, ray, hit, sight.of_lamps());
+    let layer = path.class.layer();
+    match &next {
+        Next::Escape if sight.lamps => {
             for (radiance, pdf) in scene.background(ray.d) {
-                out.add(layer, throughput * radiance * sight.weight(pdf));
+                out.add(layer, path.throughput * radiance * sight.weight(pdf));
             }
         }
-        return Arrival::Gone;
-    };
-    let s = scene.surface(ray, hit);
-    if !sight.lamps && sight.through && scene.is_lamp(&s) {
-        *ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
-        return Arrival::Behind;
+        Next::Escape | Next::Behind => {}
+        Next::Surface(s) => {
+            out.alpha = 1.0;
+            let emitted = scene.emitted(s, -ray.d);
+            if emitted.max_element() > 0.0 && sight.lamps {
+                let weight = sight.weight(scene.pdf_direct_surface(sight.from, ray.d, s));
+                out.add(layer, path.throughput * emitted * weight);
+            }
+        }
     }
-    out.alpha = 1.0;
-    let emitted = scene.emitted(&s, -ray.d);
-    if emitted.max_element() > 0.0 && sight.lamps {
-        let weight = sight.weight(scene.pdf_direct_surface(sight.from, ray.d, &s));
-        out.add(layer, throughput * emitted * weight);
-    }
-    Arrival::At(s)
+    next
 }

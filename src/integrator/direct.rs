@@ -1,11 +1,13 @@
 //! Direct light at a surface point: next event estimation, and lamps met by scattered rays, weighed by
 //! the power heuristic (Veach 1997, §9.2).
 
-use crate::bsdf::{Closure, Range, Transport};
+use crate::bsdf::{Range, Transport};
 use crate::emitter::DirectSample;
-use crate::math::{Color, Vec3};
+use crate::math::Color;
 use crate::sampling::Sampler;
-use crate::scene::{Facts, Scene, Surface};
+use crate::scene::{Facts, Scene};
+use crate::transport::walk::{self, Lamps, Next};
+use crate::transport::{Vertex, transparency, visibility};
 
 /// β = 2.
 #[inline]
@@ -25,20 +27,19 @@ pub struct Proposal {
     pub light: DirectSample,
 }
 
-/// Light from one sampled emitter point, scattered by `lobes` towards `wi` (local). With `mis` the sample
+/// Light from one sampled emitter point, scattered by `lobes` back along the path. With `mis` the sample
 /// shares its weight with scattered rays. `segments` is how many path segments may follow.
 #[inline(always)]
 pub fn propose(
     scene: &Scene,
     facts: &Facts,
-    s: &Surface,
-    closure: &Closure<'_>,
+    vertex: &Vertex<'_>,
     lobes: Range,
-    wi: Vec3,
     mis: bool,
     segments: u32,
     sampler: &mut Sampler,
 ) -> Option<Proposal> {
+    let Vertex { surface: s, wi, ref closure, .. } = *vertex;
     let pick = if facts.many_lamps { sampler.next_1d() } else { 0.0 };
     let u = sampler.next_2d();
     if segments == 0 || !closure.has_smooth(wi, lobes) {
@@ -60,34 +61,31 @@ pub fn propose(
 pub fn next_event(
     scene: &Scene,
     facts: &Facts,
-    s: &Surface,
-    closure: &Closure<'_>,
+    vertex: &Vertex<'_>,
     lobes: Range,
-    wi: Vec3,
     mis: bool,
     segments: u32,
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Color {
-    let Some(p) = propose(scene, facts, s, closure, lobes, wi, mis, segments, sampler) else {
+    let Some(p) = propose(scene, facts, vertex, lobes, mis, segments, sampler) else {
         return Color::ZERO;
     };
     *rays += 1;
-    p.value * scene.visibility(s, &p.light, facts.transparent_shadows, segments)
+    p.value * visibility(scene, vertex.surface, &p.light, facts.transparent_shadows, segments)
 }
 
 /// The other half of multiple importance sampling: a direction from `lobes` of the BSDF, and the lamp it
 /// meets.
 pub fn scattered_lamp(
     scene: &Scene,
-    s: &Surface,
-    closure: &Closure<'_>,
+    vertex: &Vertex<'_>,
     lobes: Range,
-    wi: Vec3,
     segments: u32,
     sampler: &mut Sampler,
     rays: &mut u64,
 ) -> Color {
+    let Vertex { surface: s, wi, ref closure, .. } = *vertex;
     let (u, u_lobe) = (sampler.next_2d(), sampler.next_1d());
     if segments == 0 {
         return Color::ZERO;
@@ -101,20 +99,19 @@ pub fn scattered_lamp(
     let mut through = 1.0;
     for _ in 0..segments {
         *rays += 1;
-        let Some(hit) = scene.geometry.closest(&ray) else {
+        let Next::Surface(at) = walk::next(scene, &mut ray, Lamps::Solid) else {
             let mut seen = Color::ZERO;
             for (radiance, direct) in scene.background(d) {
                 seen += radiance * power_heuristic(pdf, direct);
             }
             return sample.weight * seen * through;
         };
-        let at = scene.surface(&ray, &hit);
         let emitted = scene.emitted(&at, -d);
         if emitted.max_element() > 0.0 {
             let weight = power_heuristic(pdf, scene.pdf_direct_surface(s.p, d, &at));
             return sample.weight * emitted * (through * weight);
         }
-        through *= scene.closure(&at, at.frame.to_local(-d)).transparency();
+        through *= transparency(scene, &at, d);
         if through == 0.0 {
             break;
         }

@@ -1,14 +1,16 @@
 //! Path tracing with next event estimation: the unbiased oracle, in the conventions of Mitsuba's `path`.
 
-use super::arrive::{Arrival, Sight, arrive};
+use super::arrive::{Carried, Sight, arrive};
 use super::direct::propose;
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
-use crate::bsdf::{Closure, Event, Range, Transport};
+use crate::bsdf::{Event, Range, Transport};
 use crate::film::Layer;
 use crate::math::simd::widest;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Facts, Hit, Scene, Surface, shadow_ray};
+use crate::scene::{Facts, Hit, Scene};
+use crate::transport::walk::Next;
+use crate::transport::{PathClass, Vertex, roulette, shadow_ray, visibility};
 
 #[derive(Debug)]
 pub struct PathTracer<'a> {
@@ -21,44 +23,6 @@ pub struct PathTracer<'a> {
     hide_emitters: bool,
     /// Hidden lamps let camera rays pass.
     see_through: bool,
-}
-
-/// Which layer light met from here on belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
-    /// Specular and glossy surfaces only since the camera.
-    Camera,
-    /// The last rough surface was the first one, and nothing specular came since.
-    First,
-    /// First rough surface, then specular ones only.
-    FirstThenSpecular,
-    Beyond,
-}
-
-impl Stage {
-    fn layer(self) -> Layer {
-        match self {
-            Self::Camera => Layer::Emission,
-            Self::First => Layer::Direct,
-            Self::FirstThenSpecular => Layer::Caustic,
-            Self::Beyond => Layer::Indirect,
-        }
-    }
-
-    fn after(self, event: Event) -> Self {
-        match (self, event) {
-            (stage, Event::Null) => stage,
-            (Self::Camera, Event::Delta | Event::Glossy) => Self::Camera,
-            (Self::Camera, Event::Smooth) => Self::First,
-            (Self::First | Self::FirstThenSpecular, Event::Delta | Event::Glossy) => Self::FirstThenSpecular,
-            _ => Self::Beyond,
-        }
-    }
-
-    /// Layer of next event estimation at a rough surface reached in this stage.
-    fn direct_layer(self) -> Layer {
-        if self == Self::Camera { Layer::Direct } else { Layer::Indirect }
-    }
 }
 
 impl<'a> PathTracer<'a> {
@@ -81,7 +45,8 @@ impl<'a> PathTracer<'a> {
 struct Walk {
     throughput: Color,
     eta: f32,
-    stage: Stage,
+    /// Of the light that it meets next.
+    class: PathClass,
     /// Density and place of the last rough scattering; 0 where lamps count in full.
     pdf: f32,
     from: Vec3,
@@ -127,7 +92,7 @@ impl Walk {
     const START: Self = Self {
         throughput: Color::ONE,
         eta: 1.0,
-        stage: Stage::Camera,
+        class: PathClass::FROM_CAMERA,
         pdf: 0.0,
         from: Vec3::ZERO,
         depth: 0,
@@ -207,22 +172,22 @@ impl PathTracer<'_> {
             pdf: walk.pdf,
             from: walk.from,
         };
-        let s = match arrive(scene, ray, hit, sight, walk.throughput, walk.stage.layer(), &mut sample.out) {
-            Arrival::Gone => return false,
-            Arrival::Behind => {
+        let carried = Carried { throughput: walk.throughput, class: walk.class };
+        let s = match arrive(scene, ray, hit, sight, carried, &mut sample.out) {
+            Next::Escape => return false,
+            Next::Behind => {
                 walk.depth -= 1;
                 return true;
             }
-            Arrival::At(s) => s,
+            Next::Surface(s) => s,
         };
         walk.seen = true;
         if walk.depth >= self.max_depth {
             return false;
         }
-        let wi = s.frame.to_local(-ray.d);
-        let closure = scene.closure(&s, wi);
-        self.light(i, walk, &s, &closure, wi, sample, shadows);
-        self.scatter(ray, walk, &s, &closure, wi, &mut sample.sampler)
+        let vertex = Vertex::new(scene, &s, -ray.d);
+        self.light(i, walk, &vertex, sample, shadows);
+        self.scatter(ray, walk, &vertex, &mut sample.sampler)
     }
 
     /// Next event estimation.
@@ -231,26 +196,25 @@ impl PathTracer<'_> {
         &self,
         i: usize,
         walk: &Walk,
-        s: &Surface,
-        closure: &Closure<'_>,
-        wi: Vec3,
+        vertex: &Vertex<'_>,
         sample: &mut CameraSample,
         shadows: &mut Shadows,
     ) {
         let (scene, facts) = (self.scene, self.facts);
         let left = self.max_depth - walk.depth;
-        let rough = (Range::rough(self.glossy), walk.stage.direct_layer());
-        let glossy = (Range::glossy(self.glossy), walk.stage.after(Event::Glossy).layer());
-        let lobes = if closure.has_smooth(wi, glossy.0) { &[rough, glossy][..] } else { &[rough] };
+        let rough = (Range::rough(self.glossy), walk.class.after_camera_event(Event::Smooth).layer());
+        let glossy = (Range::glossy(self.glossy), walk.class.after_camera_event(Event::Glossy).layer());
+        let lobes =
+            if vertex.closure.has_smooth(vertex.wi, glossy.0) { &[rough, glossy][..] } else { &[rough] };
         for &(range, layer) in lobes {
-            let proposal = propose(scene, facts, s, closure, range, wi, true, left, &mut sample.sampler);
+            let proposal = propose(scene, facts, vertex, range, true, left, &mut sample.sampler);
             let Some(p) = proposal else { continue };
             shadows.sent += 1;
             let value = walk.throughput * p.value;
             if facts.transparent_shadows {
-                sample.out.add(layer, value * scene.visibility(s, &p.light, true, left));
+                sample.out.add(layer, value * visibility(scene, vertex.surface, &p.light, true, left));
             } else {
-                shadows.rays.push(shadow_ray(s, &p.light));
+                shadows.rays.push(shadow_ray(vertex.surface, &p.light));
                 shadows.values.push((i, layer, value));
             }
         }
@@ -258,34 +222,26 @@ impl PathTracer<'_> {
 
     /// Scatters the path; false when that ends it.
     #[inline(always)]
-    fn scatter(
-        &self,
-        ray: &mut Ray,
-        walk: &mut Walk,
-        s: &Surface,
-        closure: &Closure<'_>,
-        wi: Vec3,
-        sampler: &mut Sampler,
-    ) -> bool {
+    fn scatter(&self, ray: &mut Ray, walk: &mut Walk, vertex: &Vertex<'_>, sampler: &mut Sampler) -> bool {
+        let s = vertex.surface;
         let u_lobe = if self.facts.many_lobes { sampler.next_1d() } else { 0.0 };
         let u = sampler.next_2d();
-        let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Radiance, self.glossy) else {
-            return false;
-        };
+        let sample = vertex.closure.sample(vertex.wi, u_lobe, u, Transport::Radiance, self.glossy);
+        let Some(sample) = sample else { return false };
         walk.throughput *= sample.weight;
         walk.eta *= sample.eta;
         // Straight passages leave the density of the scattering before in force.
         if sample.event != Event::Null {
             (walk.pdf, walk.from) = (sample.pdf, s.p);
         }
-        walk.stage = walk.stage.after(sample.event);
+        walk.class = walk.class.after_camera_event(sample.event);
         *ray = s.leave(s.frame.to_world(sample.wo));
         if walk.depth >= self.rr_depth {
-            let survival = (walk.throughput.max_element() * walk.eta * walk.eta).min(0.95);
-            if sampler.random() >= survival {
+            let survival = roulette::camera_survival(walk.throughput, walk.eta);
+            let Some(throughput) = roulette::survivor(walk.throughput, survival, sampler) else {
                 return false;
-            }
-            walk.throughput /= survival;
+            };
+            walk.throughput = throughput;
         }
         true
     }

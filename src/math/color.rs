@@ -4,22 +4,22 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Sub};
 
 use glam::Vec4;
 
-/// How many lanes of a [`Color`] carry a value of their own.
+/// Lanes of a [`Color`] in use.
 pub const LANES: usize = 3;
 
 /// A radiometric quantity (radiance, flux, throughput, albedo) in the lanes of one SIMD register.
 ///
-/// What a lane stands for is known to `spectrum` and `film` alone. [`LANES`] of the four are in use; the
-/// last one repeats the lane before it, so that operations on the whole register (maximum, comparison,
-/// test for finiteness) need no mask and never meet a value that no lane in use has.
+/// Only `spectrum` and `film` know what a lane stands for. [`LANES`] of the four are in use. The last lane is
+/// a copy of the one before it, so that operations on the whole register (maximum, comparison, test for
+/// NaN) need no mask.
 #[derive(Clone, Copy, PartialEq)]
 #[repr(transparent)]
 pub struct Color(Vec4);
 
 impl Color {
-    /// Nothing.
+    /// Black: 0 in every lane.
     pub const ZERO: Self = Self::splat(0.0);
-    /// Everything: the throughput of an empty path.
+    /// White: 1 in every lane, the throughput of an empty path.
     pub const ONE: Self = Self::splat(1.0);
 
     /// The same value in every lane.
@@ -28,33 +28,33 @@ impl Color {
         Self(Vec4::splat(value))
     }
 
-    /// From the values of the lanes in use.
+    /// A colour from the values of its lanes.
     #[inline(always)]
     pub const fn from_lanes([a, b, c]: [f32; LANES]) -> Self {
         Self(Vec4::new(a, b, c, c))
     }
 
-    /// Values of the lanes in use.
+    /// The values of the lanes in use.
     #[inline(always)]
     pub fn lanes(self) -> [f32; LANES] {
         let [a, b, c, _] = self.0.to_array();
         [a, b, c]
     }
 
-    /// The value of every lane where all have the same.
+    /// The value of all lanes if they are equal.
     #[inline(always)]
     pub fn uniform(self) -> Option<f32> {
         (self == Self::splat(self.0.x)).then_some(self.0.x)
     }
 
-    /// `f` of each lane.
+    /// Applies `f` to each lane.
     #[inline]
     #[must_use]
     pub fn map(self, f: impl FnMut(f32) -> f32) -> Self {
         Self::from_lanes(self.lanes().map(f))
     }
 
-    /// `f` of each lane of two colours.
+    /// Applies `f` to each pair of lanes.
     #[inline]
     #[must_use]
     pub fn zip(self, other: Self, mut f: impl FnMut(f32, f32) -> f32) -> Self {
@@ -62,7 +62,7 @@ impl Color {
         Self::from_lanes(std::array::from_fn(|i| f(a[i], b[i])))
     }
 
-    /// The largest lane.
+    /// The largest lane value.
     #[inline(always)]
     pub fn max_element(self) -> f32 {
         self.0.max_element()
@@ -74,54 +74,54 @@ impl Color {
         self.lanes().iter().sum()
     }
 
-    /// The smallest lane.
+    /// The smallest lane value.
     #[inline(always)]
     pub fn min_element(self) -> f32 {
         self.0.min_element()
     }
 
-    /// Lane by lane.
+    /// The smaller value of each lane.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         Self(self.0.min(other.0))
     }
 
-    /// Lane by lane.
+    /// The larger value of each lane.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         Self(self.0.max(other.0))
     }
 
-    /// Lane by lane.
+    /// Clamps each lane to its range, `low` to `high`.
     #[inline(always)]
     #[must_use]
     pub fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
 
-    /// Lane by lane.
+    /// The absolute value of each lane.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
         Self(self.0.abs())
     }
 
-    /// e to the power of each lane.
+    /// The exponential of each lane.
     #[inline]
     #[must_use]
     pub fn exp(self) -> Self {
         self.map(f32::exp)
     }
 
-    /// No lane is infinite or NaN.
+    /// Whether no lane is infinite or NaN.
     #[inline(always)]
     pub fn is_finite(self) -> bool {
         self.0.is_finite()
     }
 
-    /// Any lane is NaN.
+    /// Whether any lane is NaN.
     #[inline(always)]
     pub fn is_nan(self) -> bool {
         self.0.is_nan()
@@ -171,7 +171,7 @@ operators! {
     Mul mul MulAssign mul_assign;
 }
 
-macro_rules! by_number {
+macro_rules! scalar_operators {
     ($($operator:ident $function:ident $assign:ident $assign_function:ident;)+) => {$(
         impl $operator<f32> for Color {
             type Output = Self;
@@ -190,7 +190,7 @@ macro_rules! by_number {
     )+};
 }
 
-by_number! {
+scalar_operators! {
     Mul mul MulAssign mul_assign;
     Div div DivAssign div_assign;
 }
@@ -231,7 +231,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_lane_without_a_value_never_decides() {
+    fn the_unused_lane_affects_no_result() {
         let c = Color::from_lanes([3.0, -1.0, 2.0]);
         assert_eq!((c - Color::splat(5.0)).max_element(), -2.0);
         assert_eq!((Color::ONE - c).max_element(), 2.0);
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_division_of_a_lane_in_use_can_fail() {
+    fn only_lanes_in_use_can_divide_by_zero() {
         let c = Color::from_lanes([3.0, 1.0, 2.0]) / Color::from_lanes([1.0, 2.0, 4.0]);
         assert!(c.is_finite() && !c.is_nan());
         assert!((Color::ZERO / Color::from_lanes([1.0, 1.0, 0.0])).is_nan());

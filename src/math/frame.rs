@@ -1,16 +1,19 @@
 use super::Vec3;
 
-/// Orthonormal right-handed frame; `n` is the local +Z.
+/// Right-handed orthonormal basis; `s`, `t` and `n` are the local X, Y and Z axes in world space.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
+    /// First tangent.
     pub s: Vec3,
+    /// Second tangent.
     pub t: Vec3,
+    /// Normal.
     pub n: Vec3,
 }
 
 impl Frame {
-    /// Some frame around the unit vector `n` (Duff et al. 2017, without their branch-free sign trick's
-    /// singularity at n.z = −1).
+    /// A frame around the unit vector `n`, by the branchless construction of Duff et al. 2017
+    /// ("Building an Orthonormal Basis, Revisited", JCGT).
     #[inline(always)]
     pub fn from_normal(n: Vec3) -> Self {
         let sign = 1.0f32.copysign(n.z);
@@ -23,11 +26,13 @@ impl Frame {
         }
     }
 
+    /// World to local coordinates.
     #[inline(always)]
     pub fn to_local(self, v: Vec3) -> Vec3 {
         Vec3::new(self.s.dot(v), self.t.dot(v), self.n.dot(v))
     }
 
+    /// Local to world coordinates.
     #[inline(always)]
     pub fn to_world(self, v: Vec3) -> Vec3 {
         self.s * v.x + self.t * v.y + self.n * v.z

@@ -1,10 +1,12 @@
 use super::Vec3;
 
+/// −1 or 1, by the sign bit.
 fn sign(x: f32) -> f32 {
     1.0f32.copysign(x)
 }
 
-/// Unit vector as 2 × 16 bits on the octahedron (Cigolle et al. 2014); error below 1e-4 rad.
+/// Packs a unit vector into 32 bits by the octahedral map, 16 bits a coordinate (Cigolle et al. 2014,
+/// "A Survey of Efficient Representations for Independent Unit Vectors", JCGT). The error is below 1e-4 rad.
 #[inline]
 pub fn encode_direction(v: Vec3) -> u32 {
     let p = v / (v.x.abs() + v.y.abs() + v.z.abs());
@@ -14,7 +16,7 @@ pub fn encode_direction(v: Vec3) -> u32 {
     quantise(x) | quantise(y) << 16
 }
 
-/// Inverse of [`encode_direction`].
+/// The unit vector that [`encode_direction`] packed; every code is valid.
 #[inline]
 pub fn decode_direction(code: u32) -> Vec3 {
     let x = (code & 0xffff) as f32 / 32767.5 - 1.0;

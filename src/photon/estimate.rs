@@ -5,13 +5,14 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::boundary::Boundary;
 use super::store::{PhotonMap, Query};
-use super::{LightPath, scan};
-use crate::bsdf::{Closure, Range, Transport};
+use super::{PathClass, scan};
+use crate::bsdf::{Range, Transport};
 use crate::film::Radiance;
 use crate::math::kernel::{Kernel, KernelKind, with_kernel};
-use crate::math::{Color, Vec3, decode_direction};
-use crate::scene::{PhotonSide, Surface};
+use crate::math::{Color, decode_direction};
+use crate::scene::PhotonSide;
 use crate::settings::Lookup;
+use crate::transport::Vertex;
 
 /// How one map is read.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +33,19 @@ impl Estimator {
     }
 }
 
-/// Scratch of one thread.
+/// Where a camera path gathers, and what of the photons there counts.
+#[derive(Clone, Copy, Debug)]
+pub struct GatherPoint<'a> {
+    pub vertex: &'a Vertex<'a>,
+    /// The side whose photons tell of the light that is sent back.
+    pub side: PhotonSide,
+    /// Of the camera path.
+    pub throughput: Color,
+    /// Segments of the longest light path that counts.
+    pub max_photon_depth: u32,
+}
+
+/// Scratch and counters of one thread.
 #[derive(Debug, Default)]
 pub struct Gather {
     found: Vec<(f32, u32)>,
@@ -41,88 +54,98 @@ pub struct Gather {
     pub photons: u64,
 }
 
-impl Gather {
-    /// Adds the radiance that `map` sends from `s` towards `wi` (world) times `throughput`.
-    /// `boundary` corrects the density near edges; `max_photon_depth` is the longest light path that
-    /// counts.
+impl Estimator {
+    /// Adds to `out` the radiance that the photons of `map` send back from a gather point along the camera
+    /// path, times its throughput. `boundary` corrects the density near edges.
     pub fn estimate(
-        &mut self,
+        &self,
         map: &PhotonMap,
-        estimator: &Estimator,
-        s: &Surface,
-        side: PhotonSide,
-        closure: &Closure,
-        wi: Vec3,
-        throughput: Color,
-        max_photon_depth: u32,
+        at: &GatherPoint<'_>,
         mut boundary: Option<Boundary<'_>>,
+        gather: &mut Gather,
         out: &mut Radiance,
     ) {
         if map.is_empty() {
             return;
         }
-        self.lookups += 1;
-        let n = side.n;
-        let q = Query { p: s.p, n, lift: s.lift, radius: estimator.radius };
-        let local = s.frame.to_local(wi);
+        gather.lookups += 1;
+        let (vertex, s, n) = (at.vertex, at.vertex.surface, at.side.n);
+        let q = Query { p: s.p, n, lift: s.lift, radius: self.radius };
         // Where photons of both sides lie together, each has to be asked for its side.
-        let lambertian = closure.lambertian(local).filter(|_| !side.both);
-        let all_depths = max_photon_depth >= u32::from(map.deepest);
+        let lambertian = vertex.closure.lambertian(vertex.wi).filter(|_| !at.side.both);
+        let all_depths = at.max_photon_depth >= u32::from(map.deepest);
         let mut edge = None;
-        if let (Some(albedo), Some(path), true, usize::MAX) =
-            (lambertian, map.uniform_path, all_depths, estimator.cap)
+        if let (Some(albedo), Some(class), true, usize::MAX) =
+            (lambertian, map.uniform_class, all_depths, self.cap)
         {
-            let (sum, count) = with_kernel!(estimator.kernel, K => {
+            let (sum, count) = with_kernel!(self.kernel, K => {
                 let (sum, count) = scan::accumulate::<K>(map, &q);
                 (sum * normalisation::<K>(q.radius * q.radius), count)
             });
             if count == 0 {
                 return;
             }
-            let found = boundary.as_mut().map(|b| b.correction(s, n, q.radius, estimator.kernel));
+            let found = boundary.as_mut().map(|b| b.correction(s, n, q.radius, self.kernel));
             if !found.is_some_and(|e| e.obstructed) {
-                self.photons += u64::from(count);
+                gather.photons += u64::from(count);
                 let factor = found.map_or(1.0, |e| e.factor);
-                out.add(path.layer(), throughput * albedo * sum * (FRAC_1_PI * factor));
+                out.add(class.layer(), at.throughput * albedo * sum * (FRAC_1_PI * factor));
                 return;
             }
             edge = found;
         }
-        let r2 = self.find(map, &q, estimator.cap);
-        self.photons += self.found.len() as u64;
-        if self.found.is_empty() {
+        let r2 = gather.find(map, &q, self.cap);
+        gather.photons += gather.found.len() as u64;
+        if gather.found.is_empty() {
             return;
         }
         let mut factor = 1.0;
         if let Some(b) = &mut boundary {
             let radius = r2.sqrt();
-            let edge = edge.unwrap_or_else(|| b.correction(s, n, radius, estimator.kernel));
+            let edge = edge.unwrap_or_else(|| b.correction(s, n, radius, self.kernel));
             factor = edge.factor;
             if edge.obstructed {
-                self.found.retain(|&(_, i)| b.sees(s, n, radius, map.place(i)));
+                gather.found.retain(|&(_, i)| b.sees(s, n, radius, map.place(i)));
             }
         }
-        with_kernel!(estimator.kernel, K => {
+        with_kernel!(self.kernel, K => {
             let scale = normalisation::<K>(r2) * factor;
-            for &(d2, i) in &self.found {
-                let i = i as usize;
-                if u32::from(map.depth[i]) > max_photon_depth {
-                    continue;
-                }
-                let f = match lambertian {
-                    Some(albedo) => albedo * FRAC_1_PI,
-                    None => {
-                        let wo = s.frame.to_local(decode_direction(map.direction[i]));
-                        closure.eval(local, wo, Transport::Radiance, estimator.lobes)
-                    }
-                };
-                let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
+            for &(d2, i) in &gather.found {
                 let weight = K::shape(d2 / r2) * scale;
-                out.add(LightPath::from_tag(map.path[i]).layer(), throughput * f * flux * weight);
+                self.add_photon(map, i as usize, at, lambertian, weight, out);
             }
         });
     }
 
+    /// Adds what one photon sends along the camera path; `lambertian` is the albedo of a surface that asks
+    /// for no direction.
+    #[inline(always)]
+    fn add_photon(
+        &self,
+        map: &PhotonMap,
+        i: usize,
+        at: &GatherPoint<'_>,
+        lambertian: Option<Color>,
+        weight: f32,
+        out: &mut Radiance,
+    ) {
+        if u32::from(map.depth[i]) > at.max_photon_depth {
+            return;
+        }
+        let f = match lambertian {
+            Some(albedo) => albedo * FRAC_1_PI,
+            None => {
+                let Vertex { surface, wi, ref closure, .. } = *at.vertex;
+                let wo = surface.frame.to_local(decode_direction(map.direction[i]));
+                closure.eval(wi, wo, Transport::Radiance, self.lobes)
+            }
+        };
+        let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
+        out.add(PathClass::from_tag(map.class[i]).layer(), at.throughput * f * flux * weight);
+    }
+}
+
+impl Gather {
     /// Fills `found` and returns the squared radius it stands for. With more than `cap` photons in the
     /// disc, the distance of the cap-th is the radius and that photon itself is left out: k − 1 photons
     /// in the disc through the k-th is the unbiased density of a uniform pattern.

@@ -2,13 +2,13 @@
 
 mod boundary;
 pub mod estimate;
-pub mod owner;
 pub mod radius;
 mod scan;
 pub mod store;
 pub mod trace;
 
 pub use boundary::Boundary;
-pub use estimate::{Estimator, Gather};
-pub use owner::{LightPath, Owner};
+pub use estimate::{Estimator, Gather, GatherPoint};
 pub use store::{Photon, PhotonMap, Query};
+
+use crate::transport::PathClass;

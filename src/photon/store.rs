@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::LightPath;
+use super::PathClass;
 use super::scan::{self, LANES};
 use crate::math::{Bounds, Color, Vec3, encode_direction};
 
@@ -19,7 +19,7 @@ pub struct Photon {
     pub wi: Vec3,
     /// Unit geometric normal of the side it arrived at.
     pub n: Vec3,
-    pub path: LightPath,
+    pub class: PathClass,
     /// Path segments from the lamp, saturating.
     pub depth: u8,
 }
@@ -48,7 +48,7 @@ pub struct PhotonMap {
     pub(super) flux: [Vec<f32>; 3],
     pub(super) normal: [Vec<i8>; 3],
     pub(super) direction: Vec<u32>,
-    pub(super) path: Vec<u8>,
+    pub(super) class: Vec<u8>,
     pub(super) depth: Vec<u8>,
     count: usize,
     /// First photon of each cell, and the count at the end.
@@ -56,8 +56,8 @@ pub struct PhotonMap {
     origin: Vec3,
     inverse_cell: f32,
     dims: [usize; 3],
-    /// All photons have this history.
-    pub uniform_path: Option<LightPath>,
+    /// All photons are of this class.
+    pub uniform_class: Option<PathClass>,
     pub deepest: u8,
 }
 
@@ -94,8 +94,8 @@ impl PhotonMap {
             deepest: photons.iter().map(|p| p.depth).max().unwrap_or(0),
             ..Self::default()
         };
-        let first = photons[0].path;
-        map.uniform_path = photons.iter().all(|p| p.path == first).then_some(first);
+        let first = photons[0].class;
+        map.uniform_class = photons.iter().all(|p| p.class == first).then_some(first);
 
         let mut order: Vec<u64> = photons
             .par_iter()
@@ -133,7 +133,7 @@ impl PhotonMap {
                 map.normal[c].extend(&part.normal[c]);
             }
             map.direction.extend(&part.direction);
-            map.path.extend(&part.path);
+            map.class.extend(&part.class);
             map.depth.extend(&part.depth);
         }
         for c in 0..3 {
@@ -172,13 +172,12 @@ impl PhotonMap {
         self.count == 0
     }
 
-    pub fn bytes(&self) -> usize {
-        (self.count + LANES) * (6 * 4 + 3) + self.count * 6 + self.starts.len() * 4
-    }
+    /// Memory of one photon in a map: position and flux, normal, direction, path and depth.
+    pub const PHOTON_BYTES: usize = 6 * size_of::<f32>() + 3 + size_of::<u32>() + 2;
 
-    /// Sum of stored flux.
-    pub fn total_flux(&self) -> [f64; 3] {
-        std::array::from_fn(|c| self.flux[c][..self.count].iter().map(|&f| f64::from(f)).sum())
+    /// Memory of all columns and of the grid.
+    pub fn bytes(&self) -> usize {
+        self.count * Self::PHOTON_BYTES + LANES * (6 * 4 + 3) + self.starts.len() * size_of::<u32>()
     }
 
     pub fn photon_position(&self, i: usize) -> Vec3 {
@@ -263,7 +262,7 @@ struct Columns {
     flux: [Vec<f32>; 3],
     normal: [Vec<i8>; 3],
     direction: Vec<u32>,
-    path: Vec<u8>,
+    class: Vec<u8>,
     depth: Vec<u8>,
 }
 
@@ -276,7 +275,7 @@ impl Columns {
             self.normal[c].push((photon.n[c] * 127.0).round() as i8);
         }
         self.direction.push(encode_direction(photon.wi));
-        self.path.push(photon.path as u8);
+        self.class.push(photon.class as u8);
         self.depth.push(photon.depth);
     }
 }

@@ -5,13 +5,15 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::{LightPath, Owner, Photon};
+use super::Photon;
 use crate::bsdf::{Event, Range, Transport};
 use crate::emitter::{Aim, Arrow, Emitter, SceneSphere};
 use crate::film::Rejected;
-use crate::math::{Color, Vec3};
+use crate::math::{Color, Ray, Vec3};
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Scene, Surface};
+use crate::transport::walk::{self, Lamps, Next};
+use crate::transport::{Owner, PathClass, Vertex, roulette};
 
 /// Which photons a trace is for.
 #[derive(Clone, Copy, Debug)]
@@ -60,8 +62,8 @@ pub struct Traced {
     pub rejected: Rejected,
 }
 
-/// Paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
-const CHUNK: u64 = 2048;
+/// Light paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
+pub const CHUNK: u64 = 2048;
 
 /// Chunks that are traced however late it is: a map of fewer paths shows nothing.
 const LEAST_CHUNKS: u64 = 32;
@@ -163,9 +165,6 @@ fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (
     (chunks.iter().map(|c: &(u64, _)| c.0).sum(), chunks.into_iter().flat_map(|c| c.1).collect())
 }
 
-/// From this depth on a path survives with 95 % at most, so that light trapped between perfect mirrors ends.
-const FORCED_ROULETTE: u32 = 64;
-
 /// The way of light from infinity to what it met first; `None` for other light, and for what missed the scene.
 fn trace_path(
     scene: &Scene,
@@ -179,54 +178,58 @@ fn trace_path(
     let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
     let (start, from_infinity) = scene.sample_aimed(pick, place, direction, aim)?;
     let mut flux = start.flux / job.paths as f32;
-    let mut ray = crate::math::Ray::new(start.o, start.d);
-    let mut path = LightPath::Direct;
+    let mut ray = Ray::new(start.o, start.d);
+    let mut class = PathClass::FROM_LAMP;
     let mut depth = 1u32;
     let mut first = None;
     loop {
         out.rays += 1;
-        let Some(hit) = scene.geometry.closest(&ray) else { return first };
-        let surface = scene.surface(&ray, &hit);
+        let Next::Surface(surface) = walk::next(scene, &mut ray, Lamps::Solid) else { return first };
         if depth == 1 && from_infinity {
             first = Some(Arrow { from: start.o, to: surface.p, weight: 0.0 });
         }
-        let to_lamp = -ray.d;
-        let wi = surface.frame.to_local(to_lamp);
-        let closure = scene.closure(&surface, wi);
-        let owned = path.owner(job.next_event, job.caustic_map) == job.owner;
-        let rough = Range::rough(job.glossy);
-        if owned && (closure.has_smooth(wi, rough) || scene.material(&surface).may_have(rough)) {
-            store(scene, &surface, to_lamp, wi.z, flux, path, depth, out);
+        let vertex = Vertex::new(scene, &surface, -ray.d);
+        if class.owner(job.next_event, job.caustic_map) == job.owner && holds_photons(scene, job, &vertex) {
+            store(scene, &vertex, flux, class, depth, out);
         }
         // A photon at the next surface needs two more segments: there, and from there to the camera.
         if depth.saturating_add(2) > job.max_depth {
             return first;
         }
-        let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-        let Some(sample) = closure.sample(wi, u_lobe, u, Transport::Importance, job.glossy) else {
-            return first;
-        };
-        if sample.event == Event::Smooth && job.owner == Owner::CausticMap {
-            return first;
-        }
-        let d = surface.frame.to_world(sample.wo);
-        let Some(correction) = adjoint(&surface, to_lamp, wi.z, d, sample.wo.z, sample.event) else {
-            return first;
-        };
-        let next = flux * sample.weight * correction;
-        // Survivors keep the power they had: stored photons stay alike.
-        let mut survival = next.max_element() / flux.max_element();
-        if depth >= FORCED_ROULETTE {
-            survival = survival.min(0.95);
-        }
-        if survival < 1.0 && sampler.random() >= survival {
-            return first;
-        }
-        flux = next / survival.min(1.0);
-        path = path.after(sample.event);
+        let Some((d, next, event)) = scatter(job, &vertex, flux, &mut sampler) else { return first };
+        let survival = roulette::light_survival(flux, next, depth);
+        let Some(survived) = roulette::survivor(next, survival, &mut sampler) else { return first };
+        flux = survived;
+        class = class.after_light_event(event);
         depth += 1;
         ray = surface.leave(d);
     }
+}
+
+/// Whether there are lobes that photons are for.
+#[inline(always)]
+fn holds_photons(scene: &Scene, job: &TraceJob, vertex: &Vertex<'_>) -> bool {
+    let rough = Range::rough(job.glossy);
+    vertex.closure.has_smooth(vertex.wi, rough) || scene.material(vertex.surface).may_have(rough)
+}
+
+/// The direction (world) in which light goes on, its flux there, and what it went through.
+#[inline(always)]
+fn scatter(
+    job: &TraceJob,
+    vertex: &Vertex<'_>,
+    flux: Color,
+    sampler: &mut Sampler,
+) -> Option<(Vec3, Color, Event)> {
+    let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+    let sample = vertex.closure.sample(vertex.wi, u_lobe, u, Transport::Importance, job.glossy)?;
+    // The caustic map holds nothing of what a rough surface scattered.
+    if sample.event == Event::Smooth && job.owner == Owner::CausticMap {
+        return None;
+    }
+    let d = vertex.surface.frame.to_world(sample.wo);
+    let correction = adjoint(vertex.surface, vertex.back, vertex.wi.z, d, sample.wo.z, sample.event)?;
+    Some((d, flux * sample.weight * correction, sample.event))
 }
 
 /// Correction for scattering with a shading normal when light is traced (Veach 1997, eq. 5.19):
@@ -249,17 +252,9 @@ fn adjoint(s: &Surface, wi: Vec3, wi_ns: f32, wo: Vec3, wo_ns: f32, event: Event
 /// Grazing light on a strongly bent normal: the correction has a finite mean but no bound.
 const MAX_CORRECTION: f32 = 100.0;
 
-fn store(
-    scene: &Scene,
-    s: &Surface,
-    wi: Vec3,
-    wi_ns: f32,
-    flux: Color,
-    path: LightPath,
-    depth: u32,
-    out: &mut Traced,
-) {
-    let wi_ng = wi.dot(s.ng);
+fn store(scene: &Scene, vertex: &Vertex<'_>, flux: Color, class: PathClass, depth: u32, out: &mut Traced) {
+    let (s, wi) = (vertex.surface, vertex.back);
+    let (wi_ns, wi_ng) = (vertex.wi.z, wi.dot(s.ng));
     if wi_ng * wi_ns <= 0.0 {
         return;
     }
@@ -274,5 +269,5 @@ fn store(
         return;
     }
     let n = scene.photon_side(s, wi).n;
-    out.photons.push(Photon { p: s.p, flux, wi, n, path, depth: depth.min(255) as u8 });
+    out.photons.push(Photon { p: s.p, flux, wi, n, class, depth: depth.min(255) as u8 });
 }

@@ -13,18 +13,31 @@ pub struct Checkpoint {
     /// What must agree for a resumed render to be the same render: name and value, such as the scene's
     /// hash, the settings, the film and the program's version.
     pub identity: Vec<(String, String)>,
+    /// Passes that are in the sums.
     pub passes: u32,
+    /// Their sums.
     pub pixels: Pixels,
 }
 
+/// Why a render cannot go on from a checkpoint.
 #[derive(Debug, Error)]
 pub enum CheckpointError {
+    /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// The bytes are no whole checkpoint; what is wrong with them.
     #[error("it is not a checkpoint, or it is damaged ({0})")]
     Invalid(&'static str),
+    /// It is the checkpoint of another render.
     #[error("it belongs to another render: {name} was `{was}`, now it is `{now}`")]
-    Different { name: String, was: String, now: String },
+    Different {
+        /// What differs: a setting, the scene's hash, the film, the program's version.
+        name: String,
+        /// Its value in the checkpoint.
+        was: String,
+        /// Its value now.
+        now: String,
+    },
 }
 
 const MAGIC: &[u8; 8] = b"caustic3";
@@ -96,6 +109,8 @@ impl Checkpoint {
         out
     }
 
+    /// A checkpoint from the bytes of a file.
+    ///
     /// # Errors
     /// When the bytes are no whole checkpoint.
     pub fn decode(bytes: &[u8]) -> Result<Self, CheckpointError> {
@@ -131,12 +146,16 @@ impl Checkpoint {
         Ok(Self { identity, passes, pixels })
     }
 
+    /// A checkpoint from a file.
+    ///
     /// # Errors
     /// When the file cannot be read or is no whole checkpoint.
     pub fn read(path: &Path) -> Result<Self, CheckpointError> {
         Self::decode(&std::fs::read(path)?)
     }
 
+    /// Makes sure that this is a checkpoint of the render that `identity` describes.
+    ///
     /// # Errors
     /// The first thing in which the two renders differ.
     pub fn check(&self, identity: &[(String, String)]) -> Result<(), CheckpointError> {

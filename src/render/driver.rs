@@ -12,21 +12,26 @@ use crate::sampling::{Sampler, mix};
 use crate::scene::View;
 use crate::settings::IntegratorKind;
 
-/// When to end; whichever comes first.
-#[derive(Clone, Copy, Debug)]
+/// When to end; whichever comes first. The default is never.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Budget<'a> {
     /// Passes in all, resumed ones included.
     pub passes: Option<u32>,
-    /// The first pass of a render is always made, if need be of fewer light paths.
+    /// Wall-clock time. The first pass is always made, with fewer light paths if there is no time for all.
     pub time: Option<Duration>,
     /// Relative standard error of the picture, see `Pixels::relative_error`.
     pub error: Option<f64>,
-    /// Set from outside (Ctrl-C) to end at once: the running pass is taken back, unless it is the first.
+    /// Set from outside (Ctrl-C) to end at once. The running pass is undone, unless it is the first.
     pub interrupt: Option<&'a AtomicBool>,
 }
 
 impl Budget<'_> {
-    /// Until when something may go on in a render that began at `start`, of whose time `until` makes that.
+    /// This many passes, resumed ones included.
+    pub fn passes(n: u32) -> Self {
+        Self { passes: Some(n), ..Self::default() }
+    }
+
+    /// The halt for work in a render begun at `start`; `until` maps its time budget to a deadline.
     fn halt(&self, start: Instant, until: fn(Duration) -> Duration) -> Halt<'_> {
         Halt { stop: self.interrupt, deadline: self.time.and_then(|t| start.checked_add(until(t))) }
     }
@@ -35,88 +40,130 @@ impl Budget<'_> {
 /// Why a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Stop {
+    /// All passes are done.
     Passes,
+    /// The time is up.
     Time,
+    /// The error is small enough.
     Error,
+    /// Stopped from outside.
     Interrupted,
 }
 
 /// State after a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
+    /// Sums of all passes so far.
     pub pixels: &'a Pixels,
     /// Passes in `pixels`.
     pub passes: u32,
+    /// Since the render began.
     pub elapsed: Duration,
+    /// What the last pass prepared.
     pub pass: PassStats,
 }
 
 /// What was done and how long it took.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Statistics {
+    /// Passes in the picture, resumed ones included.
     pub passes: u32,
+    /// Wall-clock time of the render without loading.
     pub seconds: f64,
     /// Choosing radii and path counts.
     pub prepare_seconds: f64,
+    /// Tracing photons.
     pub trace_seconds: f64,
+    /// Sorting photons into maps.
     pub build_seconds: f64,
+    /// Camera paths with their lookups.
     pub camera_seconds: f64,
+    /// Light paths traced.
     pub light_paths: u64,
+    /// Photons stored in maps.
     pub photons_stored: u64,
+    /// Rays of light and camera paths, shadow rays included.
     pub rays: u64,
+    /// Density estimates.
     pub lookups: u64,
+    /// Photons found by them.
     pub photons_gathered: u64,
-    /// Largest photon maps and sums held at once.
+    /// Largest photon maps held at once.
     pub map_bytes: u64,
+    /// Sums of all pixels.
     pub film_bytes: u64,
+    /// Geometry with its trees, and textures.
     pub scene_bytes: u64,
+    /// Search radius of the global map in pass 0; 0 without a map.
     pub first_radius: f32,
+    /// The same in the last pass.
     pub last_radius: f32,
+    /// Search radius of the caustic map in pass 0; 0 without a map.
     pub first_caustic_radius: f32,
+    /// The same in the last pass.
     pub last_caustic_radius: f32,
     /// Samples and photons that were NaN or infinite, and were left out.
     pub rejected: Rejected,
-    /// Time was up in the first pass, which was made of fewer light paths: no other pass may be added.
+    /// The time was up in the first pass, which has fewer light paths than asked for; no further pass may
+    /// be added to it.
     pub first_pass_cut: bool,
 }
 
 /// A finished render.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Sums of `statistics.passes` whole passes. When that is 0, what an interrupted first pass reached.
+    /// Sums of `statistics.passes` whole passes; if that is 0, of the pixels that an interrupted first pass
+    /// reached.
     pub pixels: Pixels,
+    /// Counts and times.
     pub statistics: Statistics,
+    /// Why the render ended.
     pub stop: Stop,
 }
 
-/// Renders passes `done..` into `pixels` (sums of the passes before). `progress` is called after each.
+/// What some passes have summed up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sums {
+    /// For every rendered pixel, row by row.
+    pub pixels: Pixels,
+    /// How many passes are in them, from the first.
+    pub passes: u32,
+}
+
+impl Sums {
+    /// Of no passes, for so many pixels.
+    pub fn none(pixels: usize) -> Self {
+        Self { pixels: Pixels::new(pixels), passes: 0 }
+    }
+}
+
+/// Renders passes on top of `sums`, in order, and calls `progress` after each.
 pub fn render(
     task: Task<'_>,
     budget: Budget<'_>,
-    pixels: Pixels,
-    done: u32,
+    sums: Sums,
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
     let start = Instant::now();
     match task.settings.integrator {
         IntegratorKind::Path => {
             let integrator = PathTracer::new(task);
-            run(task, &integrator, budget, pixels, done, start, progress)
+            run(task, &integrator, budget, sums, start, progress)
         }
         IntegratorKind::PhotonMap => {
             let later = budget.halt(start, overdue);
-            let first = if done == 0 { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
+            let first = if sums.passes == 0 { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
             let integrator = PhotonMapper::halting(task, [first, later]);
-            run(task, &integrator, budget, pixels, done, start, progress)
+            run(task, &integrator, budget, sums, start, progress)
         }
     }
 }
 
-/// By how much a render may outlast its time. Passes that would do so are not begun, and those that take
-/// twice this in excess are given up.
+/// How much longer than its time a render may take. Passes that would take longer are not begun; a pass
+/// that overruns by twice this is abandoned.
 const GRACE: Duration = Duration::from_millis(250);
 
-/// When the running pass of a render that has this time is given up.
+/// When the running pass is abandoned in a render with this time budget.
 fn overdue(time: Duration) -> Duration {
     time.saturating_add(2 * GRACE)
 }
@@ -133,11 +180,11 @@ fn run<I: Integrator>(
     task: Task<'_>,
     integrator: &I,
     budget: Budget<'_>,
-    mut pixels: Pixels,
-    done: u32,
+    sums: Sums,
     start: Instant,
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
+    let Sums { mut pixels, passes: done } = sums;
     let mut stats = Statistics {
         prepare_seconds: start.elapsed().as_secs_f64(),
         film_bytes: size_of_val(pixels.as_slice()) as u64,
@@ -147,7 +194,7 @@ fn run<I: Integrator>(
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
     pixels.samples_a_pass = integrator.samples_a_pass();
     let halt = budget.halt(start, overdue);
-    // The sums before the running pass, to take it back.
+    // The sums before the running pass, so that it can be undone.
     let mut before = Vec::new();
     let mut passes = done;
     let mut longest = Duration::ZERO;
@@ -159,7 +206,7 @@ fn run<I: Integrator>(
         if halt.stopped() {
             break Stop::Interrupted;
         }
-        // A pass that would end late by more than half of itself is not begun.
+        // A pass is not begun if more than half of it would be after the deadline.
         let late = longest.saturating_sub(GRACE).max(longest / 2);
         if budget.time.is_some_and(|t| passes > done && elapsed + late > t) {
             break Stop::Time;
@@ -175,18 +222,19 @@ fn run<I: Integrator>(
             break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
         }
         let camera = Instant::now();
-        let whole = sample_all(
-            task.view,
+        let bands = Bands {
+            view: task.view,
             integrator,
-            &shared,
-            task.settings.seed,
-            passes,
+            shared: &shared,
+            seed: task.settings.seed,
+            pass: passes,
+            each: integrator.samples_a_pass(),
+            pixel: Vec2::new(1.0 / task.view.film.width as f32, 1.0 / task.view.film.height as f32),
+            has_aperture: task.view.sensor.has_aperture(),
             // The first samples of a picture are made however late it is.
-            if passes > 0 { halt } else { Halt { deadline: None, ..halt } },
-            &mut pixels,
-            &mut before,
-            &mut stats,
-        );
+            halt: if passes > 0 { halt } else { Halt { deadline: None, ..halt } },
+        };
+        let whole = bands.sample(&mut pixels, &mut before, &mut stats);
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
         if !whole {
@@ -223,85 +271,117 @@ fn count(stats: &mut Statistics, pass: &PassStats) {
     }
 }
 
-/// One sample of every pixel; false when halted before all were made. What the pixels were goes
-/// into `before`.
-fn sample_all<I: Integrator>(
-    view: &View,
-    integrator: &I,
-    shared: &I::Pass,
+/// What all bands of a pass share.
+struct Bands<'a, I: Integrator> {
+    view: &'a View,
+    integrator: &'a I,
+    shared: &'a I::Pass,
     seed: u64,
     pass: u32,
-    halt: Halt<'_>,
-    pixels: &mut Pixels,
-    before: &mut [[f64; STRIDE]],
-    stats: &mut Statistics,
-) -> bool {
-    let [x0, y0, width, height] = view.film.crop.map(|v| v as usize);
-    let inverse = Vec2::new(1.0 / view.film.width as f32, 1.0 / view.film.height as f32);
-    let band = width * BLOCK;
-    let has_aperture = view.sensor.has_aperture();
-    let each = integrator.samples_a_pass();
-    let counted: Vec<(Scratch, Rejected, bool)> = pixels
-        .as_mut_slice()
-        .par_chunks_mut(band)
-        .zip(before.par_chunks_mut(band))
-        .enumerate()
-        .map(|(b, (sums, before))| {
-            before.copy_from_slice(sums);
-            let mut scratch = Scratch::default();
-            let mut rejected = Rejected::default();
-            let rows = (height - b * BLOCK).min(BLOCK);
-            let mut samples = Vec::with_capacity(BLOCK * BLOCK);
-            let mut weights = Vec::with_capacity(BLOCK * BLOCK);
-            let mut places = Vec::with_capacity(BLOCK * BLOCK);
-            for column in (0..width).step_by(BLOCK) {
-                if halt.stopped() || halt.late() {
-                    return (scratch, rejected, false);
-                }
-                samples.clear();
-                weights.clear();
-                places.clear();
-                for row in 0..rows {
-                    for x in column..(column + BLOCK).min(width) {
-                        let (px, py) = (x0 + x, y0 + b * BLOCK + row);
-                        // Keyed by the place on the full film: a crop shows the same noise.
-                        let pixel = (py as u64) << 32 | px as u64;
-                        for number in 0..each {
-                            let index = pass.wrapping_mul(each).wrapping_add(number);
-                            let mut sampler =
-                                Sampler::new(mix(seed ^ mix(pixel)), index).stratified(I::STRATIFIED_PAIRS);
-                            let (offset, weight) = view.filter.sample(sampler.next_2d());
-                            let film = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * inverse;
-                            let aperture = if has_aperture { sampler.next_2d() } else { Vec2::ZERO };
-                            let ray = view.sensor.ray(film, aperture);
-                            samples.push(CameraSample { ray, sampler, out: Radiance::default() });
-                            weights.push(weight);
-                        }
-                        places.push(row * width + x);
-                    }
-                }
-                integrator.sample(shared, &mut samples, &mut scratch);
-                let each = each as usize;
-                let pixels = samples.chunks_mut(each).zip(weights.chunks(each)).zip(&places);
-                for ((samples, weights), &at) in pixels {
-                    let mut mean = Mean::default();
-                    for (sample, weight) in samples.iter_mut().zip(weights) {
-                        view.response.apply(&mut sample.out);
-                        mean.add(&sample.out, weight / each as f32, &mut rejected);
-                    }
-                    mean.add_to(&mut sums[at]);
-                }
-            }
-            (scratch, rejected, true)
-        })
-        .collect();
-    let mut whole = true;
-    for (scratch, rejected, reached) in counted {
-        whole &= reached;
-        stats.rays += scratch.rays;
-        stats.lookups += scratch.gather.lookups;
-        stats.photons_gathered += scratch.gather.photons;
-        stats.rejected.add(&rejected);
+    /// Samples of each pixel.
+    each: u32,
+    /// Of a pixel, as a share of the film.
+    pixel: Vec2,
+    has_aperture: bool,
+    halt: Halt<'a>,
+}
+
+/// Camera samples of a square of pixels, in the order in which they are drawn.
+struct Square {
+    samples: Vec<CameraSample>,
+    /// Of the filter, for each sample.
+    weights: Vec<f32>,
+    /// Pixels of the band; each has as many samples as the integrator takes in a pass.
+    places: Vec<usize>,
+}
+
+impl<I: Integrator> Bands<'_, I> {
+    /// Samples every pixel; false when halted before all were. What the pixels were goes into `before`.
+    fn sample(&self, pixels: &mut Pixels, before: &mut [[f64; STRIDE]], stats: &mut Statistics) -> bool {
+        let band = self.view.film.crop[2] as usize * BLOCK;
+        let counted: Vec<(Scratch, Rejected, bool)> = pixels
+            .as_mut_slice()
+            .par_chunks_mut(band)
+            .zip(before.par_chunks_mut(band))
+            .enumerate()
+            .map(|(b, (sums, before))| {
+                before.copy_from_slice(sums);
+                self.band(b, sums)
+            })
+            .collect();
+        let mut whole = true;
+        for (scratch, rejected, reached) in counted {
+            whole &= reached;
+            stats.rays += scratch.rays;
+            stats.lookups += scratch.gather.lookups;
+            stats.photons_gathered += scratch.gather.photons;
+            stats.rejected.add(&rejected);
+        }
+        whole
     }
-    whole
+
+    /// Adds the samples of band `b` to its sums.
+    fn band(&self, b: usize, sums: &mut [[f64; STRIDE]]) -> (Scratch, Rejected, bool) {
+        let [_, _, width, height] = self.view.film.crop.map(|v| v as usize);
+        let each = self.each as usize;
+        let mut scratch = Scratch::default();
+        let mut rejected = Rejected::default();
+        let rows = (height - b * BLOCK).min(BLOCK);
+        let capacity = BLOCK * BLOCK;
+        let mut square = Square {
+            samples: Vec::with_capacity(capacity),
+            weights: Vec::with_capacity(capacity),
+            places: Vec::with_capacity(capacity),
+        };
+        for column in (0..width).step_by(BLOCK) {
+            if self.halt.stopped() || self.halt.late() {
+                return (scratch, rejected, false);
+            }
+            self.draw(b, rows, column, &mut square);
+            self.integrator.sample(self.shared, &mut square.samples, &mut scratch);
+            let pixels = square.samples.chunks_mut(each).zip(square.weights.chunks(each)).zip(&square.places);
+            for ((samples, weights), &at) in pixels {
+                let mut mean = Mean::default();
+                for (sample, weight) in samples.iter_mut().zip(weights) {
+                    self.view.response.apply(&mut sample.out);
+                    mean.add(&sample.out, weight / each as f32, &mut rejected);
+                }
+                mean.add_to(&mut sums[at]);
+            }
+        }
+        (scratch, rejected, true)
+    }
+
+    /// Camera rays of the square of band `b` that begins at `column`.
+    fn draw(&self, b: usize, rows: usize, column: usize, square: &mut Square) {
+        let film = &self.view.film;
+        let [x0, y0, width, _] = film.crop.map(|v| v as usize);
+        square.samples.clear();
+        square.weights.clear();
+        square.places.clear();
+        for row in 0..rows {
+            for x in column..(column + BLOCK).min(width) {
+                self.draw_pixel(x0 + x, y0 + b * BLOCK + row, square);
+                square.places.push(row * width + x);
+            }
+        }
+    }
+
+    #[inline]
+    fn draw_pixel(&self, px: usize, py: usize, square: &mut Square) {
+        let View { sensor, filter, .. } = self.view;
+        // Keyed by the place on the full film: a crop shows the same noise.
+        let pixel = (py as u64) << 32 | px as u64;
+        for number in 0..self.each {
+            let index = self.pass.wrapping_mul(self.each).wrapping_add(number);
+            let mut sampler =
+                Sampler::new(mix(self.seed ^ mix(pixel)), index).stratified(I::STRATIFIED_PAIRS);
+            let (offset, weight) = filter.sample(sampler.next_2d());
+            let place = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * self.pixel;
+            let aperture = if self.has_aperture { sampler.next_2d() } else { Vec2::ZERO };
+            let ray = sensor.ray(place, aperture);
+            square.samples.push(CameraSample { ray, sampler, out: Radiance::default() });
+            square.weights.push(weight);
+        }
+    }
 }

@@ -4,4 +4,4 @@ mod checkpoint;
 mod driver;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use driver::{Budget, Outcome, Progress, Statistics, Stop, render};
+pub use driver::{Budget, Outcome, Progress, Statistics, Stop, Sums, render};

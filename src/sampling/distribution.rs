@@ -1,16 +1,18 @@
-/// Discrete distribution over `0..n` by inversion, so that stratified inputs stay stratified.
+/// A discrete distribution over `0..n`, sampled by inversion of its CDF, so that stratified numbers stay
+/// stratified.
 #[derive(Clone, Debug)]
 pub struct Discrete {
-    /// Normalised cumulative sums, first 0 and last 1; f64 because thousands of weights may span
-    /// nine orders of magnitude.
+    /// Normalised CDF of n + 1 entries, from 0 to 1; f64 because thousands of weights may span nine orders of
+    /// magnitude.
     cdf: Vec<f64>,
-    /// 1/probability of each item: sampling then needs no division.
+    /// 1/probability of each item, so that sampling needs no division.
     inverse: Vec<f64>,
     total: f64,
 }
 
 impl Discrete {
-    /// Weights must be finite and non-negative; if all are zero every item is equally likely.
+    /// One item for each weight. Weights must be finite and non-negative; if all are zero, every item is equally
+    /// likely.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Self {
         let mut cdf = vec![0.0];
         let mut sum = 0.0;
@@ -26,15 +28,17 @@ impl Discrete {
         Self { cdf, inverse, total: sum }
     }
 
+    /// Number of items.
     pub fn len(&self) -> usize {
         self.cdf.len() - 1
     }
 
+    /// Whether there are no items.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Sum of the weights.
+    /// Sum of the weights as given.
     pub fn total(&self) -> f64 {
         self.total
     }
@@ -45,12 +49,13 @@ impl Discrete {
         (self.cdf[i + 1] - self.cdf[i]) as f32
     }
 
-    /// Item at `u`, and `u` rescaled to [0, 1) within it. Items of probability 0 are never returned.
+    /// The item selected by `u` in [0, 1), and the position of `u` within that item's share of the CDF, rescaled
+    /// to [0, 1). Items of probability 0 are never selected. There must be at least one item.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, f32) {
         let u = f64::from(u);
         let upper = if self.cdf.len() <= SHORT {
-            // Counting has no branch to mispredict.
+            // A linear count has no branch to mispredict.
             self.cdf.iter().fold(0, |n, &c| n + usize::from(c <= u))
         } else {
             self.cdf.partition_point(|&c| c <= u)
@@ -62,7 +67,7 @@ impl Discrete {
     }
 }
 
-/// Sums that are faster counted than searched.
+/// Up to this many CDF entries, a linear count is faster than a binary search.
 const SHORT: usize = 9;
 
 #[cfg(test)]

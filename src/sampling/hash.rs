@@ -1,6 +1,7 @@
-//! Counter-based generator: the n-th number is a function of (key, n), so work can be split anywhere.
+//! Counter-based random numbers: the n-th number of a stream is a hash of (key, n), so work can be split among
+//! threads in any way.
 
-/// SplitMix64 finaliser (Steele, Lea, Flood 2014): a bijection of u64 with full avalanche.
+/// The SplitMix64 finaliser (Steele, Lea and Flood 2014): a bijection of u64 with full avalanche.
 #[inline(always)]
 pub fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -8,20 +9,22 @@ pub fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
+/// The increment of SplitMix64: 2⁶⁴ divided by the golden ratio, made odd.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// SplitMix64 as a counter-based stream.
+/// A SplitMix64 stream.
 #[derive(Clone, Copy, Debug)]
 pub struct CounterRng {
     state: u64,
 }
 
 impl CounterRng {
-    /// Stream `index` of the family `key`; distinct pairs give independent streams.
+    /// The stream of (`key`, `index`); distinct pairs give independent streams.
     pub fn new(key: u64, index: u64) -> Self {
         Self { state: mix(key ^ mix(index.wrapping_add(GOLDEN))) }
     }
 
+    /// Uniform over all 64-bit values.
     #[inline]
     pub fn next_u64(&mut self) -> u64 {
         self.state = self.state.wrapping_add(GOLDEN);
@@ -34,7 +37,7 @@ impl CounterRng {
         unit_float((self.next_u64() >> 32) as u32)
     }
 
-    /// Two independent uniforms from one draw.
+    /// Two independent numbers, uniform in [0, 1), from the two halves of one draw.
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
         let x = self.next_u64();
@@ -42,7 +45,7 @@ impl CounterRng {
     }
 }
 
-/// Top 24 bits as a float in [0, 1): never rounds up to 1.
+/// The top 24 bits as a float in [0, 1); exact, so never rounded up to 1.
 #[inline(always)]
 pub fn unit_float(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)

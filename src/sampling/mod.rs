@@ -1,4 +1,5 @@
-//! Random numbers that depend only on (seed, pass, index, dimension), and what they are warped into.
+//! Random and low-discrepancy numbers that depend only on (seed, pass, index, dimension), and the
+//! distributions sampled with them.
 
 mod distribution;
 mod hash;

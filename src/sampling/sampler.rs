@@ -2,36 +2,39 @@ use super::sobol::BATCH;
 use super::{CounterRng, sobol};
 use crate::math::Vec2;
 
-/// Dimensions (pairs) that are worth low-discrepancy points; later ones are plain random.
+/// Pairs of dimensions that are drawn from Sobol points by default; later ones are independent random numbers.
 const SOBOL_PAIRS: u32 = 16;
 
-/// Supplies the numbers of one path: padded 2-D Sobol points first, random numbers after.
+/// The random numbers of one path: padded 2-D Sobol points for the first dimensions, independent random
+/// numbers for the rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     key: u64,
     index: u32,
+    /// Pairs drawn so far.
     pair: u32,
+    /// Pairs that are drawn from Sobol points.
     pairs: u32,
-    /// Pairs made together; those before `pair` are used up.
+    /// The current batch of Sobol points, by coordinate; those before `pair` have been used.
     ready: [[f32; BATCH]; 2],
     rng: CounterRng,
 }
 
 impl Sampler {
-    /// Point `index` of the sequence `key`. Points of one key are stratified among themselves.
+    /// Point `index` of the sequence `key`. The points of one key are stratified with respect to each other.
     #[inline]
     pub fn new(key: u64, index: u32) -> Self {
         let rng = CounterRng::new(key, u64::from(index));
         Self { key, index, pair: 0, pairs: SOBOL_PAIRS, ready: [[0.0; BATCH]; 2], rng }
     }
 
-    /// With low-discrepancy points in the first `pairs` only: those that are never made cost nothing.
+    /// Draws only the first `pairs` pairs of dimensions from Sobol points, which are not computed beyond them.
     #[inline]
     pub fn stratified(self, pairs: u32) -> Self {
         Self { pairs, ..self }
     }
 
-    /// The next pair is low-discrepancy and ready at the place returned.
+    /// Moves to the next pair. Returns its position in `ready`, or `None` if it is to be random.
     #[inline]
     fn advance(&mut self) -> Option<usize> {
         let pair = self.pair;
@@ -46,6 +49,7 @@ impl Sampler {
         Some(place)
     }
 
+    /// The next pair of numbers, in [0, 1)².
     #[inline]
     pub fn next_2d(&mut self) -> Vec2 {
         match self.advance() {
@@ -54,6 +58,7 @@ impl Sampler {
         }
     }
 
+    /// The next number, in [0, 1). Like [`Self::next_2d`] it uses up a pair.
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
         match self.advance() {
@@ -62,7 +67,8 @@ impl Sampler {
         }
     }
 
-    /// A number outside the stratified dimensions, for decisions that may be skipped (roulette).
+    /// An independent random number in [0, 1) that uses up no pair, for decisions that not every path makes
+    /// (Russian roulette).
     #[inline]
     pub fn random(&mut self) -> f32 {
         self.rng.next_f32()

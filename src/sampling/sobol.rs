@@ -7,8 +7,8 @@ use super::hash::unit_float;
 use super::mix;
 use crate::math::simd::widest;
 
-/// Laine–Karras permutation with Vegdahl's constants: bit i of the result depends on bits ≤ i only,
-/// which on reversed bits is a nested uniform scramble.
+/// The Laine–Karras permutation with Vegdahl's constants. Bit i of the result depends only on bits ≤ i, so on
+/// reversed bits this is a nested uniform scramble.
 #[inline(always)]
 fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -19,13 +19,13 @@ fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x
 }
 
-/// Owen scramble of the base-2 fraction `x`.
+/// Owen scrambling of the 32-bit fraction `x`.
 #[inline(always)]
 fn scramble(x: u32, seed: u32) -> u32 {
     laine_karras(x.reverse_bits(), seed).reverse_bits()
 }
 
-/// Second Sobol dimension as a 32-bit fraction; the first is the reversed index.
+/// The second Sobol coordinate as a 32-bit fraction; the first is the bit-reversed index.
 #[inline(always)]
 fn second_dimension(index: u32) -> u32 {
     let mut x = index;
@@ -37,21 +37,23 @@ fn second_dimension(index: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// Point `index`, shuffled by one seed and scrambled by two, as 32-bit fractions.
+/// Point `index` as 32-bit fractions: the index is shuffled with seed `order`, the coordinates are scrambled with
+/// seeds `a` and `b`.
 #[inline(always)]
 fn scrambled(index: u32, order: u32, a: u32, b: u32) -> [u32; 2] {
     let order = scramble(index, order);
     [laine_karras(order, a).reverse_bits(), scramble(second_dimension(order), b)]
 }
 
+/// Derive the seeds of the two coordinates from that of the shuffle.
 const FIRST: u64 = 0xa5a5_a5a5;
 const SECOND: u64 = 0x5a5a_5a5a;
 
-/// Points taken together.
+/// Points computed at once by [`batch`].
 pub const BATCH: usize = 8;
 
-/// Points `index` of the sequences that belong to keys `first..first + BATCH` of the family `key`, in
-/// [0, 1)². One by one they cost as much as tracing a ray.
+/// Point `index` of each of the sequences `first..first + BATCH` of `key`, in [0, 1)², as all first coordinates
+/// and all second ones. Computed one at a time, a point costs as much as tracing a ray.
 pub fn batch(index: u32, key: u64, first: u32) -> [[f32; BATCH]; 2] {
     widest!(batch_body; index: u32 = index, key: u64 = key, first: u32 = first => [[f32; BATCH]; 2])
 }
@@ -76,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn second_dimension_is_the_sobol_matrix() {
+    fn second_dimension_matches_the_sobol_matrix() {
         for i in 0..5000u32 {
             let (mut n, mut v, mut r) = (i, 1u32 << 31, 0u32);
             while n != 0 {
@@ -92,7 +94,7 @@ mod tests {
 
     #[test]
     fn every_power_of_two_prefix_is_a_0_2_net() {
-        // 2^m points put exactly one point into every elementary interval of area 2^-m.
+        // Of the first 2^m points, every elementary interval of area 2^-m contains exactly one.
         for seed in 0..20u64 {
             for m in [4u32, 6, 7] {
                 let points: Vec<[u32; 2]> = (0..1u32 << m)

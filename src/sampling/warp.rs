@@ -1,10 +1,10 @@
-//! Warps of the unit square; each states its density.
+//! Maps from uniform points of the unit square to other domains, each with its density.
 
 use std::f32::consts::{FRAC_PI_4, PI};
 
 use crate::math::{Vec2, Vec3};
 
-/// Concentric map to the unit disk (Shirley and Chiu 1997); density 1/π per area.
+/// A point of the unit disk by the concentric map (Shirley and Chiu 1997); density 1/π per unit area.
 #[inline]
 pub fn disk(u: Vec2) -> Vec2 {
     let o = u * 2.0 - Vec2::ONE;
@@ -18,8 +18,8 @@ pub fn disk(u: Vec2) -> Vec2 {
     Vec2::new(if steep { far } else { near }, if steep { near } else { far })
 }
 
-/// Sine and cosine for |x| ≤ π/4 to an ulp (Cephes): the same bits on every machine, which the C
-/// library does not promise.
+/// Sine and cosine for |x| ≤ π/4, accurate to an ulp (polynomials of Cephes). Unlike the C library's, the result
+/// has the same bits on every machine.
 #[inline]
 fn small_sin_cos(x: f32) -> (f32, f32) {
     let z = x * x;
@@ -28,14 +28,14 @@ fn small_sin_cos(x: f32) -> (f32, f32) {
     (sin, cos)
 }
 
-/// Cosine-weighted direction around +Z; density cosθ/π per solid angle.
+/// A cosine-distributed unit direction around +Z; density cosθ/π per steradian.
 #[inline]
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
     let d = disk(u);
     Vec3::new(d.x, d.y, (1.0 - d.length_squared()).max(0.0).sqrt())
 }
 
-/// Uniform direction; density 1/(4π).
+/// A uniform unit direction; density 1/(4π) per steradian.
 #[inline]
 pub fn sphere(u: Vec2) -> Vec3 {
     let z = 1.0 - 2.0 * u.x;
@@ -44,8 +44,8 @@ pub fn sphere(u: Vec2) -> Vec3 {
     Vec3::new(r * cos, r * sin, z)
 }
 
-/// Uniform direction in the cone `cosθ ≥ 1 − one_minus_cos` around +Z; density 1/(2π·one_minus_cos).
-/// Taking 1 − cos keeps precision for narrow cones.
+/// A uniform unit direction in the cone `cosθ ≥ 1 − one_minus_cos` around +Z; density 1/(2π·one_minus_cos) per
+/// steradian. The cone is given by 1 − cos because that keeps its digits for narrow cones.
 #[inline]
 pub fn cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
     let h = u.x * one_minus_cos;
@@ -54,7 +54,7 @@ pub fn cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
     Vec3::new(r * cos, r * sin, 1.0 - h)
 }
 
-/// Uniform barycentric coordinates (b1, b2) in a triangle.
+/// Barycentric coordinates (b1, b2) of a uniform point of a triangle; density 1/area.
 #[inline]
 pub fn triangle(u: Vec2) -> Vec2 {
     let s = (1.0 - u.x).sqrt();
@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn small_angles_have_the_sine_and_cosine_of_the_library() {
+    fn small_sin_cos_matches_the_library() {
         for i in -1000..=1000 {
             let x = FRAC_PI_4 * i as f32 / 1000.0;
             let (sin, cos) = small_sin_cos(x);
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn the_disk_is_filled_evenly() {
+    fn the_disk_is_sampled_uniformly() {
         let n = 256;
         let at = |i: u32| (i as f32 + 0.5) / n as f32;
         let (mut inner, mut right) = (0, 0);

@@ -6,13 +6,11 @@ mod geometry;
 mod lamps;
 mod surface;
 mod view;
-mod visibility;
 
 pub use facts::Facts;
 pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
 pub use surface::{PhotonSide, Surface};
 pub use view::View;
-pub use visibility::shadow_ray;
 
 use crate::bsdf::Material;
 use crate::emitter::{Emitter, SceneSphere};
@@ -22,6 +20,7 @@ use crate::texture::Textures;
 /// A shape's material and what its mesh carries per vertex.
 #[derive(Debug)]
 pub struct ShapeRecord {
+    /// Index into `Scene::materials`.
     pub material: u32,
     /// Index into `Scene::emitters`.
     pub emitter: Option<u32>,
@@ -29,6 +28,7 @@ pub struct ShapeRecord {
     pub flip: bool,
     /// The shading frame follows ∂p/∂u, because the material asks for it.
     pub oriented: bool,
+    /// Corners as indices into `normals` and `uvs`; empty where both are.
     pub triangles: Vec<[u32; 3]>,
     /// Unit, in the frame of the level; empty for flat shading.
     pub normals: Vec<[f32; 3]>,
@@ -36,14 +36,19 @@ pub struct ShapeRecord {
     pub uvs: Vec<[f32; 2]>,
 }
 
-/// Everything a render needs. Coordinates are relative to `origin`, a point of the author's scene
-/// near the camera, so that what is seen close is precise wherever it stands.
+/// What rays meet and what shines. Lengths are the author's units; coordinates are relative to `origin`, a
+/// point of the author's scene near the camera, so that single precision is finest where it is seen best.
 #[derive(Debug)]
 pub struct Scene {
+    /// What rays can meet.
     pub geometry: Geometry,
+    /// By the shape number of a hit.
     pub shapes: Vec<ShapeRecord>,
+    /// What shapes refer to.
     pub materials: Vec<Material>,
+    /// What materials and emitters refer to.
     pub textures: Textures,
+    /// Lamps of all kinds: shapes that emit first.
     pub emitters: Vec<Emitter>,
     /// By power, for photons.
     pub emission: Discrete,
@@ -51,6 +56,8 @@ pub struct Scene {
     pub direct: Discrete,
     /// Emitters that fill the sky; their light adds up.
     pub environments: Vec<u32>,
+    /// Around all geometry.
     pub sphere: SceneSphere,
+    /// The author's coordinates of (0, 0, 0).
     pub origin: [f64; 3],
 }

@@ -8,19 +8,23 @@ use crate::texture::{OnMesh, Site};
 /// A point on a surface, in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
+    /// Where it is.
     pub p: Vec3,
     /// Unit geometric normal.
     pub ng: Vec3,
     /// Shading frame.
     pub frame: Frame,
+    /// Texture coordinates.
     pub uv: Vec2,
     /// ∂p/∂u and ∂p/∂v along `frame.s` and `frame.t`, for shapes whose material asks for them.
     pub tangents: [Vec2; 2],
     /// How far a ray must start from the surface for rounding not to find it again.
     pub lift: f32,
+    /// Index into `Scene::shapes`.
     pub shape: u32,
-    /// Triangle of the shape's mesh, and the weights of its second and third corner.
+    /// Triangle of the shape's mesh; 0 for shapes without one.
     pub triangle: u32,
+    /// Barycentric weights of its second and third corner.
     pub weights: [f32; 2],
 }
 
@@ -31,6 +35,7 @@ impl Surface {
         self.p + self.ng * self.lift.copysign(self.ng.dot(d))
     }
 
+    /// A ray along `d` that does not find this surface again by rounding.
     #[inline(always)]
     pub fn leave(&self, d: Vec3) -> Ray {
         Ray::new(self.origin(d), d)
@@ -153,6 +158,7 @@ impl Scene {
         PhotonSide { n: if both || s.ng.dot(w) >= 0.0 { s.ng } else { -s.ng }, both }
     }
 
+    /// What the surface is made of.
     #[inline]
     pub fn material(&self, s: &Surface) -> &Material {
         &self.materials[self.shapes[s.shape as usize].material as usize]

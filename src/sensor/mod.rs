@@ -8,13 +8,26 @@ pub use orthographic::Orthographic;
 pub use perspective::{Axis, Perspective};
 pub use thinlens::ThinLens;
 
-use crate::math::{Ray, Vec2, Vec3};
+use crate::math::{Ray, Vec2, Vec3, closed_enum};
 
-/// How a film position becomes a ray in camera space.
-#[derive(Clone, Debug)]
-pub enum Projection {
-    Perspective(Perspective),
-    Orthographic(Orthographic),
+closed_enum! {
+    /// What every kind of camera can do, in camera space: it looks along +Z, +Y is up, +X is to the left of the picture
+    /// (Mitsuba's frame). Neither call fails.
+    pub trait Project {
+        /// The ray of a sharp picture through film position `s` in [0, 1]² (x right, y down).
+        fn ray(&self, s: Vec2) -> CameraRay;
+
+        /// Half of the extent in y that the film shows at `distance` along the axis, in world units; `scale` is the
+        /// length of the image of the camera's Y axis.
+        fn half_height(&self, distance: f32, scale: f32) -> f32;
+    }
+
+    /// How a film position becomes a ray in camera space.
+    #[derive(Clone, Debug)]
+    pub enum Projection {
+        Perspective(Perspective),
+        Orthographic(Orthographic),
+    }
 }
 
 /// A camera-space ray: looks along +Z, +Y up, +X to the left of the picture (Mitsuba's frame).
@@ -71,10 +84,7 @@ impl Sensor {
     /// Ray through film position `s` in [0,1]² (x right, y down, over the full film).
     pub fn ray(&self, s: Vec2, aperture: Vec2) -> Ray {
         let s = s + self.principal_point_offset;
-        let sharp = match &self.projection {
-            Projection::Perspective(p) => p.ray(s),
-            Projection::Orthographic(p) => p.ray(s),
-        };
+        let sharp = self.projection.ray(s);
         let local = self.lens.as_ref().map_or(sharp, |lens| lens.refract(sharp, aperture));
         let world = |v: Vec3| self.axes[0] * v.x + self.axes[1] * v.y + self.axes[2] * v.z;
         let d = world(local.d);
@@ -90,10 +100,6 @@ impl Sensor {
 
     /// Length on a surface facing the camera at `distance` that one pixel of a film `height` high covers.
     pub fn pixel_footprint(&self, height: u32, distance: f32) -> f32 {
-        let size = match &self.projection {
-            Projection::Perspective(p) => p.window.half.y * distance,
-            Projection::Orthographic(p) => p.window.half.y * self.axes[1].length(),
-        };
-        2.0 * size / height as f32
+        2.0 * self.projection.half_height(distance, self.axes[1].length()) / height as f32
     }
 }

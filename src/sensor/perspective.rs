@@ -1,4 +1,4 @@
-use super::{CameraRay, Window};
+use super::{CameraRay, Project, Window};
 use crate::math::{Vec2, Vec3};
 
 /// Pinhole camera.
@@ -32,10 +32,16 @@ impl Perspective {
         let half = Vec2::new(x as f32, (x / aspect) as f32);
         Self { window: Window { center: Vec2::ZERO, half } }
     }
+}
 
-    pub fn ray(&self, s: Vec2) -> CameraRay {
+impl Project for Perspective {
+    fn ray(&self, s: Vec2) -> CameraRay {
         let p = self.window.at(s);
         CameraRay { o: Vec3::ZERO, d: Vec3::new(p.x, p.y, 1.0).normalize() }
+    }
+
+    fn half_height(&self, distance: f32, _scale: f32) -> f32 {
+        self.window.half.y * distance
     }
 }
 

@@ -1,5 +1,223 @@
-//! The front door: what the command line, tests and benchmarks call.
+//! The front door: open a scene, describe it, render it, save the picture, go on from a checkpoint.
+//!
+//! Nothing here prints, parses arguments or ends the process; the command line, tests and benchmarks are a
+//! few calls of this module each.
+//!
+//! - [`Session::open`] reads and compiles a scene with [`Options`].
+//! - [`Session::describe`] says what is in it and what rendering it will do ([`Plan`]).
+//! - [`Session::check_memory`] and [`Output::check`] find out what would fail before time is spent.
+//! - [`Session::render`] makes passes until a [`Budget`] is used up and calls back after each.
+//! - [`Session::picture`] gives pixels; [`Output::write`] puts them into files.
+//! - [`Saver`] writes checkpoints; [`Session::resume`] goes on from one.
 
+mod checkpoint;
+mod describe;
+mod error;
+mod hashing;
+mod layers;
+mod lock;
+mod memory;
+mod options;
+mod output;
+mod picture;
+mod place;
 mod plan;
+pub mod units;
 
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use caustica_formats::confined::Confined;
+use caustica_formats::diagnostic::{Diagnostic, SourceMap};
+use caustica_formats::files::Files;
+use caustica_formats::{Read, ir, read_scene};
+
+use crate::integrator::Task;
+use crate::render::{Budget, Outcome, Progress, Sums, render};
+use crate::scene::compile::compile;
+use crate::scene::{Facts, Scene, View};
+use crate::settings::Settings;
+
+pub use caustica_formats::ir::{Crop, Filter, SpectrumRule};
+pub use checkpoint::Saver;
+pub use describe::{Description, Finding};
+pub use error::Error;
+pub use layers::{KNOWN as KNOWN_LAYERS, Layers};
+pub use lock::Lock;
+pub use memory::Memory;
+pub use options::Options;
+pub use output::Output;
+pub use picture::Picture;
+pub use place::check_place;
 pub use plan::Plan;
+
+use describe::Contents;
+use hashing::Hashing;
+
+/// An opened scene. Its parts are public: tests and tools may look at the compiled scene, and change the
+/// view or the settings before they render.
+#[derive(Debug)]
+pub struct Session {
+    /// What rays meet and what shines.
+    pub scene: Scene,
+    /// What rendering the scene needs.
+    pub facts: Facts,
+    /// Camera and film.
+    pub view: View,
+    /// The defaults, changed by the scene, changed by the options.
+    pub settings: Settings,
+    path: PathBuf,
+    /// The film as the author wrote it, for what only matters to output.
+    film: ir::Film,
+    contents: Contents,
+    findings: Vec<Finding>,
+    /// Rendered with excerpts: all, and those about what is rendered.
+    warnings: [String; 2],
+    hash: String,
+    /// Files the scene was read from, links followed.
+    inputs: BTreeSet<PathBuf>,
+    /// What of the options decides how those files are read.
+    choices: Vec<(String, String)>,
+}
+
+impl Session {
+    /// Reads the scene file at `path` (Mitsuba `.xml`, pbrt `.pbrt`) and what it names, and compiles it.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with every problem of the scene; [`Error::Setting`] for a setting of the options that
+    /// does not exist or does not parse.
+    pub fn open(path: impl AsRef<Path>, options: &Options) -> Result<Self, Error> {
+        let path = path.as_ref();
+        Self::open_in(&Confined::new(path, &options.allow_paths), path, options)
+    }
+
+    /// [`Session::open`] with files from elsewhere, such as from memory.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn open_in(files: &dyn Files, path: &Path, options: &Options) -> Result<Self, Error> {
+        // A misspelt setting is found before the scene is read, which may take long.
+        options.override_settings(&mut Settings::default())?;
+        let files = Hashing::new(files, path);
+        let read = read_scene(&files, path, &options.reading())
+            .map_err(|failure| Error::Scene { problems: failure.to_string(), warnings: String::new() })?;
+        Self::compiled(read, files, path, options)
+    }
+
+    /// Compiles a scene that is in memory already, as if it had been read from `path`.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn of(scene: ir::Scene, files: &dyn Files, path: &Path, options: &Options) -> Result<Self, Error> {
+        let read = Read { scene, warnings: Vec::new(), sources: SourceMap::default() };
+        Self::compiled(read, Hashing::new(files, path), path, options)
+    }
+
+    fn compiled(read: Read, files: Hashing<'_>, path: &Path, options: &Options) -> Result<Self, Error> {
+        let Read { mut scene, warnings: mut diagnostics, sources } = read;
+        options.override_film(&mut scene);
+        let of_reader = shown(&sources, &diagnostics);
+        let compiled = compile(&scene, &files, options.compiling()).map_err(|problems| Error::Scene {
+            problems: shown(&sources, &problems),
+            warnings: of_reader.clone(),
+        })?;
+        let mut settings = compiled.settings;
+        options.override_settings(&mut settings)?;
+        let of_both = [of_reader, shown(&sources, &compiled.warnings)];
+        diagnostics.extend(compiled.warnings);
+        let others: Vec<Diagnostic> = diagnostics.iter().filter(|d| !d.unsupported).cloned().collect();
+        let film = scene.sensors[options.sensor.unwrap_or(scene.default_sensor)].film.clone();
+        let (hash, inputs) = files.finish();
+        Ok(Self {
+            scene: compiled.scene,
+            facts: compiled.facts,
+            view: compiled.view,
+            settings,
+            path: path.to_path_buf(),
+            contents: Contents::of(&scene, &film),
+            film,
+            findings: diagnostics.iter().map(|d| Finding::new(d, &sources)).collect(),
+            warnings: [of_both.map(|text| text + "\n").concat().trim().to_owned(), shown(&sources, &others)],
+            hash,
+            inputs,
+            choices: options.choices(),
+        })
+    }
+
+    /// The scene file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The scene file's name without folder and extension.
+    pub fn name(&self) -> String {
+        self.path.file_stem().map_or_else(|| "scene".to_owned(), |s| s.to_string_lossy().into_owned())
+    }
+
+    /// Hash of the names and contents of all files of the scene.
+    pub fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    /// What reading and compiling had to say, with excerpts of the author's files; may be empty.
+    pub fn warnings(&self) -> &str {
+        &self.warnings[0]
+    }
+
+    /// [`Session::warnings`] without those about what is not rendered, which [`Session::describe`] lists.
+    pub fn other_warnings(&self) -> &str {
+        &self.warnings[1]
+    }
+
+    /// What reading and compiling had to say, one by one.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// Whether the scene's film keeps alpha.
+    pub fn wants_alpha(&self) -> bool {
+        use ir::PixelFormat::{LuminanceAlpha, Rgba, Xyza};
+        matches!(self.film.pixel_format, Rgba | LuminanceAlpha | Xyza)
+    }
+
+    /// What is in the scene, and what rendering it will do.
+    pub fn describe(&self) -> Description<'_> {
+        Description::of(self)
+    }
+
+    /// What a render with the present settings will do.
+    pub fn plan(&self) -> Plan {
+        Plan::new(&self.facts, &self.settings, self.view.film.pixel_count())
+    }
+
+    /// For the pass driver and the integrators.
+    pub fn task(&self) -> Task<'_> {
+        self.task_with(&self.settings)
+    }
+
+    /// The same with other settings.
+    pub fn task_with<'a>(&'a self, settings: &'a Settings) -> Task<'a> {
+        Task { scene: &self.scene, facts: &self.facts, view: &self.view, settings }
+    }
+
+    /// Renders passes from the first until the budget is used up, and calls `progress` after each. The
+    /// result depends on the scene, the options and the number of passes only, not on threads.
+    pub fn render(&self, budget: Budget<'_>, progress: &mut dyn FnMut(&Progress<'_>)) -> Outcome {
+        self.resume(Sums::none(self.view.film.pixel_count()), budget, progress)
+    }
+
+    /// Goes on after the passes in `sums`, see [`Saver::resume`]. The result is that of one run.
+    pub fn resume(&self, sums: Sums, budget: Budget<'_>, progress: &mut dyn FnMut(&Progress<'_>)) -> Outcome {
+        render(self.task(), budget, sums, progress)
+    }
+
+    /// The picture that a render of this session has made.
+    pub fn picture<'a>(&'a self, outcome: &'a Outcome) -> Picture<'a> {
+        let statistics = &outcome.statistics;
+        Picture { session: self, pixels: &outcome.pixels, passes: statistics.passes, statistics }
+    }
+}
+
+fn shown(sources: &SourceMap, diagnostics: &[Diagnostic]) -> String {
+    sources.render(diagnostics).trim_end().to_owned()
+}

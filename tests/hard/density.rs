@@ -1,18 +1,19 @@
-//! What density estimation does to even light: nothing away from edges, and at edges what theory says.
+//! Bias of density estimation under uniform light: none away from edges, and at edges what theory predicts.
 
 use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Vec3};
-use caustica::photon::{LightPath, Photon, PhotonMap, Query};
+use caustica::photon::{Photon, PhotonMap, Query};
+use caustica::transport::PathClass;
 
 use super::{agree, record};
 use crate::support::{Estimate, Picture, Stage, UP, camera, diffuse, rectangle, render, scene};
 
-/// Photons of flux h² on a lattice of spacing h = 1/16 are an even irradiance of 1. Looked up with the
-/// radius 1.5 at 32 × 32 places of a cell, the sum is that of a lattice of spacing h/32 over the disc: by
-/// Poisson's formula its error falls with (h/(32 r))^1.5 for a kernel that ends in a step (2e-5) and
-/// faster for the others; 1e-4 leaves room for f32.
+/// Photons of flux h² on a lattice of spacing h = 1/16 give a uniform irradiance of 1. The sum of lookups of
+/// radius 1.5 at 32 × 32 points of a cell is that of a lattice of spacing h/32 over the disc: by Poisson
+/// summation its error falls as (h/(32 r))^1.5 for a kernel that ends in a step (2e-5) and faster for the
+/// others; 1e-4 leaves room for f32.
 #[test]
-fn every_kernel_is_exact_for_even_light() {
+fn every_kernel_is_exact_for_uniform_light() {
     let h = 1.0 / 16.0_f32;
     let n = 64;
     let photons: Vec<Photon> = (0..n * n)
@@ -21,7 +22,7 @@ fn every_kernel_is_exact_for_even_light() {
             flux: Color::splat(h * h),
             wi: Vec3::Z,
             n: Vec3::Z,
-            path: LightPath::Direct,
+            class: PathClass::Direct,
             depth: 1,
         })
         .collect();
@@ -37,12 +38,12 @@ fn every_kernel_is_exact_for_even_light() {
             });
         }
         let off = sum / 1024.0 - 1.0;
-        record(&format!("even light, {kernel} kernel"), "irradiance 1", &format!("{off:+.1e}"), "1e-4");
+        record(&format!("uniform light, {kernel} kernel"), "irradiance 1", &format!("{off:+.1e}"), "1e-4");
         assert!(off.abs() < 1e-4, "{kernel}: {off:e}");
     }
 }
 
-/// A floor of albedo 1/2 under parallel light of irradiance π, whose radiance is 1/2 up to its very edge.
+/// A floor of albedo 1/2 under directional light of irradiance π: its radiance is 1/2 up to the edge.
 fn edge(at: &str) -> Stage {
     let light = "<emitter type='directional'><vector name='direction' value='0,-1,0'/>
         <rgb name='irradiance' value='3.14159265'/></emitter>";
@@ -54,7 +55,7 @@ fn edge(at: &str) -> Stage {
 }
 
 fn by_photons(scene: &Stage, boundary: &str) -> Picture {
-    // Nearly no reduction of the radius: all passes measure the same bias.
+    // The radius hardly shrinks, so that all passes measure the same bias.
     let settings = [
         ("nee", "false"),
         ("photons", "15000"),
@@ -65,12 +66,12 @@ fn by_photons(scene: &Stage, boundary: &str) -> Picture {
     render(scene, &settings, 64)
 }
 
-/// The strip as wide as the radius along an edge. A point at t·r from the edge finds the share of the
+/// A strip along an edge, as wide as the radius. A point at distance t·r from the edge finds the share of the
 /// kernel within t of one side; over the strip that is 1 − E|X|/2 for the kernel's marginal X, which for
 /// Epanechnikov's is 1 − 8/(15π): 17 % are missing. In a corner both directions lose; the discs of points
 /// closer to the corner than the radius reach over it, so the product of both is a bound from below only.
 #[test]
-fn the_bias_at_edges_is_what_theory_says() {
+fn the_bias_at_edges_is_as_predicted() {
     let strip = 1.0 - 8.0 / (15.0 * std::f64::consts::PI);
     let scene = edge("0.75,0");
     agree(

@@ -1,4 +1,4 @@
-//! Shapes that arithmetic has trouble with.
+//! Shapes that are numerically difficult.
 
 use super::{MAPS, METHODS, PATH, agree, black, hard_scene, percent, record, same};
 use crate::support::{
@@ -6,8 +6,8 @@ use crate::support::{
     sphere, walls,
 };
 
-/// A quad [-1, 1]² at y = -1 of ordinary triangles, needles (2 long, 2e-6 wide), triangles without area,
-/// and every one twice.
+/// The square [-1, 1]² at y = -1, made of ordinary triangles, needles (2 long, 2e-6 wide) and triangles of no
+/// area, each of them twice.
 fn awkward_floor() -> String {
     let mut vertices = Vec::new();
     let mut x = -1.0;
@@ -29,7 +29,7 @@ fn awkward_floor() -> String {
     text
 }
 
-/// The walls without the floor, which comes from elsewhere.
+/// The box with another floor.
 fn room(floor: &str) -> String {
     let shapes = walls("0.7");
     let (_, rest) = shapes.split_once("</shape>").expect("the floor comes first");
@@ -37,7 +37,7 @@ fn room(floor: &str) -> String {
 }
 
 #[test]
-fn needles_empty_and_double_triangles_make_the_same_floor() {
+fn needles_degenerate_and_duplicate_triangles_make_the_same_floor() {
     let plain = room(&rectangle(1.0, &format!("{UP}<translate y='-1'/>"), &diffuse("0.7")));
     let mesh = format!(
         "<shape type='obj'><string name='filename' value='floor.obj'/>
@@ -50,21 +50,21 @@ fn needles_empty_and_double_triangles_make_the_same_floor() {
         let floor = awkward_floor();
         let mesh = render(&scene_with(&room(&mesh), &[("floor.obj", &floor)]), settings, 64);
         let twice = render(&scene(&twice), settings, 64);
-        // Same random numbers, but a path that meets an edge or the other of two equal floors may go on
-        // differently: that is noise, of which 0.5 % leaves room for 4.5 sigma.
+        // The random numbers are the same, but a path that hits an edge, or the other of two equal floors, may
+        // continue differently. That is noise, and 0.5 % is more than 4.5 sigma of it.
         same(
-            &format!("floor of needles, empty and double triangles, {name}"),
+            &format!("floor of needles, degenerate and duplicate triangles, {name}"),
             "as a rectangle",
             &mesh,
             &plain,
             0.005,
         );
-        same(&format!("floor twice at one place, {name}"), "as once", &twice, &plain, 0.005);
+        same(&format!("duplicate floor, {name}"), "as once", &twice, &plain, 0.005);
     }
 }
 
-/// A lamp within the ceiling lights the floor as one 1e-4 below it: the distance of 2 changes by 5e-5,
-/// the light by 1e-4, and a part of the lamp that the ceiling hid would be missing whole.
+/// A lamp in the plane of the ceiling lights the floor like one 1e-4 below it: the distance of 2 changes by
+/// 5e-5 of itself, the light by 1e-4. Any part of the lamp that the ceiling hid would be missing entirely.
 #[test]
 fn a_lamp_in_the_plane_of_the_ceiling_lights_the_floor() {
     let with = |y: &str| {
@@ -106,21 +106,21 @@ fn no_light_crosses_a_thin_wall() {
             let picture = render(&hard_scene("thin-wall", &[("gap", gap), ("size", "24")]), settings, 16);
             black(&format!("wall {gap} thick, dark side, {name}"), &picture);
         }
-        // Photons of the first hits too.
+        // Also with direct light from photons.
         let settings = [MAPS.1, &[("nee", "false")]].concat();
         let picture = render(&hard_scene("thin-wall", &[("gap", gap), ("size", "24")]), &settings, 16);
-        black(&format!("wall {gap} thick, dark side, first photons"), &picture);
+        black(&format!("wall {gap} thick, dark side, direct light from photons"), &picture);
     }
 }
 
-/// In the closed form of the furnace concave edges and corners are no exception. Photon mapping loses
-/// what the disc misses at edges without the correction, which is shown; with it what remains is the
-/// disc seeing round the corner.
+/// The closed form of the furnace also holds at concave edges and corners. Without boundary correction photon
+/// mapping loses the part of the disc beyond the edge, which is recorded; with it, what remains is bias from
+/// photons around the corner.
 #[test]
 fn concave_corners_keep_their_light() {
     let body = format!(
         "{}<shape type='cube'><boolean name='flip_normals' value='true'/>{}{}</shape>",
-        // Into the corner: a third of the view lies within a tenth of an edge.
+        // The view into the corner: a third of it lies within a tenth of an edge.
         camera("0,0,0", "1,1,1", 60.0, 20),
         diffuse("0.5"),
         area("1")
@@ -147,7 +147,7 @@ fn percent_dark(part: f64) -> String {
     format!("{:.2} % dark", 100.0 * part)
 }
 
-/// The large ball is a plane of albedo 1/2 here, so the small one must look as over a plane.
+/// At this scale the large ball is a plane of albedo 1/2, so the small one must look as if on a plane.
 #[test]
 fn balls_of_1e_minus_5_and_1e5_meet() {
     let plane = |half: f64| {
@@ -166,20 +166,20 @@ fn balls_of_1e_minus_5_and_1e5_meet() {
     let vast = plane(1e6);
     agree("ball on a plane of 1e6, path", "on one of 1e3", vast.beauty(1), truth.beauty(1), 0.01);
     let path = render(&hard_scene("two-sizes", &[("size", "24")]), PATH.1, 512);
-    agree("balls of 1e-5 and 1e5, path", "as over a plane", path.beauty(1), truth.beauty(1), 0.01);
+    agree("balls of 1e-5 and 1e5, path", "as on a plane", path.beauty(1), truth.beauty(1), 0.01);
     let settings = [("nee", "true"), ("photons", "8000")];
     let maps = render(&hard_scene("two-sizes", &[("size", "24")]), &settings, 32);
     super::sound("balls of 1e-5 and 1e5, photon map", &maps);
-    // Of the light from the sky, one photon in 1e20 would land where the camera looks: what the map should
-    // add is missing, as documented. Light that comes straight from the sky is all there.
+    // One photon of the sky in 1e20 would land in view, so indirect light is missing, as documented. Direct light
+    // of the sky is complete.
     let direct = |p: &crate::support::Picture| p.estimate(&[caustica::film::Layer::Direct], 1);
     agree("balls of 1e-5 and 1e5, direct light, photon map", "as path", direct(&maps), direct(&path), 0.02);
 }
 
-/// On a vast floor nearly all light of the sky falls where nobody looks. What a ball gets from the floor is
-/// a fifth of its light, and was missing when all places were alike.
+/// On a vast floor nearly all light of the sky falls out of view. A fifth of the ball's light comes from the floor
+/// around it, and was missing when photons were aimed uniformly.
 #[test]
-fn light_finds_what_stands_on_a_vast_floor() {
+fn photons_find_an_object_on_a_vast_floor() {
     let body = [
         "<sensor type='perspective'><float name='fov' value='30'/>
          <transform name='to_world'><lookat origin='0,4,8' target='0,1,0' up='0,1,0'/></transform>",
@@ -210,7 +210,7 @@ fn glass_that_overlaps_touches_and_shares_walls_is_invisible_in_a_furnace() {
     }
 }
 
-/// Blocks of glass 1e-4 above the floor, and in a corner: what crosses the gap must find the wall.
+/// Blocks of glass 1e-4 above the floor, and in a corner: rays across the gap must hit the wall.
 #[test]
 fn glass_that_nearly_touches_the_walls_is_invisible_in_a_furnace() {
     let glass =
@@ -239,11 +239,11 @@ fn glass_that_nearly_touches_the_walls_is_invisible_in_a_furnace() {
     }
 }
 
-/// Glass that stands flush on a floor, against walls, as a cylinder with lids, and round water. Its faces are
-/// drawn back by 2e-4 here, and the picture is that of glass 1e-3 away from what it touches: a gap of g moves
-/// what is seen through it by some g of the 1 that the block is wide, 0.3 % of its light at most.
+/// Glass flush with a floor, with a wall, with water, and a cylinder with lids on a floor. Its faces are moved
+/// back by 2e-4 here, and the picture must equal that of glass 1e-3 away from what it touches: a gap of g
+/// shifts what is seen through a block of width 1 by about g, which is at most 0.3 % of its light.
 #[test]
-fn glass_that_lies_flush_is_as_glass_just_above() {
+fn flush_glass_looks_like_glass_just_above() {
     let glass =
         "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
     let water = glass.replace("1.5", "1.33");
@@ -299,7 +299,7 @@ fn glass_that_lies_flush_is_as_glass_just_above() {
             let settings = [settings, &[("max_depth", "-1")]].concat();
             render(&scene(&[&*view, sky, &*body(gap)].concat()), &settings, passes)
         };
-        // Twice the room for the noise of the photon map; its blur is the same in both.
+        // The bound of the photon map is twice as wide for its noise; its blur is the same in both.
         for (method, passes, bound) in [(PATH, 800, 0.01), (MAPS, 200, 0.02)] {
             let (flush, above) = (picture(0.0, method, passes), picture(1e-3, method, passes));
             let case = format!("{name}, flush, {}", method.0);
@@ -308,10 +308,10 @@ fn glass_that_lies_flush_is_as_glass_just_above() {
     }
 }
 
-/// However many faces of the floor it lies on: by 12 × 2⁻¹⁹ of the largest coordinate, 5 from the point of the scene
-/// that is nearest to the camera, where f32 counts from.
+/// However many faces it touches, a disk is moved back once, by 12 × 2⁻¹⁹ of the largest coordinate. That is 5
+/// here, measured from the scene point nearest to the camera, the origin of the compiled scene.
 #[test]
-fn a_flush_disk_is_drawn_back_once() {
+fn a_flush_disk_is_moved_back_once() {
     let disk = |half: f64, turn: &str, bsdf: &str| {
         format!(
             "<shape type='disk'><transform name='to_world'><scale value='{half}'/>{turn}</transform>{bsdf}</shape>"
@@ -333,13 +333,14 @@ fn a_flush_disk_is_drawn_back_once() {
     let [floor, lid] = heights[..] else { panic!("two disks: {heights:?}") };
     let once = 5.0 * 12.0 / 524_288.0;
     let off = (lid - floor) / once - 1.0;
-    record("flush disk", "drawn back once, by 1.14e-4", &percent(off), "1 %");
+    record("flush disk", "moved back once, by 1.14e-4", &percent(off), "1 %");
     assert!(off.abs() < 0.01, "{off}");
 }
 
-/// Every ray would try all of them. Of glass, each is another surface on the way.
+/// Equal instances at one place are merged, since every ray would test all of them. Those of glass are kept:
+/// each is another surface on the path.
 #[test]
-fn instances_at_one_place_are_one() {
+fn coincident_instances_are_merged_unless_of_glass() {
     for (bsdf, left) in [(diffuse("0.5"), 1), ("<bsdf type='dielectric'/>".to_owned(), 1000)] {
         let group = format!("<shape type='shapegroup' id='g'>{}</shape>", sphere("0,0,0", 1.0, &bsdf));
         let instance = "<shape type='instance'><ref id='g'/></shape>".repeat(1000);

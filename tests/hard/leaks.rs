@@ -1,4 +1,4 @@
-//! Nothing passes through a closed mesh, wherever it is aimed.
+//! No ray passes through a closed mesh, wherever it is aimed.
 
 use caustica::math::{Ray, Vec3};
 use rayon::prelude::*;
@@ -10,9 +10,9 @@ use crate::watertight::{Floats, icosphere, obj, ours};
 const MESH: &str = "<shape type='obj'><string name='filename' value='mesh.obj'/>
     <boolean name='face_normals' value='true'/>@</shape>";
 
-/// Ten million rays from inside of a closed mesh, at its vertices, the middles of its edges and anywhere
-/// on them: every one hits, and the shadow ray agrees. Half of them in an instance that is turned and
-/// stretched, whose vertices are rounded once more.
+/// Ten million rays from inside a closed mesh, aimed at its vertices, the midpoints of its edges and any points of
+/// them: all hit, and shadow rays agree. Half of them are in a rotated instance, whose vertices are rounded once
+/// more.
 #[test]
 fn ten_million_rays_at_edges_and_vertices_all_hit() {
     let (points, faces) = icosphere(4);
@@ -27,7 +27,7 @@ fn ten_million_rays_at_edges_and_vertices_all_hit() {
         let p = glam::DVec3::from(p);
         (p * cos + axis.cross(p) * sin + axis * axis.dot(p) * (1.0 - cos)).to_array()
     };
-    for (name, body) in [("as it is", MESH.replace('@', "")), ("instance", group)] {
+    for (name, body) in [("placed directly", MESH.replace('@', "")), ("instance", group)] {
         let scene = scene_with(
             &format!("{}{body}", camera("0,0,0", "0,0,1", 40.0, 4)),
             &[("mesh.obj", &obj(&points, &faces))],
@@ -65,7 +65,7 @@ fn ten_million_rays_at_edges_and_vertices_all_hit() {
     }
 }
 
-/// A bright lamp around a closed mesh: its inside is black to the last photon.
+/// With bright lamps around a closed mesh, its inside is exactly black.
 #[test]
 fn a_closed_mesh_keeps_the_light_out() {
     let (points, faces) = icosphere(3);

@@ -11,13 +11,13 @@ fn floor_view() -> String {
     [camera("0,3,0", "0,0,0", 30.0, 16), rectangle(1.0, FLOOR, &diffuse("0.5"))].concat()
 }
 
-/// A lamp 1e-4 of the scene wide is a point with a cosine: area A and radiance L at height h give the
-/// radiance ρ/π · L·A·h²/d⁴ at the distance d; the error of "a point" is of the order 1e-8.
+/// A lamp of 1e-4 of the scene's size acts as a point with a cosine: with area A and radiance L at height h it
+/// gives the radiance ρ/π · L·A·h²/d⁴ at distance d, with an error of the order of 1e-8.
 #[test]
-fn a_tiny_lamp_is_a_point() {
+fn a_tiny_lamp_acts_as_a_point() {
     let half = 1e-4;
     let body = [floor_view(), rectangle(half, &format!("{DOWN}<translate y='1'/>"), &area("1e8"))].concat();
-    // The film sees the square |x|, |z| ≤ 3 tan 15° evenly.
+    // The film shows the square |x|, |z| ≤ 3 tan 15° at uniform scale.
     let edge = 3.0 * 15f64.to_radians().tan();
     let n = 400;
     let at = |i: i32| ((f64::from(i) + 0.5) / f64::from(n) * 2.0 - 1.0) * edge;
@@ -36,21 +36,21 @@ fn a_tiny_lamp_is_a_point() {
     }
 }
 
-/// Only paths that happen on the lamp through the glass find its light; photons carry it out.
+/// Path tracing finds the light only when a path hits the lamp through the glass; photons carry it out.
 #[test]
-fn a_lamp_inside_glass_shines_for_both() {
+fn light_of_a_lamp_inside_glass_agrees() {
     let glass =
         "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
     let body =
         [floor_view(), sphere("0,0.6,0", 0.3, glass), sphere("0,0.6,0", 0.2, &(diffuse("0") + &area("10")))]
             .concat();
-    // The floor as seen beside the ball: the ball itself shows the lamp, which both see alike.
+    // The picture shows the floor, and in the ball the lamp, which both methods show alike.
     let path = render(&scene(&body), PATH.1, 4096);
     let maps = render(&scene(&body), &[("photons", "8000"), ("caustic_photons", "60000")], 256);
     agree("lamp inside glass, photon map", "as path", maps.beauty(1), path.beauty(1), 0.02);
 }
 
-/// All photons of a spot of 0.05° fall on one place; its light is the same as next event estimation has it.
+/// All photons of a spot light of 0.05° land in one place; its light equals that of next event estimation.
 #[test]
 fn a_beam_on_one_spot_keeps_its_light() {
     let beam = "<emitter type='spot'><float name='cutoff_angle' value='0.05'/><float name='beam_width' value='0.04'/>
@@ -63,7 +63,7 @@ fn a_beam_on_one_spot_keeps_its_light() {
     let path = render(&scene, PATH.1, 1024);
     let photons = render(&scene, &[("nee", "false"), ("photons", "2000")], 256);
     agree(
-        "beam on one spot, first photons",
+        "beam on one spot, direct light from photons",
         "as next event estimation",
         photons.beauty(1),
         path.beauty(1),
@@ -73,7 +73,7 @@ fn a_beam_on_one_spot_keeps_its_light() {
 
 /// Light is linear over sixty orders of magnitude.
 #[test]
-fn lamps_of_1e_minus_30_and_1e30_are_as_any() {
+fn lamps_of_1e_minus_30_and_1e30_scale_linearly() {
     for (name, settings) in METHODS {
         let with = |radiance: &str| {
             render(&scene(&[box_camera(16), walls("0.7"), lamp(0.3, radiance)].concat()), settings, 32)
@@ -81,7 +81,7 @@ fn lamps_of_1e_minus_30_and_1e30_are_as_any() {
         let plain = with("1").beauty(1).mean;
         for power in [-30, 30] {
             let scaled = with(&format!("1e{power}")).beauty(1).mean / 10f64.powi(power);
-            // The same paths: only roundings of f32 differ, 6e-8 each.
+            // The paths are the same: only f32 rounding differs, by 6e-8 each time.
             agree(
                 &format!("lamp of 1e{power}, {name}"),
                 "in proportion",
@@ -93,7 +93,7 @@ fn lamps_of_1e_minus_30_and_1e30_are_as_any() {
     }
 }
 
-/// Each lamp by itself lights the floor by I·h/d³; the sum is known whatever the choice among them costs.
+/// Each lamp gives the irradiance I·h/d³; the sum is known, however lamps are chosen for sampling.
 #[test]
 fn hundreds_of_lamps_over_nine_orders_add_up() {
     let lamps: Vec<([f64; 3], f64)> = (0..300)
@@ -135,16 +135,16 @@ fn hundreds_of_lamps_over_nine_orders_add_up() {
 }
 
 #[test]
-fn no_lamp_no_light() {
+fn a_scene_without_lamps_is_black() {
     for (name, settings) in METHODS {
         let picture = render(&scene(&[box_camera(16), walls("0.7")].concat()), settings, 8);
         black(&format!("no lamp, {name}"), &picture);
     }
 }
 
-/// A lamp that lights the ceiling only, seen from below: the floor has its light by one bounce or more.
+/// A lamp that lights only the ceiling: light reaches the floor after one bounce or more.
 #[test]
-fn lamps_behind_a_gap_agree() {
+fn purely_indirect_light_agrees() {
     let body = [
         camera("0,0.45,0", "0,0,0", 80.0, 16),
         rectangle(1.0, FLOOR, &diffuse("0.5")),
@@ -154,17 +154,11 @@ fn lamps_behind_a_gap_agree() {
     .concat();
     let path = render(&scene(&body), PATH.1, 2048);
     let maps = render(&scene(&body), &[("photons", "16000")], 256);
-    agree(
-        "light by one bounce only, photon map against path",
-        "the same",
-        maps.beauty(1),
-        path.beauty(1),
-        0.02,
-    );
+    agree("indirect light only, photon map against path", "the same", maps.beauty(1), path.beauty(1), 0.02);
 }
 
-/// A point lamp in the plane of the floor lights the walls as one 1e-4 above it, which lights the floor
-/// around it as well: that light is left out by a black floor.
+/// A point lamp in the plane of the floor lights the walls like one 1e-4 above it. The latter would also light the
+/// floor around it, so the floor is black.
 #[test]
 fn a_lamp_in_the_floor_lights_the_walls() {
     let with = |y: &str| {
@@ -178,7 +172,7 @@ fn a_lamp_in_the_floor_lights_the_walls() {
     for (name, settings) in METHODS {
         let inside = render(&with("-1"), settings, 128);
         let above = render(&with("-0.9999"), settings, 128);
-        // The height of 1e-4 changes angles by as much; the walls' light by less than 1e-3.
+        // A height of 1e-4 changes angles by 1e-4, and the light on the walls by less than 1e-3.
         let case = format!("point lamp in the floor, {name}");
         agree(&case, "as 1e-4 above it", inside.beauty(1), above.beauty(1), 0.01);
     }

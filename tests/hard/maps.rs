@@ -1,19 +1,17 @@
 //! Photon maps at their limits.
 
-use caustica::film::Pixels;
 use caustica::math::kernel::KernelKind;
 use caustica::math::{Color, Vec3};
 use caustica::photon::radius::shrinkage;
-use caustica::photon::{LightPath, Photon, PhotonMap, Query};
+use caustica::photon::{Photon, PhotonMap, Query};
 use caustica::render::Outcome;
+use caustica::transport::PathClass;
 
 use super::{agree, record};
-use crate::support::{
-    Estimate, Stage, UP, area, budget, camera, diffuse, rectangle, scene, settings, sphere,
-};
+use crate::support::{Estimate, Stage, UP, area, camera, diffuse, outcome, rectangle, scene, sphere};
 
 fn photon(p: Vec3) -> Photon {
-    Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, path: LightPath::Direct, depth: 1 }
+    Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, class: PathClass::Direct, depth: 1 }
 }
 
 fn found(map: &PhotonMap, p: Vec3, radius: f32) -> usize {
@@ -70,9 +68,7 @@ fn kernels_have_unit_mass_on_a_plane() {
 }
 
 fn run(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Outcome {
-    let settings = settings(scene, changes);
-    let pixels = Pixels::new(scene.0.view.film.pixel_count());
-    caustica::render::render(scene.task(&settings), budget(passes), pixels, 0, &mut |_| {})
+    outcome(scene, changes, passes, &mut |_| {})
 }
 
 /// The radius falls as its formula says and the mean stays where it is, after ten thousand passes too.

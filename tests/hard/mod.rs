@@ -1,5 +1,5 @@
-//! Hard cases: every one has an expectation that is exact or derived, and is rendered by the path
-//! tracer and by photon mapping. What was measured is written to `target/hard-cases.md`.
+//! Hard cases: each has an exact or derived expectation, and is rendered by path tracing and by photon
+//! mapping. The measurements are written to `target/hard-cases.md`.
 
 mod density;
 mod geometry;
@@ -15,11 +15,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use caustica::scene::compile::{CompileOptions, compile};
+use caustica::session::{Options, Session};
 use caustica_formats::files::Disk;
-use caustica_formats::{ReadOptions, read_scene};
 
-use crate::support::{ALL, Estimate, Picture, Stage, assert_agree, assert_same};
+use crate::support::{ALL, Estimate, Picture, Stage, assert_agree, assert_same, plain};
 
 /// A name and the settings that choose the integrator.
 type Method = (&'static str, &'static [(&'static str, &'static str)]);
@@ -31,7 +30,7 @@ const METHODS: [Method; 2] = [PATH, MAPS];
 type Rows = BTreeMap<String, [String; 3]>;
 static TABLE: LazyLock<Mutex<Rows>> = LazyLock::new(Mutex::default);
 
-/// Adds a row to the table and writes it whole: a failing case does not hide the others.
+/// Adds a row to the table and rewrites the file, so that a failing case does not hide the others.
 fn record(case: &str, expectation: &str, measured: &str, bound: &str) {
     let mut rows = TABLE.lock().unwrap_or_else(PoisonError::into_inner);
     rows.insert(case.to_owned(), [expectation, measured, bound].map(str::to_owned));
@@ -44,23 +43,19 @@ fn record(case: &str, expectation: &str, measured: &str, bound: &str) {
     caustica_formats::image::atomic_write(file, text.as_bytes()).expect("the table can be written");
 }
 
-/// A scene of `scenes/hard/` with the values of its parameters.
+/// Compiles a scene of `scenes/hard/` with the given parameters.
 fn hard_scene(name: &str, parameters: &[(&str, &str)]) -> Stage {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/hard").join(format!("{name}.xml"));
     let defines = parameters.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
-    let options = ReadOptions { defines, ..ReadOptions::default() };
-    let read = read_scene(&Disk, &path, &options).unwrap_or_else(|failure| panic!("{failure}"));
-    match compile(&read.scene, &Disk, CompileOptions::default()) {
-        Ok(compiled) => Stage(compiled),
-        Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
-    }
+    let options = Options { defines, ..plain() };
+    Stage(Session::open_in(&Disk, &path, &options).unwrap_or_else(|e| panic!("{e}")))
 }
 
 fn percent(part: f64) -> String {
     format!("{:.3} %", 100.0 * part)
 }
 
-/// A mean is what it should be, see [`assert_agree`].
+/// Records and asserts that a mean is as expected; see [`assert_agree`].
 #[track_caller]
 fn agree(case: &str, expectation: &str, a: Estimate, b: Estimate, relative: f64) {
     let sigma = a.sigma.hypot(b.sigma) / b.mean.abs();
@@ -69,7 +64,8 @@ fn agree(case: &str, expectation: &str, a: Estimate, b: Estimate, relative: f64)
     assert_agree(case, a, b, relative);
 }
 
-/// Two renders of the same random numbers differ by `relative` in the mean of no channel.
+/// Records and asserts that two renders with the same random numbers differ by at most `relative` in the mean of
+/// every channel.
 #[track_caller]
 fn same(case: &str, expectation: &str, a: &Picture, b: &Picture, relative: f64) {
     let worst = (0..3).map(|c| a.minus(b, ALL, c).mean / b.beauty(c).mean);
@@ -83,7 +79,7 @@ fn brightest(picture: &Picture) -> f64 {
     picture.pixel_values().into_iter().flatten().fold(0.0, f64::max)
 }
 
-/// Every pixel is exactly black.
+/// Records and asserts that every pixel is exactly black.
 #[track_caller]
 fn black(case: &str, picture: &Picture) {
     let most = brightest(picture);
@@ -91,12 +87,12 @@ fn black(case: &str, picture: &Picture) {
     assert!(most == 0.0, "{case}: {most:e}");
 }
 
-/// Ended, and every value is finite and not negative (samples that are not are counted and refused by
-/// `render` already).
+/// Records that the render ended, and asserts that every value is finite and not negative (`render` has asserted
+/// that no sample was rejected).
 #[track_caller]
 fn sound(case: &str, picture: &Picture) {
     let all = picture.pixel_values();
     let bad = all.iter().flatten().filter(|v| !v.is_finite() || **v < 0.0).count();
-    record(case, "ends, finite, not negative", &format!("{bad} bad values"), "0");
+    record(case, "ends, finite, not negative", &format!("{bad} invalid values"), "0");
     assert_eq!(bad, 0, "{case}");
 }

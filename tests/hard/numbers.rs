@@ -1,16 +1,14 @@
-//! Numbers that no author means: every one, at every place of a scene, is refused with words or gives a
+//! Absurd numbers in scene files: each of them, at every place of a scene, is refused with a message or gives a
 //! finite picture.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use caustica::film::Pixels;
-use caustica::scene::compile::{CompileOptions, compile};
+use caustica::session::Session;
 use caustica_formats::files::Memory;
-use caustica_formats::{ReadOptions, read_scene};
 
 use super::record;
-use crate::support::{Stage, budget, picture, settings};
+use crate::support::{Stage, outcome as rendered, picture, plain};
 
 const NUMBERS: [&str; 10] = ["nan", "inf", "-inf", "0", "-0", "-1", "1e38", "-1e38", "1e-40", "1e300"];
 
@@ -69,37 +67,30 @@ Shape \"disk\" \"float height\" {1} \"float radius\" {0.3}
 ConcatTransform [{1} 0 0 0 0 1 0 0 0 0 {1} 0 0 0 0 {1}] Shape \"bilinearmesh\" \"point3 P\" [0 0 {0} 1 0 0 0 1 0 1 1 1]
 ";
 
-/// The scene with place `which` holding `number`, all others what the author meant.
+/// The scene with `number` at place `which` and the original values elsewhere; `None` if it has no such place.
 fn with(template: &str, which: usize, number: &str) -> Option<String> {
     let mut out = String::new();
     let (mut rest, mut place, mut found) = (template, 0, false);
     while let Some((before, after)) = rest.split_once('{') {
-        let (meant, after) = after.split_once('}').expect("closed");
+        let (original, after) = after.split_once('}').expect("closed");
         out.push_str(before);
         found |= place == which;
-        out.push_str(if place == which { number } else { meant });
+        out.push_str(if place == which { number } else { original });
         (rest, place) = (after, place + 1);
     }
     found.then(|| out + rest)
 }
 
-/// What became of a scene.
+/// Reads, compiles and renders a scene, and says whether it was refused or rendered.
 fn outcome(name: &str, text: String) -> &'static str {
     let map = picture(2, |x, y| [0.2, 0.1 * x as f32, 0.3 * y as f32], 2);
     let mesh = b"v 0 0 -0.5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec();
     let files = [(name, text.clone().into_bytes()), ("map.pfm", map), ("mesh.obj", mesh)];
     let files = Memory(files.into_iter().map(|(n, b)| (PathBuf::from(n), b)).collect::<BTreeMap<_, _>>());
-    let read = match read_scene(&files, Path::new(name), &ReadOptions::default()) {
-        Ok(read) => read,
-        Err(failure) => {
-            assert!(!failure.to_string().is_empty());
-            return "refused";
-        }
-    };
-    let mut scene = match compile(&read.scene, &files, CompileOptions::default()) {
-        Ok(compiled) => Stage(compiled),
-        Err(problems) => {
-            assert!(!problems.is_empty());
+    let mut scene = match Session::open_in(&files, Path::new(name), &plain()) {
+        Ok(session) => Stage(session),
+        Err(problem) => {
+            assert!(!problem.to_string().is_empty());
             return "refused";
         }
     };
@@ -109,9 +100,7 @@ fn outcome(name: &str, text: String) -> &'static str {
         for nee in ["true", "false"] {
             let changes =
                 [("integrator", integrator), ("nee", nee), ("photons", "100"), ("caustic_photons", "100")];
-            let settings = settings(&scene, &changes);
-            let pixels = Pixels::new(scene.0.view.film.pixel_count());
-            let done = caustica::render::render(scene.task(&settings), budget(2), pixels, 0, &mut |_| {});
+            let done = rendered(&scene, &changes, 2, &mut |_| {});
             for i in 0..done.pixels.len() {
                 let value = done.pixels.beauty(i, 2);
                 assert!(value.iter().all(|v| v.is_finite()), "{integrator}: {value:?}\n{text}");
@@ -124,9 +113,9 @@ fn outcome(name: &str, text: String) -> &'static str {
     "rendered"
 }
 
-/// Checks each of the numbers at every place of a scene.
+/// Tries each of the numbers at every place of a scene; some must be refused and some rendered.
 fn check(name: &str, template: &str, numbers: &[&str]) {
-    assert_eq!(outcome(name, with(template, 0, "5").expect("has numbers")), "rendered", "as meant");
+    assert_eq!(outcome(name, with(template, 0, "5").expect("has numbers")), "rendered", "unchanged");
     let mut counts = BTreeMap::new();
     for number in numbers {
         for place in 0.. {
@@ -136,7 +125,7 @@ fn check(name: &str, template: &str, numbers: &[&str]) {
     }
     let measured = format!("{counts:?}");
     let what = format!("{} absurd numbers at every place of {name}", numbers.len());
-    record(&what, "words or a finite picture", &measured, "—");
+    record(&what, "a message or a finite picture", &measured, "—");
     assert_eq!(counts.len(), 2, "{measured}");
 }
 
@@ -145,7 +134,7 @@ fn every_number_is_refused_or_gives_a_finite_picture() {
     check("scene.xml", MITSUBA, &NUMBERS);
 }
 
-/// Fewer, as pbrt's quadrics that are cut away are 20 000 triangles each time.
+/// Fewer numbers, because each partial quadric of pbrt becomes 20 000 triangles.
 #[test]
 fn every_number_of_pbrt_is_refused_or_gives_a_finite_picture() {
     check("scene.pbrt", PBRT, &["nan", "0", "1e38", "-1e38", "1e-40"]);

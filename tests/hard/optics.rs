@@ -1,4 +1,4 @@
-//! Limits of the formulas of optics.
+//! Limiting cases of optics: matched indices, total reflection, grazing angles, no loss and no light.
 
 use super::{METHODS, PATH, agree, black, record, same, sound};
 use crate::support::{
@@ -13,17 +13,17 @@ fn glass(eta: f64) -> String {
 
 const SKY: &str = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
 
-/// What is as dense as air is not there: nothing is reflected, nothing bent. 1e-6 away, R = 2.5e-13, and
-/// rays are bent by 1e-6 except in a rim of 1e-3 of the radius.
+/// Glass with the index of air is invisible: it neither reflects nor refracts. With the index off by 1e-6,
+/// R = 2.5e-13, and rays are bent by 1e-6 except within 1e-3 of the radius from the rim.
 #[test]
-fn glass_as_dense_as_air_is_not_there() {
+fn glass_with_the_index_of_air_is_invisible() {
     for (name, settings) in METHODS {
         let room = [box_camera(24), walls("0.7"), lamp(0.3, "15")].concat();
         let empty = render(&scene(&room), settings, 256);
         for eta in [1.0, 1.0 + 1e-6, 1.0 - 1e-6] {
             let filled = [&room, &*sphere("0,-0.3,0.2", 0.3, &glass(eta))].concat();
             let filled = render(&scene(&filled), settings, 256);
-            // The ball turns direct light into caustic light and its walls are another rounding: noise.
+            // The ball turns direct light into caustics and its surface adds rounding, so the noise differs.
             agree(
                 &format!("ball of eta 1{:+e}, {name}", eta - 1.0),
                 "as without it",
@@ -35,7 +35,7 @@ fn glass_as_dense_as_air_is_not_there() {
     }
 }
 
-/// A block of glass reflects totally from within; a lossless one is invisible under an even sky.
+/// Light inside a glass cube is totally reflected; being lossless, the cube is invisible under a constant sky.
 #[test]
 fn total_reflection_loses_nothing() {
     let cube = |eta: f64| {
@@ -48,7 +48,8 @@ fn total_reflection_loses_nothing() {
     for (name, settings) in METHODS {
         let mut settings = settings.to_vec();
         settings.push(("max_depth", "-1"));
-        // The critical angle of a cube's other wall is 45° at √2.
+        // At √2 the critical angle is 45°: from there on light through one face of a cube cannot leave by the
+        // next.
         for eta in [1.5, std::f64::consts::SQRT_2, 3.0] {
             let picture = render(&scene(&cube(eta)), &settings, 128);
             agree(
@@ -86,13 +87,13 @@ fn materials() -> Vec<(String, String)> {
     all
 }
 
-/// Under a sky of 1 no surface shows more than 1 (within noise), whatever the roughness, and down to
-/// grazing views of 89.999°.
+/// Under a sky of radiance 1 no surface shows more than 1 (within noise), at any roughness and for views up to
+/// 89.999° from the normal.
 #[test]
-fn nothing_shines_brighter_than_its_sky() {
+fn no_surface_is_brighter_than_its_sky() {
     let views = [
         ("ball", sphere("0,0,0", 1.0, "@"), camera("0,0,5", "0,0,0", 30.0, 12)),
-        // 1.7e-5 high at a distance of 1: 89.999° from the normal, and the film sees 1e-6 around it.
+        // From a height of 1.7e-5 at a distance of 1: 89.999° from the normal; the film shows 1e-6 around it.
         ("grazing", rectangle(2.0, UP, "@"), camera("0,1.7453e-5,1", "0,0,0", 1e-4, 4)),
     ];
     for (view, shape, camera) in &views {
@@ -120,10 +121,10 @@ fn mirrors(reflectance: &str) -> String {
     )
 }
 
-/// Walls of mirrors that shine: 1/(1 − ρ). Roulette ends paths of reflectance 0.999 and 1, whose spread
-/// has no bound, so those must only end.
+/// Emitting mirror walls show 1/(1 − ρ). At reflectances 0.999 and 1 the variance of Russian roulette is
+/// unbounded, so those renders only have to end.
 #[test]
-fn boxes_of_mirrors_end_and_keep_their_energy() {
+fn boxes_of_mirrors_end_and_conserve_energy() {
     for (name, settings) in METHODS {
         let mut settings = settings.to_vec();
         settings.push(("max_depth", "-1"));
@@ -146,10 +147,10 @@ fn boxes_of_mirrors_end_and_keep_their_energy() {
     }
 }
 
-/// Without roulette and with a depth of D the mirrors show 1 + ρ + … + ρ^(D−1), whatever way a path takes.
-/// A factor that is wrong by 1e-6 at each of 2000 bounces would show as 1e-3.
+/// Without roulette and with depth D the mirrors show 1 + ρ + … + ρ^(D−1) along every path. A factor that is wrong
+/// by 1e-6 at each of 2000 bounces would show as 1e-3.
 #[test]
-fn mirrors_add_up_to_their_series() {
+fn mirrors_show_the_geometric_series() {
     for (name, settings) in METHODS {
         for (reflectance, depth) in [("0.999", 2000_u32), ("1", 200)] {
             let rho: f64 = reflectance.parse().expect("a number");
@@ -163,8 +164,8 @@ fn mirrors_add_up_to_their_series() {
     }
 }
 
-/// Perfect mirrors that shine with 1, seen over 2000 bounces: every pixel is 2000 exactly unless a path
-/// leaves the box. Of 3.3e7 bounces one or two did where a hit in a corner was rounded behind the wall.
+/// Perfect mirrors of radiance 1 over 2000 bounces: every pixel is exactly 2000 unless a path leaves the box.
+/// One or two in 3.3e7 bounces once did, where a hit in a corner was rounded to behind the wall.
 #[test]
 fn no_path_leaves_a_box_of_mirrors() {
     let settings = [PATH.1, &[("max_depth", "2000"), ("rr_depth", "1000000")]].concat();
@@ -174,9 +175,9 @@ fn no_path_leaves_a_box_of_mirrors() {
     assert_eq!(lost, 0);
 }
 
-/// A ball of stone and a lamp between mirrors: photons and camera paths meet after any number of bounces.
+/// A diffuse ball and a lamp between mirrors: photons and camera paths meet after any number of bounces.
 #[test]
-fn light_between_mirrors_is_the_same_for_both() {
+fn light_between_mirrors_agrees() {
     let body = [
         camera("0.8,0.7,0.9", "0,-0.3,0", 60.0, 16),
         "<shape type='cube'><boolean name='flip_normals' value='true'/><bsdf type='conductor'>
@@ -188,7 +189,13 @@ fn light_between_mirrors_is_the_same_for_both() {
     let scene = scene(&body.concat());
     let path = render(&scene, PATH.1, 4096);
     let maps = render(&scene, &[("photons", "8000"), ("caustic_photons", "60000")], 256);
-    agree("stone and lamp between mirrors, photon map", "as path", maps.beauty(1), path.beauty(1), 0.02);
+    agree(
+        "diffuse ball and lamp between mirrors, photon map",
+        "as path",
+        maps.beauty(1),
+        path.beauty(1),
+        0.02,
+    );
 }
 
 #[test]
@@ -207,9 +214,9 @@ fn black_surfaces_show_nothing_but_lamps() {
     }
 }
 
-/// A camera in glass sees the sky with the radiance n², and one in a closed body sees nothing.
+/// A camera inside glass sees the sky with radiance n²; one inside a closed opaque object sees black.
 #[test]
-fn cameras_may_stand_inside_of_things() {
+fn cameras_may_be_inside_objects() {
     for (name, settings) in METHODS {
         let mut settings = settings.to_vec();
         settings.push(("max_depth", "-1"));
@@ -217,10 +224,10 @@ fn cameras_may_stand_inside_of_things() {
             [&camera("0.1,0,0", "0,0.2,-1", 60.0, 12), SKY, &*sphere("0,0,0", 1.0, bsdf)].concat()
         };
         let in_glass = render(&scene(&inside(&glass(1.5))), &settings, 64);
-        let in_stone = render(&scene(&inside(&diffuse("0.5"))), &settings, 16);
+        let in_diffuse = render(&scene(&inside(&diffuse("0.5"))), &settings, 16);
         let by_path = render(&scene(&inside(&glass(1.5))), &[PATH.1, &[("max_depth", "-1")]].concat(), 64);
         sound(&format!("camera in glass, {name}"), &in_glass);
-        // Every path leaves in the end, and light that entered is denser by n².
+        // Every path leaves in the end, and radiance is n² times higher inside.
         let expected = Estimate::exact(1.5 * 1.5);
         agree(
             &format!("camera in glass, {name}"),
@@ -230,6 +237,6 @@ fn cameras_may_stand_inside_of_things() {
             0.005,
         );
         same(&format!("camera in glass, {name}, against path"), "the same", &in_glass, &by_path, 0.01);
-        black(&format!("camera in a closed body, {name}"), &in_stone);
+        black(&format!("camera in a closed opaque ball, {name}"), &in_diffuse);
     }
 }

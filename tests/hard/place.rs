@@ -1,10 +1,10 @@
-//! The size of a scene and its place change nothing.
+//! Scaling or moving a scene does not change its picture.
 
 use super::{METHODS, hard_scene, same};
 use crate::support::render;
 
-/// The same random numbers make the same paths; only those that rounding sends over an edge differ. The
-/// bound is far below what acne, a leak or a radius that does not scale would show (several percent).
+/// The same random numbers give the same paths, except where rounding moves one across an edge. The bound is far
+/// below the effect of shadow acne, a leak or a radius that does not scale (several percent).
 const SAME: f64 = 0.005;
 
 fn scaled(power: i32) -> Vec<(&'static str, String)> {

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use caustica::math::{Frame, Ray, Vec2, Vec3};
 use caustica::sampling::{CounterRng, warp};
 use caustica::scene::{Scene, Surface};
+use caustica::transport::visibility;
 
 use crate::support::Stage;
 
@@ -160,7 +161,7 @@ fn visible(
 ) -> Option<(caustica::emitter::DirectSample, f64)> {
     let (pick, u) = (rng.next_f32(), rng.next_2d().into());
     let sample = scene.sample_direct(at.p, pick, u)?;
-    let seen = scene.visibility(at, &sample, false, u32::MAX);
+    let seen = visibility(scene, at, &sample, false, u32::MAX);
     (seen > 0.0).then(|| (sample, green(sample.value)))
 }
 

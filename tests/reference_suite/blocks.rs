@@ -1,17 +1,18 @@
-//! Means of parts of a picture against its reference: noise averages out there, a wrong BSDF does not.
+//! Compares means of blocks of a picture with its reference: noise averages out over a block, a wrong BSDF does
+//! not.
 
 use super::manifest::Limits;
 use caustica_tools::pixels::Pixels;
 
-/// Rows and columns of blocks; that of `NAME.density.exr`.
+/// Blocks per row and column, also the size of `NAME.density.exr`.
 pub const BLOCKS: usize = 8;
-/// Standard errors a mean may be off: 192 of them in each of 20 trials reach 2.6 % of false alarms together,
-/// were every picture as noisy as Mitsuba's.
+/// Standard errors by which a mean may be off. If every picture were as noisy as Mitsuba's, the 192 means of
+/// each of 20 trials would together give a false alarm with probability 2.6 %.
 const SIGMAS: f64 = 4.5;
-/// What single precision may add, relative to the block's mean.
+/// Tolerance for single precision, relative to the block's mean.
 const PRECISION: f64 = 0.002;
 
-/// The block whose mean is furthest off, in terms of what it may be off.
+/// A block and how far its mean is off in one channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Difference over tolerance.
@@ -20,7 +21,7 @@ pub struct Block {
     pub columns: [usize; 2],
     pub rows: [usize; 2],
     pub channel: char,
-    /// Relative to the reference.
+    /// Difference and tolerance, relative to the reference.
     pub difference: f64,
     pub tolerance: f64,
 }
@@ -30,13 +31,13 @@ pub struct Block {
 pub struct Truth<'a> {
     pub reference: &'a Pixels,
     pub variance: &'a Pixels,
-    /// How far a density estimate may be off, a pixel a block; none for a path tracer.
+    /// Bias allowed to a density estimate, one pixel per block; `None` for a path tracer.
     pub density: Option<&'a Pixels>,
-    /// Samples a pixel of the reference.
+    /// Samples per pixel of the reference.
     pub spp: f64,
 }
 
-/// The worst block of a picture made under `limits`; none without pixels.
+/// The block of largest `share` in a picture rendered under `limits`; `None` if it has no pixels.
 pub fn worst(image: &Pixels, truth: &Truth<'_>, limits: &Limits) -> Option<Block> {
     let mut worst: Option<Block> = None;
     for row in 0..BLOCKS {
@@ -64,7 +65,7 @@ pub fn worst(image: &Pixels, truth: &Truth<'_>, limits: &Limits) -> Option<Block
     worst
 }
 
-/// First and last pixel of a block of a side.
+/// First and last pixel of block `number` along an edge of `side` pixels.
 fn part(number: usize, side: usize) -> [usize; 2] {
     [number * side / BLOCKS, ((number + 1) * side / BLOCKS).max(1) - 1]
 }

@@ -1,4 +1,4 @@
-//! A picture against its reference, by caustica-tools.
+//! Compares a picture with its reference, using caustica-tools.
 
 use super::blocks::{self, Block, Truth};
 use super::manifest::{Limits, Manifest};
@@ -11,13 +11,13 @@ pub struct Judge<'a> {
     pub manifest: &'a Manifest,
     pub limits: &'a Limits,
     pub image: &'a Path,
-    /// Folder for figures.
+    /// Folder for the measured figures.
     pub scratch: &'a Path,
 }
 
 impl Judge<'_> {
-    /// Compares. Figures go to the scratch folder in any case, the page to `failures` if a limit is
-    /// not kept; a folder of an earlier failure is removed.
+    /// Compares, and writes the figures to the scratch folder. If a limit is exceeded, writes the comparison page
+    /// to `failures`; what an earlier failure left there is removed.
     pub fn verdict(&self, integrator: &str, failures: &Path) -> Result<(), Box<dyn Error>> {
         if failures.exists() {
             std::fs::remove_dir_all(failures)?;
@@ -43,7 +43,7 @@ impl Judge<'_> {
         Err(format!("{}\n{}", figures(&serde_json::from_slice(&out)?), described(&block)).into())
     }
 
-    /// The part of the picture whose mean is furthest off.
+    /// The block whose mean is furthest off.
     fn block(&self, integrator: &str) -> Result<Block, Box<dyn Error>> {
         let beside = |extension: &str| load(&self.manifest.file.with_extension(extension), None);
         let (reference, variance) = (beside("exr")?.pixels, beside("var.exr")?.pixels);
@@ -53,19 +53,19 @@ impl Judge<'_> {
             return Err("picture, reference and variance have different sizes".into());
         }
         if density.as_ref().is_some_and(|d| [d.width, d.height] != [blocks::BLOCKS; 2]) {
-            return Err("the tolerance of the density has another number of blocks".into());
+            return Err("the density tolerance has the wrong number of blocks".into());
         }
         if let Some(mask) = Mask::beside(&self.manifest.file.with_extension("exr"), &reference)? {
             mask.apply(&mut image);
         }
         let spp = self.manifest.reference.spp as f64;
         let truth = Truth { reference: &reference, variance: &variance, density: density.as_ref(), spp };
-        blocks::worst(&image, &truth, self.limits).ok_or_else(|| "a picture without pixels".into())
+        blocks::worst(&image, &truth, self.limits).ok_or_else(|| "the picture has no pixels".into())
     }
 
     fn arguments(&self, integrator: &str) -> CompareArgs {
         let reference = self.manifest.file.with_extension("exr");
-        // Only a path tracer is free of bias, which the test presumes.
+        // The z-test assumes that there is no bias, which is true of a path tracer only.
         let z_test = integrator == "path" && self.limits.z_test;
         CompareArgs {
             max_rmse: Some(self.limits.max_rmse),
@@ -80,7 +80,7 @@ impl Judge<'_> {
     }
 }
 
-/// Where the mean is furthest off.
+/// The line that reports a block.
 fn described(b: &Block) -> String {
     format!(
         "{}  block  columns {}..={}, rows {}..={}, channel {}: {:+.2} % (tolerance {:.2} %)",
@@ -95,7 +95,7 @@ fn described(b: &Block) -> String {
     )
 }
 
-/// The limits with what was measured, those that do not hold marked.
+/// One line per limit: whether it holds, what was measured, and the limit.
 fn figures(report: &Value) -> String {
     let mut lines = Vec::new();
     for failure in report["failures"].as_array().into_iter().flatten() {

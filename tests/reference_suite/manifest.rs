@@ -5,7 +5,7 @@ use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// A manifest; keys that only matter to people are not read.
+/// A manifest; keys that are only meant for people are ignored.
 #[derive(Debug, Deserialize)]
 pub struct Manifest {
     pub name: String,
@@ -41,7 +41,7 @@ struct Profiles {
     long: Limits,
 }
 
-/// Samples, and what a picture of so many must keep.
+/// A number of samples per pixel, and the limits for a picture of that many.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
@@ -49,7 +49,7 @@ pub struct Limits {
     pub max_rmse: f64,
     pub max_flip: f64,
     pub max_bias: f64,
-    /// Variance of one sample over that of the reference's.
+    /// Variance of one sample, relative to that of a sample of the reference.
     pub noise: f64,
     /// Whether the z-test of a path traced picture has to accept.
     #[serde(default)]
@@ -61,7 +61,7 @@ pub struct Limits {
 
 impl Manifest {
     /// # Errors
-    /// Says which file is wrong, and where.
+    /// The file cannot be read or is not a manifest; the message says where.
     pub fn read(path: &Path) -> Result<Self, String> {
         let problem = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
         let text = std::fs::read_to_string(path).map_err(|e| problem(&e))?;
@@ -78,10 +78,10 @@ impl Manifest {
             .collect()
     }
 
-    /// Whether every file of the scene is the one that the reference was made from.
+    /// Checks that every file of the scene is the one the reference was made from.
     ///
     /// # Errors
-    /// Names the files that are not, and the command that renews the reference.
+    /// Lists the files that are not, and the command that renews the reference.
     pub fn check_files(&self, root: &Path) -> Result<(), String> {
         let changed = self.files.iter().filter_map(|file| match std::fs::read(root.join(&file.path)) {
             Ok(bytes) if hex(&Sha256::digest(&bytes)) == file.sha256 => None,

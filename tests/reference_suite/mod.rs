@@ -1,4 +1,4 @@
-//! Manifests → trials.
+//! Turns manifests into trials.
 
 mod blocks;
 mod judge;
@@ -17,12 +17,12 @@ use std::sync::{Arc, Mutex};
 pub enum Profile {
     /// Part of every test run.
     Short,
-    /// For nights.
+    /// For nightly runs.
     Long,
 }
 
 impl Profile {
-    /// `CAUSTICA_REFERENCE=long` or not.
+    /// Long if `CAUSTICA_REFERENCE=long`.
     pub fn from_environment() -> Self {
         if std::env::var_os("CAUSTICA_REFERENCE").is_some_and(|v| v == "long") {
             Self::Long
@@ -32,10 +32,10 @@ impl Profile {
     }
 }
 
-/// One trial for each way in which a manifest says that its scene can be rendered.
+/// One trial for each integrator of each manifest, and the trials of the suite itself.
 ///
 /// # Errors
-/// No manifests, or one that cannot be read: then nothing is known about what should be tried.
+/// There are no manifests, or one cannot be read.
 pub fn trials(root: &Path, profile: Profile) -> Result<Vec<Trial>, String> {
     let folder = root.join("reference");
     let files = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
@@ -45,7 +45,7 @@ pub fn trials(root: &Path, profile: Profile) -> Result<Vec<Trial>, String> {
     if paths.is_empty() {
         return Err(format!("{}: no manifests; run tools/references/make.py", folder.display()));
     }
-    // Each render takes all cores: two at once would only share them.
+    // One render at a time, because each uses all cores.
     let turn = Arc::new(Mutex::new(()));
     let mut trials = Vec::new();
     for path in paths {

@@ -1,4 +1,4 @@
-//! Trials of the suite itself: that it notices what it is there to notice.
+//! Trials of the suite itself: that it fails when it should.
 
 use super::Profile;
 use super::judge::Judge;
@@ -22,13 +22,13 @@ fn check(holds: bool, why: impl Into<String>) -> Result<(), Failed> {
     if holds { Ok(()) } else { Err(why.into().into()) }
 }
 
-/// The manifest holds for the scene it was made from, and for no other.
+/// A manifest is valid only for the scene it was made from.
 fn a_changed_scene_fails(root: &Path) -> Result<(), Failed> {
     let manifest = Manifest::read(&root.join(format!("reference/{NAME}.toml")))?;
     manifest.check_files(root)?;
     let copy = tempfile::tempdir()?;
     let scene = copy.path().join(&manifest.scene);
-    std::fs::create_dir_all(scene.parent().ok_or("the scene stands in a folder")?)?;
+    std::fs::create_dir_all(scene.parent().ok_or("the scene is in a folder")?)?;
     let text = std::fs::read_to_string(root.join(&manifest.scene))?;
     std::fs::write(&scene, &text)?;
     manifest.check_files(copy.path())?;
@@ -44,7 +44,7 @@ fn a_changed_scene_fails(root: &Path) -> Result<(), Failed> {
     check(said.contains(&manifest.scene) && said.contains("make.py"), format!("said: {said}"))
 }
 
-/// The reference itself holds; with one block 10 % brighter it does not, and the page is written.
+/// The reference itself passes; with one block 10 % brighter it fails, and the page is written.
 fn a_wrong_corner_fails(root: &Path) -> Result<(), Failed> {
     let manifest = Manifest::read(&root.join(format!("reference/{NAME}.toml")))?;
     let scratch = tempfile::tempdir()?;
@@ -60,7 +60,7 @@ fn a_wrong_corner_fails(root: &Path) -> Result<(), Failed> {
             let data: Vec<f32> = truth.rgb.iter().enumerate().flat_map(scaled).collect();
             let layer = ExrLayer { name: "", channels: &["R", "G", "B"], data: &data };
             write_exr(&image, truth.width, truth.height, &[layer], &[], ExrOptions::default())?;
-            // Without noise of its own the picture is judged by the blocks alone.
+            // The picture has no noise, so the blocks alone decide.
             let judge = Judge { manifest: &manifest, limits, image: &image, scratch: scratch.path() };
             let verdict = judge.verdict(integrator, &failures).map_err(|e| e.to_string());
             check(verdict.is_ok() == holds, format!("{factor}: {verdict:?}"))?;

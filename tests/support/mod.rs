@@ -1,23 +1,21 @@
-//! Scenes from text, renders with error bars, and comparisons that respect them.
+//! Builds scenes from text, renders them with error estimates, and compares the results.
 
 use std::path::{Path, PathBuf};
 
 use caustica::film::{LAYERS, Layer, Pixels, Rejected};
-use caustica::integrator::Task;
-use caustica::render::Budget;
+use caustica::render::{Budget, Outcome, Progress, Sums};
 use caustica::scene::Scene;
-use caustica::scene::compile::{CompileOptions, Compiled, compile};
+use caustica::session::{Options, Session};
 use caustica::settings::Settings;
 use caustica_formats::files::Memory;
-use caustica_formats::{ReadOptions, read_scene};
 
-/// Sigmas that an honest estimate may be off: one in 150 000 for a normal error. Seeds are fixed, so a
-/// test that passes keeps passing until the code changes.
+/// Standard errors by which an unbiased estimate may be off: if errors are normal, one in 150 000 is further off.
+/// Seeds are fixed, so a test that passes keeps passing until the code changes.
 pub const SIGMAS: f64 = 4.5;
 
-/// A compiled scene with its view and settings; where only the scene is wanted, it stands for that.
+/// An opened scene; where only the scene itself is wanted, it stands for that.
 #[derive(Debug)]
-pub struct Stage(pub Compiled);
+pub struct Stage(pub Session);
 
 impl std::ops::Deref for Stage {
     type Target = Scene;
@@ -26,55 +24,49 @@ impl std::ops::Deref for Stage {
     }
 }
 
-impl Stage {
-    pub fn task<'a>(&'a self, settings: &'a Settings) -> Task<'a> {
-        Task { scene: &self.0.scene, facts: &self.0.facts, view: &self.0.view, settings }
-    }
-}
-
 /// Compiles `body` inside a scene of version 3.
 pub fn scene(body: &str) -> Stage {
     scene_with(body, &[])
 }
 
-/// The same with further files in memory.
+/// The same with further text files in memory.
 pub fn scene_with(body: &str, files: &[(&str, &str)]) -> Stage {
     scene_with_bytes(body, files.iter().map(|(path, text)| (*path, text.as_bytes().to_vec())).collect())
 }
 
-/// The same with files that are no text.
+/// The same with binary files.
 pub fn scene_with_bytes(body: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     scene_of("scene.xml", &format!("<scene version='3.0.0'>{body}</scene>"), files)
 }
 
-/// Compiles `body` inside a scene of the given version.
+/// Compiles `body` as the content of a Mitsuba scene of the given version.
 pub fn scene_of_version(version: &str, body: &str) -> Stage {
     scene_of("scene.xml", &format!("<scene version='{version}'>{body}</scene>"), Vec::new())
 }
 
-/// A pbrt scene of what follows `WorldBegin`.
+/// Compiles a pbrt scene from what follows `WorldBegin`.
 pub fn pbrt_scene(world: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     pbrt_scene_seen("LookAt 0 0 9 0 0 0 0 1 0\nCamera \"perspective\"", world, files)
 }
 
-/// The same with what stands before `WorldBegin`.
+/// The same with what precedes `WorldBegin`.
 pub fn pbrt_scene_seen(view: &str, world: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     scene_of("scene.pbrt", &format!("{view}\nWorldBegin\n{world}\n"), files)
 }
 
-/// Compiles a file in the language of its name.
+/// How tests open scenes: spectra mean what the file's own renderer makes of them.
+pub fn plain() -> Options {
+    Options { spectrum_rule: None, ..Options::default() }
+}
+
+/// Opens a file in the language of its name.
 fn scene_of(file: &str, text: &str, files: Vec<(&str, Vec<u8>)>) -> Stage {
     let all = files.into_iter().chain([(file, text.as_bytes().to_vec())]);
     let memory = Memory(all.map(|(path, bytes)| (PathBuf::from(path), bytes)).collect());
-    let read = read_scene(&memory, Path::new(file), &ReadOptions::default())
-        .unwrap_or_else(|failure| panic!("{failure}"));
-    match compile(&read.scene, &memory, CompileOptions::default()) {
-        Ok(compiled) => Stage(compiled),
-        Err(diagnostics) => panic!("{}", read.sources.render(&diagnostics)),
-    }
+    Stage(Session::open_in(&memory, Path::new(file), &plain()).unwrap_or_else(|e| panic!("{e}")))
 }
 
-/// A picture of the given texels, rows from the top, as a float file.
+/// A PFM file of the given texels, top row first.
 pub fn picture(width: usize, texel: impl Fn(usize, usize) -> [f32; 3], height: usize) -> Vec<u8> {
     let data = (0..width * height).flat_map(|i| texel(i % width, i / width)).collect::<Vec<f32>>();
     caustica_formats::image::encode_pfm(width, height, &data).unwrap()
@@ -106,27 +98,27 @@ pub fn area(radiance: &str) -> String {
     format!("<emitter type='area'><rgb name='radiance' value='{radiance}'/></emitter>")
 }
 
-/// A sphere with whatever stands inside it.
+/// A sphere with the given XML inside its element.
 pub fn sphere(center: &str, radius: f64, inside: &str) -> String {
     format!(
         "<shape type='sphere'><point name='center' value='{center}'/><float name='radius' value='{radius}'/>{inside}</shape>"
     )
 }
 
-/// A rectangle of half the given size.
+/// A rectangle of side 2·`half`, facing +z before `transform`, with the given XML inside its element.
 pub fn rectangle(half: f64, transform: &str, inside: &str) -> String {
     format!(
         "<shape type='rectangle'><transform name='to_world'><scale value='{half}'/>{transform}</transform>{inside}</shape>"
     )
 }
 
-/// Turns the rectangle's front to look along −y, +y, +x, −x.
+/// Rotations that turn the front of a [`rectangle`] towards −y, +y, +x and −x.
 pub const DOWN: &str = "<rotate x='1' angle='90'/>";
 pub const UP: &str = "<rotate x='1' angle='-90'/>";
 pub const RIGHT: &str = "<rotate y='1' angle='90'/>";
 pub const LEFT: &str = "<rotate y='1' angle='-90'/>";
 
-/// Five walls of the cube [-1, 1]³, open towards +z: coloured sides, the rest `white`.
+/// Five walls of the cube [-1, 1]³, open towards +z: red and green sides, the rest of reflectance `white`.
 pub fn walls(white: &str) -> String {
     let white = diffuse(white);
     [
@@ -182,8 +174,8 @@ impl Picture {
         estimate(&values)
     }
 
-    /// The difference to `other`, whose passes saw the same film positions (and, with the same settings
-    /// of photons, the same photons): what both have in common is no noise.
+    /// The difference to `other`, a render of the same passes. Both have the same film positions and, with the
+    /// same photon settings, the same photons, so noise that they share cancels.
     pub fn minus(&self, other: &Self, layers: &[Layer], channel: usize) -> Estimate {
         assert_eq!(self.passes, other.passes);
         let part =
@@ -215,6 +207,8 @@ fn estimate(values: &[f64]) -> Estimate {
     let square = batches.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
     Estimate { mean, sigma: (square / n).sqrt() }
 }
+
+/// The settings of a scene with some of them changed.
 pub fn settings(scene: &Stage, changes: &[(&str, &str)]) -> Settings {
     let mut settings = scene.0.settings.clone();
     for (name, value) in changes {
@@ -223,41 +217,41 @@ pub fn settings(scene: &Stage, changes: &[(&str, &str)]) -> Settings {
     settings
 }
 
-pub fn budget(passes: u32) -> Budget<'static> {
-    Budget { passes: Some(passes), time: None, error: None, interrupt: None }
+/// Renders passes 0..`passes` with some settings changed.
+pub fn outcome(
+    scene: &Stage,
+    changes: &[(&str, &str)],
+    passes: u32,
+    progress: &mut dyn FnMut(&Progress<'_>),
+) -> Outcome {
+    let settings = settings(scene, changes);
+    let sums = Sums::none(scene.0.view.film.pixel_count());
+    caustica::render::render(scene.0.task_with(&settings), Budget::passes(passes), sums, progress)
 }
 
-/// Renders passes 0..`passes`.
+/// The same, pass by pass.
 pub fn render(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Picture {
-    let settings = settings(scene, changes);
     let count = scene.0.view.film.pixel_count();
     let mut means = Vec::new();
     let mut last = [[0.0; 3]; LAYERS.len()];
-    let outcome = caustica::render::render(
-        scene.task(&settings),
-        budget(passes),
-        Pixels::new(count),
-        0,
-        &mut |progress| {
-            let mut sums = [[0.0; 3]; LAYERS.len()];
-            for pixel in progress.pixels.as_slice() {
-                for (l, layer) in sums.iter_mut().enumerate() {
-                    (0..3).for_each(|c| layer[c] += pixel[3 * l + c]);
-                }
+    let outcome = outcome(scene, changes, passes, &mut |progress| {
+        let mut sums = [[0.0; 3]; LAYERS.len()];
+        for pixel in progress.pixels.as_slice() {
+            for (l, layer) in sums.iter_mut().enumerate() {
+                (0..3).for_each(|c| layer[c] += pixel[3 * l + c]);
             }
-            means.push(std::array::from_fn(|l| {
-                std::array::from_fn(|c| (sums[l][c] - last[l][c]) / count as f64)
-            }));
-            last = sums;
-        },
-    );
+        }
+        means
+            .push(std::array::from_fn(|l| std::array::from_fn(|c| (sums[l][c] - last[l][c]) / count as f64)));
+        last = sums;
+    });
     assert_eq!(outcome.statistics.rejected, Rejected::default(), "something was not finite");
     Picture { pixels: outcome.pixels, passes, means }
 }
 
-/// Asserts |a − b| ≤ `relative`·b. The noise must be so small that this is [`SIGMAS`] of it or more:
-/// then the test neither fails by chance nor passes by noise. What `relative` leaves beyond the noise is
-/// room for bias; the caller says how much there is.
+/// Asserts |a − b| ≤ `relative`·b, and that this bound is at least [`SIGMAS`] standard errors, so that the test
+/// neither fails by chance nor passes because of noise. What `relative` allows beyond the noise is room for bias;
+/// the caller says where it comes from.
 #[track_caller]
 pub fn assert_agree(what: &str, a: Estimate, b: Estimate, relative: f64) {
     let sigma = a.sigma.hypot(b.sigma);
@@ -274,7 +268,7 @@ pub fn assert_agree(what: &str, a: Estimate, b: Estimate, relative: f64) {
     assert!((a.mean - b.mean).abs() <= bound, "{what}: {a:?} against {b:?}, bound {bound:e}");
 }
 
-/// [`assert_agree`] for two renders of the same passes, by their difference.
+/// [`assert_agree`] for two renders of the same passes; only the noise of their difference counts.
 #[track_caller]
 pub fn assert_same(what: &str, a: &Picture, b: &Picture, layers: &[Layer], channel: usize, relative: f64) {
     let (difference, whole) = (a.minus(b, layers, channel), b.estimate(layers, channel).mean);

@@ -1,26 +1,26 @@
-"""How far a density estimate of photons may be from the truth: the reference with its indirect light
-spread over the discs of the photon map, taken from Mitsuba's picture and geometry alone."""
+"""How far a density estimate of photons may be from the reference: the reference is compared with itself after its
+indirect light is spread over the discs of the photon map. Uses only Mitsuba's picture and geometry."""
 
 import numpy as np
 
-# Rules of our photon mapper that README.md documents: the largest first radius in pixels (of the pixel in
-# the middle), and the share of new photons that is kept when the radius shrinks.
+# Two rules of our photon mapper: the largest first radius in pixels (of the median size), and the share of new
+# photons that is kept when the radius shrinks.
 MOST_PIXELS = 16.0
 ALPHA = 0.7
-# Rows and columns of the blocks whose means the suite looks at.
+# Rows and columns of the blocks whose means the suite compares.
 BLOCKS = 8
 
 
 def shares(passes: int) -> list[float]:
-    """r / r of the first pass, for four passes that stand for all (Knaus and Zwicker 2011)."""
+    """Radius over that of the first pass, for four passes that stand for all (Knaus and Zwicker 2011)."""
     steps = np.arange(1, passes)
     squares = np.concatenate([[1.0], np.cumprod((steps + ALPHA) / (steps + 1))])
     return [float(np.sqrt(squares[int(passes * at)])) for at in (0.125, 0.375, 0.625, 0.875)]
 
 
 def surfaces(mi, scene, size):
-    """What the ray through the middle of each pixel meets: place, normal, diffuse reflectance, whether
-    it is specular, whether there is anything, and the size of the pixel there."""
+    """What the ray through the middle of each pixel hits: position, normal, diffuse reflectance, whether it is
+    specular, whether it hits at all, the size of the pixel there, and the cosine at which it is seen."""
     width, height = size
     x, y = (v.ravel() for v in np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height))
     sensor = scene.sensors()[0]
@@ -47,9 +47,9 @@ def surfaces(mi, scene, size):
 
 
 def spread(mi, scene, full, direct, passes: int, mask=None):
-    """Per pixel and channel: the reference's change when all light but emission and direct light is
-    averaged over discs on the surface that is seen (over discs of the screen where it is specular), and the
-    light of the part of the disc that the picture does not show, of which nothing is known."""
+    """Per pixel and channel: the change of the reference when its light, without emission and direct light, is averaged
+    over discs on the visible surface (over discs on the screen where that is specular); and the light from the parts
+    of discs that the picture does not show, of which nothing is known."""
     height, width = full.shape[:2]
     p, n, colour, delta, valid, footprint, cos = surfaces(mi, scene, [width, height])
     if mask is not None:
@@ -96,5 +96,5 @@ def blocks(image):
 
 
 def tolerance(change, unknown):
-    """How far each block's mean may be off, noise apart."""
+    """How far the mean of each block may be off, apart from noise."""
     return np.abs(blocks(change)) + blocks(unknown)

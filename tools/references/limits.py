@@ -1,4 +1,4 @@
-"""What a picture of ours must keep, from Mitsuba's pictures alone. README.md says why."""
+"""The limits that our pictures must keep, from Mitsuba's pictures alone. README.md says why."""
 
 import json
 import os
@@ -12,9 +12,9 @@ import numpy as np
 from exr import write_exr
 
 ROOT = Path(__file__).resolve().parents[2]
-# Room above the worst of Mitsuba's own pictures.
+# Factor above the worst of Mitsuba's own pictures.
 MARGIN = 1.25
-# Standard errors that a mean may be off, and what single precision may add.
+# Standard errors by which a mean may be off, and the share that single precision may add.
 SIGMAS = 4.5
 PRECISION = 0.002
 # Variance of a photon map's picture over that of Mitsuba's with as many samples: it follows a quarter as
@@ -73,7 +73,7 @@ def up(value: float) -> float:
 
 
 def profiles(measured: Measured, pictures: Pictures, change, factor: float, extra: dict) -> dict:
-    """Limits of both profiles; `change` is what the pictures may differ besides noise."""
+    """Limits of both profiles; `change` is how far the pictures may differ apart from noise."""
     scores = [compare(image + change, measured.file) for image in pictures.images]
     rmse, flip = (max(s[k] for s in scores) for k in ("rmse", "flip"))
     systematic = float((np.abs(change.mean((0, 1))) / measured.mean.mean((0, 1))).max())
@@ -95,8 +95,8 @@ def profiles(measured: Measured, pictures: Pictures, change, factor: float, extr
 
 
 def path(measured: Measured, pictures: Pictures, z_test: bool) -> dict:
-    reason = f"RMSE and FLIP: {MARGIN} times the worse of two pictures by Mitsuba with as many samples and seeds of" \
-        f" their own. Bias: {SIGMAS} standard errors of the mean of such a picture, and {PRECISION:.1%} for single" \
+    reason = f"RMSE and FLIP: {MARGIN} times the worse of two pictures by Mitsuba with the same number of samples and" \
+        f" other seeds. Bias: {SIGMAS} standard errors of the mean of such a picture, and {PRECISION:.1%} for single" \
         " precision; the same for the mean of each block. z-test: that of Mitsuba's render tests, unless the light of a" \
         " pixel comes from so few paths that its variance is not known."
     none = np.zeros_like(measured.mean)
@@ -106,6 +106,6 @@ def path(measured: Measured, pictures: Pictures, z_test: bool) -> dict:
 def photonmap(measured: Measured, pictures: Pictures, change, args: list) -> dict:
     reason = f"RMSE and FLIP: {MARGIN} times the worse of two pictures by Mitsuba whose indirect light is spread over the" \
         f" discs of the photon map. Bias: {SIGMAS} standard errors of a picture of {PHOTON_NOISE:g} times their variance (a" \
-        f" quarter as many light paths), {PRECISION:.1%} for single precision, and what spreading changes of the mean; the" \
-        " same for the mean of each block, and there all indirect light of the parts of discs that the reference does not show."
+        f" quarter as many light paths), {PRECISION:.1%} for single precision, and the change of the mean by spreading; the" \
+        " same for the mean of each block, plus all indirect light from parts of discs that the reference does not show."
     return {"reason": reason, **profiles(measured, pictures, change, PHOTON_NOISE, {"args": args})}

@@ -24,7 +24,7 @@ LLVM = ["/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1", "/usr/lib/llvm-19/lib/libLL
 
 
 def inside_venv(folder: Path) -> None:
-    """Goes on in a virtual environment that has the pinned packages; makes it if there is none."""
+    """Restarts the script in a virtual environment with the pinned packages, which is made if there is none."""
     python = folder / "bin" / "python"
     if os.path.realpath(sys.prefix) == os.path.realpath(folder):
         return
@@ -47,12 +47,12 @@ def choose_variant(mi):
         mi.set_variant("llvm_ad_rgb")
     else:
         mi.set_variant("scalar_rgb")
-        print("LLVM was not found: slow. Install it with: apt-get install libllvm19", file=sys.stderr)
+        print("LLVM was not found, so this is slow; install it with: apt-get install libllvm19", file=sys.stderr)
     return mi.variant()
 
 
 def files_of(scene: Path) -> list[Path]:
-    """The scene file and every file that it includes or names, each once."""
+    """The scene file and every file that it includes or refers to, each once."""
     found = [scene]
     for element in ET.parse(scene).iter():
         name = element.get("filename") if element.tag == "include" else None
@@ -66,8 +66,8 @@ def files_of(scene: Path) -> list[Path]:
 
 
 def load(mi, scene: Path, size: list[int]):
-    """The scene at another size, with a box filter and without its integrator (some are not Mitsuba's),
-    and the parameters of that integrator that decide what the picture shows."""
+    """The scene with another size, a box filter and no integrator (some are not Mitsuba's), and the parameters of its
+    integrator that change what the picture shows."""
     root = ET.parse(scene).getroot()
     keep = {}
     for integrator in root.findall("integrator"):
@@ -116,8 +116,8 @@ def render(mi, scene, integrator: dict, spp: int, seeds: range):
 
 
 def specular_mask(mi, scene, size):
-    """1 where every camera ray of a pixel meets a diffuse surface or nothing first, also in the pixels
-    around it; 0 elsewhere. A particle tracer connects only such surfaces with the camera."""
+    """1 where all camera rays of a pixel and of its neighbours first hit a diffuse surface or nothing, 0 elsewhere. A
+    particle tracer connects only such surfaces with the camera."""
     import numpy as np
 
     grid = 4
@@ -146,7 +146,7 @@ def specular_mask(mi, scene, size):
 
 
 def bias_check(mi, row):
-    """Particle tracer against path tracer on a scene where both see everything."""
+    """Compares the particle tracer with the path tracer on a scene where both find all light."""
     import numpy as np
 
     scene, keep = load(mi, ROOT / row["bias_check"], [96, 96])
@@ -181,7 +181,7 @@ def table(name: str, rows: dict) -> str:
 
 
 def limits_text(mi, scene, row: dict, integrator: dict, measured, mask) -> str:
-    """The manifest's limits; writes how far blocks of a density estimate may be off."""
+    """The limits for the manifest. Also writes how far the blocks of a density estimate may be off."""
     import density
     import limits
     from exr import write_exr
@@ -198,7 +198,7 @@ def limits_text(mi, scene, row: dict, integrator: dict, measured, mask) -> str:
 
 
 def renew_limits(mi, row: dict) -> None:
-    """Finds the limits of a reference that stands."""
+    """Computes the limits of an existing reference again."""
     import limits
     from exr import read_exr
 
@@ -272,8 +272,8 @@ def make(mi, variant: str, row: dict) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--venv", type=Path, default=ROOT / "target" / "mitsuba-venv", help="virtual environment")
-    parser.add_argument("--limits", action="store_true", help="keep the references, find their limits anew")
-    parser.add_argument("--list", action="store_true", help="list the names and end")
+    parser.add_argument("--limits", action="store_true", help="keep the references and compute their limits again")
+    parser.add_argument("--list", action="store_true", help="list the names and exit")
     parser.add_argument("names", nargs="*", metavar="NAME")
     args = parser.parse_args()
     rows = tomllib.loads(CONFIG.read_text())["reference"]

@@ -1,15 +1,15 @@
-//! The judge: image metrics, comparison and reports. Never imports the renderer.
+//! The judge of caustica: FLIP and other metrics, comparison of pictures, benchmarks of renderers. It never
+//! imports the renderer, so that a mistake there cannot hide here.
 //!
-//! * [`pixels`] what is compared: linear RGB, finite, row 0 at the top.
-//! * [`metrics`] numbers: bias, RMSE, relMSE, MAPE, PSNR, z-test.
-//! * [`flip`] perceived difference: LDR-FLIP and HDR-FLIP.
-//! * [`compare`] two files or two folders, thresholds, table and JSON.
-//! * [`report`] the HTML page of comparisons.
-//! * [`bench`] error against time of whole renderers, and studies of parameters.
+//! * [`pixels`]: what is compared. Linear RGB, finite, row 0 at the top.
+//! * [`flip`]: perceived difference, LDR-FLIP and HDR-FLIP.
+//! * [`compare`]: two files or two folders; thresholds, table, JSON and HTML.
+//! * [`mod@bench`]: error against time of whole renderers, and studies of parameters.
+#![warn(missing_docs)]
 
 pub mod bench;
 pub mod compare;
 pub mod flip;
-pub mod metrics;
+mod html;
+mod metrics;
 pub mod pixels;
-pub mod report;

@@ -4,6 +4,7 @@
 
 mod narrow;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use codespan_reporting::diagnostic::{self as codespan, LabelStyle};
@@ -14,23 +15,33 @@ use serde::{Deserialize, Serialize};
 /// Byte range in a file of a [`SourceMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Span {
+    /// Index in the map.
     pub file: u32,
+    /// Offset of the first byte.
     pub start: u32,
+    /// Offset after the last byte.
     pub end: u32,
 }
 
+/// How bad a message is, mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Severity {
+    /// Worth knowing.
     Note,
+    /// The scene is used, though not as written.
     Warning,
+    /// The scene cannot be used.
     Error,
 }
 
 /// One message about one place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
+    /// How bad it is.
     pub severity: Severity,
+    /// What is wrong, in one line.
     pub message: String,
+    /// Where; `None` for what stands in no file.
     pub span: Option<Span>,
     /// Further places, each with its own words ("first defined here").
     pub labels: Vec<(Span, String)>,
@@ -41,6 +52,7 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
+    /// A message without labels and help.
     pub fn new(severity: Severity, message: impl Into<String>, span: Option<Span>) -> Self {
         Self {
             severity,
@@ -52,35 +64,71 @@ impl Diagnostic {
         }
     }
 
+    /// An error.
     pub fn error(message: impl Into<String>, span: Option<Span>) -> Self {
         Self::new(Severity::Error, message, span)
     }
 
+    /// A warning.
     pub fn warning(message: impl Into<String>, span: Option<Span>) -> Self {
         Self::new(Severity::Warning, message, span)
     }
 
-    /// Marks it as one about something that is not rendered.
+    /// Marks it as a message about something known but not rendered.
     #[must_use]
     pub fn unsupported(mut self) -> Self {
         self.unsupported = true;
         self
     }
 
+    /// With a further place.
     #[must_use]
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push((span, text.into()));
         self
     }
 
+    /// With advice.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help.push(text.into());
         self
     }
+
+    /// With the name in `known` that was probably meant by `name`, if there is one.
+    #[must_use]
+    pub fn suggest<'a>(self, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        match nearest(name, known) {
+            Some(near) => self.help(format!("did you mean `{near}`?")),
+            None => self,
+        }
+    }
+
+    /// As [`Self::suggest`], with `otherwise` as help where no name is near.
+    #[must_use]
+    pub fn suggest_or<'a>(
+        self,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+        otherwise: impl FnOnce() -> String,
+    ) -> Self {
+        match nearest(name, known) {
+            Some(near) => self.help(format!("did you mean `{near}`?")),
+            None => self.help(otherwise()),
+        }
+    }
 }
 
-/// Messages printed at once: a file whose every line is wrong is not told line by line.
+/// Sorts messages by severity, worst first, then by place; one without a place comes last. What was said
+/// of the same place before is dropped: an object that several others refer to may be read more than once.
+pub(crate) fn in_source_order(problems: &mut Vec<Diagnostic>) {
+    let place = |p: &Diagnostic| p.span.map_or((u32::MAX, 0), |s| (s.file, s.start));
+    problems.sort_by_key(|p| (std::cmp::Reverse(p.severity), place(p)));
+    let mut said = HashSet::new();
+    problems.retain(|p| p.span.is_none() || said.insert((p.span, p.message.clone())));
+}
+
+/// Most messages printed at once.
 const SHOWN: usize = 100;
 
 /// The last boundary between characters of `text` at or before `offset`.
@@ -92,7 +140,7 @@ pub(crate) fn char_floor(text: &str, offset: usize) -> usize {
     offset
 }
 
-/// The name in `known` nearest to `name`, if any is near enough to be a slip of the hand.
+/// The name in `known` nearest to `name`, if any is near enough to be a typo.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
@@ -109,6 +157,7 @@ pub struct SourceMap {
 }
 
 impl SourceMap {
+    /// Adds a file and returns its index.
     pub fn add(&mut self, path: PathBuf, text: String) -> u32 {
         let id = u32::try_from(self.files.len()).expect("include depth and count are limited");
         self.files.push((path, text));
@@ -120,6 +169,7 @@ impl SourceMap {
         self.files[file as usize].1 = text;
     }
 
+    /// The path of a file as it was opened.
     pub fn path(&self, file: u32) -> &Path {
         &self.files[file as usize].0
     }
@@ -129,6 +179,7 @@ impl SourceMap {
         self.files.iter().map(|(path, _)| path.as_path())
     }
 
+    /// The text of a file.
     pub fn text(&self, file: u32) -> &str {
         &self.files[file as usize].1
     }
@@ -177,7 +228,7 @@ impl SourceMap {
             if term::emit_to_string(&mut text, &config, &files, &message).is_err() {
                 text.push_str(&format!("{:?}: {}\n", d.severity, d.message));
             }
-            // Each on its own: all excerpts of a long line would together be many times its length.
+            // One by one: the excerpts of a long line together would be many times its length.
             out.push_str(&narrow::narrowed(&text));
         }
         if let Some(more) = diagnostics.len().checked_sub(SHOWN).filter(|more| *more > 0) {

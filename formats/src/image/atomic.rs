@@ -1,15 +1,21 @@
-//! Output that is either the old file or the new one, never half of it.
+//! Atomic output: a file has either its old or its new content, never a part of it.
 
 use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes `bytes` to `path` through a temporary file in the same folder that is flushed to disk and
 /// then renamed over the target. The temporary file is removed when anything fails.
+///
+/// # Errors
+/// When the folder or the file cannot be written; the old file is then as it was.
 pub fn atomic_write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
     write(path.as_ref(), bytes, true)
 }
 
-/// The same without the flush: whole whatever happens to the program, not to the machine.
+/// As [`atomic_write`] without the flush: safe against a crash of the program, but not of the machine.
+///
+/// # Errors
+/// When the folder or the file cannot be written; the old file is then as it was.
 pub fn atomic_replace(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
     write(path.as_ref(), bytes, false)
 }

@@ -1,5 +1,5 @@
-//! What the chunks of an EXR file claim: their own size, and those of DWA compression what they unpack
-//! to. The decoder allocates what is claimed, so claims that the bytes cannot hold are refused first.
+//! Sizes that the chunks of an EXR file claim: their own, and for DWA compression those of their unpacked parts. The
+//! decoder allocates what is claimed, so claims that the file cannot hold are refused first.
 
 use std::io::Cursor;
 
@@ -10,7 +10,6 @@ use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::Compression;
 
 use super::ImageError;
-use super::exr_read::exr_error;
 
 /// Counters at the head of a chunk: eleven of eight bytes, in the file format's order.
 const COUNTERS: usize = 11;
@@ -91,4 +90,13 @@ fn plausible(chunk: &[u8]) -> bool {
         && fits(rle, in_rle, DEFLATED)
         // A run of 128 equal bytes takes two.
         && rle_raw <= rle.saturating_mul(64)
+}
+
+pub(super) fn exr_error(error: exr::error::Error) -> ImageError {
+    match error {
+        exr::error::Error::NotSupported(what) => ImageError::Unsupported(format!("EXR: {what}")),
+        exr::error::Error::Invalid(what) => ImageError::Invalid(format!("EXR: {what}")),
+        exr::error::Error::Io(error) => ImageError::Invalid(format!("EXR: {error}")),
+        exr::error::Error::Aborted => ImageError::Invalid("EXR: reading was aborted".into()),
+    }
 }

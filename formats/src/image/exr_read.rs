@@ -7,7 +7,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::Text;
 use exr::prelude::{Compression, ReadChannels, ReadLayers};
 
-use super::exr_claims;
+use super::exr_claims::{self, exr_error};
 use super::{Encoding, Image, ImageError, check_memory, check_size, guarded};
 
 /// Most values (pixels times channels) read from one file.
@@ -180,13 +180,4 @@ fn text(text: &Text) -> String {
     let latin: String = text.to_string();
     let bytes: Option<Vec<u8>> = latin.chars().map(|c| u8::try_from(u32::from(c)).ok()).collect();
     bytes.and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or(latin)
-}
-
-pub(super) fn exr_error(error: exr::error::Error) -> ImageError {
-    match error {
-        exr::error::Error::NotSupported(what) => ImageError::Unsupported(format!("EXR: {what}")),
-        exr::error::Error::Invalid(what) => ImageError::Invalid(format!("EXR: {what}")),
-        exr::error::Error::Io(error) => ImageError::Invalid(format!("EXR: {error}")),
-        exr::error::Error::Aborted => ImageError::Invalid("EXR: reading was aborted".into()),
-    }
 }

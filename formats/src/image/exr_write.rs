@@ -31,6 +31,9 @@ pub struct ExrOptions {
 }
 
 /// [`encode_exr`] into a file that is replaced in one step.
+///
+/// # Errors
+/// As [`encode_exr`], and when the file cannot be written.
 pub fn write_exr(
     path: impl AsRef<Path>,
     width: usize,
@@ -44,7 +47,10 @@ pub fn write_exr(
 }
 
 /// An EXR file with the channels of all `layers` and `metadata` as text attributes in the order
-/// given. Fails on duplicate or unusable names and on data of the wrong length.
+/// given.
+///
+/// # Errors
+/// When names are repeated or unusable, or when data has the wrong length.
 pub fn encode_exr(
     width: usize,
     height: usize,

@@ -1,12 +1,11 @@
 //! Radiance pictures (`.hdr`, `.pic`): shared-exponent RGB.
 
 use std::io::Cursor;
-use std::path::Path;
 
 use image::codecs::hdr::{HdrDecoder, HdrEncoder};
 use image::{ColorType, ImageDecoder, Rgb};
 
-use super::{Encoding, Image, ImageError, atomic_write, check_data, check_memory, check_size, guarded};
+use super::{Encoding, Image, ImageError, check_data, check_memory, check_size, guarded};
 
 pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     let invalid = |error: image::ImageError| ImageError::Invalid(format!("HDR: {error}"));
@@ -32,6 +31,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
 }
 
 /// A Radiance picture; `rgb` holds three linear values per pixel, row 0 at the top.
+///
+/// # Errors
+/// When `rgb` has the wrong length.
 pub fn encode_hdr(width: usize, height: usize, rgb: &[f32]) -> Result<Vec<u8>, ImageError> {
     check_data(width, height, 3, rgb.len())?;
     let pixels: Vec<Rgb<f32>> =
@@ -41,9 +43,4 @@ pub fn encode_hdr(width: usize, height: usize, rgb: &[f32]) -> Result<Vec<u8>, I
         .encode(&pixels, width, height)
         .map_err(|error| ImageError::Invalid(format!("HDR: {error}")))?;
     Ok(bytes)
-}
-
-/// [`encode_hdr`] into a file that is replaced in one step.
-pub fn write_hdr(path: impl AsRef<Path>, width: usize, height: usize, rgb: &[f32]) -> Result<(), ImageError> {
-    Ok(atomic_write(path, &encode_hdr(width, height, rgb)?)?)
 }

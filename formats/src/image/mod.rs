@@ -17,19 +17,22 @@ use thiserror::Error;
 
 pub use atomic::{atomic_replace, atomic_write};
 pub use exr_write::{ExrLayer, ExrOptions, encode_exr, write_exr};
-pub use hdr::{encode_hdr, write_hdr};
+pub use hdr::encode_hdr;
 pub use pfm::{encode_pfm, write_pfm};
 pub use raster::{encode_png, write_png};
 
 /// Pixels as named channels, interleaved, row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<Data = Vec<f32>> {
+    /// In pixels.
     pub width: usize,
+    /// In pixels.
     pub height: usize,
     /// In storage order, e.g. `R G B A`, `Y`, `direct.R`.
     pub channels: Vec<String>,
     /// `width · height · channels.len()` values; integer formats are scaled to 0..1, not decoded.
     pub data: Data,
+    /// Of the colour channels.
     pub encoding: Encoding,
 }
 
@@ -38,12 +41,14 @@ pub struct Image<Data = Vec<f32>> {
 pub enum Samples {
     /// Of an 8-bit format; 255 is 1.
     Bytes(Vec<u8>),
+    /// One for each channel of a pixel.
     Floats(Vec<f32>),
 }
 
 /// What the stored numbers mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
+    /// Proportional to light.
     Linear,
     /// 8- or 16-bit integers through the sRGB curve.
     Srgb,
@@ -52,10 +57,13 @@ pub enum Encoding {
 /// Why an image could not be read or written.
 #[derive(Debug, Error)]
 pub enum ImageError {
+    /// The bytes break the rules of their format.
     #[error("{0}")]
     Invalid(String),
+    /// Allowed by the format, but not supported.
     #[error("{0} is not supported")]
     Unsupported(String),
+    /// The file cannot be read or written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
 }
@@ -96,6 +104,10 @@ impl Image {
 ///
 /// EXR pixels cover the data window (the union of the data windows of all parts); channels of part
 /// `p` are called `p.name` when the file has several parts, and integer channels keep their numbers.
+///
+/// # Errors
+/// When the format is unknown, the bytes are malformed, or the image is larger than [`MAX_PIXELS`] or the
+/// free memory allows.
 pub fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     let floats = |samples| match samples {
         Samples::Bytes(bytes) => bytes.into_iter().map(|v| f32::from(v) / 255.0).collect(),
@@ -104,7 +116,10 @@ pub fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     Ok(read_samples(bytes)?.map(floats))
 }
 
-/// [`read`] without making floats of bytes.
+/// As [`read`], but 8-bit formats stay bytes.
+///
+/// # Errors
+/// As [`read`].
 pub fn read_samples(bytes: &[u8]) -> Result<Image<Samples>, ImageError> {
     let floats = |image: Image| image.map(Samples::Floats);
     match detect(bytes) {
@@ -147,7 +162,7 @@ fn detect(bytes: &[u8]) -> Option<Format> {
     })
 }
 
-/// Refuses sizes of nothing, sizes beyond [`MAX_PIXELS`], and content of `raw_bytes` that a file of
+/// Refuses empty images, sizes beyond [`MAX_PIXELS`], and content of `raw_bytes` that a file of
 /// `file_bytes` cannot expand to when its compression reaches at most `ratio`.
 fn check_size(
     [width, height]: [usize; 2],
@@ -173,7 +188,7 @@ fn check_size(
 /// Refuses pictures that take more than a quarter of the free memory, of which a scene has several and
 /// needs more for itself. `bytes` is what decoding holds at once.
 fn check_memory([width, height]: [usize; 2], bytes: u128) -> Result<(), ImageError> {
-    // What every machine has is not worth asking the system.
+    // Any machine has this much; asking the system would cost more.
     if bytes <= 1 << 26 {
         return Ok(());
     }

@@ -45,6 +45,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
 }
 
 /// A little-endian PFM file; `data` holds three or one values per pixel, row 0 at the top.
+///
+/// # Errors
+/// When `data` has the wrong length.
 pub fn encode_pfm(width: usize, height: usize, data: &[f32]) -> Result<Vec<u8>, ImageError> {
     let channels = if data.len() == width.saturating_mul(height) { 1 } else { 3 };
     check_data(width, height, channels, data.len())?;
@@ -57,6 +60,9 @@ pub fn encode_pfm(width: usize, height: usize, data: &[f32]) -> Result<Vec<u8>, 
 }
 
 /// [`encode_pfm`] into a file that is replaced in one step.
+///
+/// # Errors
+/// As [`encode_pfm`], and when the file cannot be written.
 pub fn write_pfm(
     path: impl AsRef<Path>,
     width: usize,

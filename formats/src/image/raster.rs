@@ -101,6 +101,9 @@ fn convert(image: DynamicImage) -> Result<Image<Samples>, ImageError> {
 }
 
 /// An 8-bit PNG; `data` holds three (RGB) or four (RGBA) bytes per pixel, row 0 at the top.
+///
+/// # Errors
+/// When `data` has the wrong length or a side is too long for the format.
 pub fn encode_png(width: usize, height: usize, data: &[u8]) -> Result<Vec<u8>, ImageError> {
     let pixels = width.saturating_mul(height);
     let (channels, color) = if data.len() == pixels.saturating_mul(4) {
@@ -120,6 +123,9 @@ pub fn encode_png(width: usize, height: usize, data: &[u8]) -> Result<Vec<u8>, I
 }
 
 /// [`encode_png`] into a file that is replaced in one step.
+///
+/// # Errors
+/// As [`encode_png`], and when the file cannot be written.
 pub fn write_png(path: impl AsRef<Path>, width: usize, height: usize, data: &[u8]) -> Result<(), ImageError> {
     Ok(atomic_write(path, &encode_png(width, height, data)?)?)
 }

@@ -220,7 +220,7 @@ fn files_replace_each_other() {
     let path = folder.path().join("image");
     write_png(&path, 1, 1, &[1, 2, 3]).expect("writable");
     write_pfm(&path, 1, 1, &[0.5]).expect("writable");
-    write_hdr(&path, 1, 1, &[0.5; 3]).expect("writable");
+    atomic_write(&path, &encode_hdr(1, 1, &[0.5; 3]).expect("valid")).expect("writable");
     let layer = ExrLayer { name: "", channels: &["Y"], data: &[0.25] };
     write_exr(&path, 1, 1, &[layer], &[], ExrOptions::default()).expect("writable");
     let image = read(&std::fs::read(&path).expect("readable")).expect("the last one");

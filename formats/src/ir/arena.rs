@@ -44,6 +44,53 @@ impl<T> fmt::Debug for Id<T> {
     }
 }
 
+/// The arenas of a scene, by what they hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Store {
+    /// [`super::Scene::bsdfs`].
+    Bsdfs,
+    /// [`super::Scene::textures`].
+    Textures,
+    /// [`super::Scene::groups`].
+    Groups,
+}
+
+/// What stands in an arena of the scene and can be referred to.
+pub trait Stored {
+    /// Its arena.
+    const STORE: Store;
+}
+
+/// An [`Id`] whose type is known only when the program runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Reference {
+    store: Store,
+    index: u32,
+}
+
+impl Reference {
+    /// The arena it points into.
+    pub fn store(self) -> Store {
+        self.store
+    }
+
+    /// Position in that arena.
+    pub fn index(self) -> usize {
+        self.index as usize
+    }
+
+    /// The id, if it is one of a `T`.
+    pub fn to<T: Stored>(self) -> Option<Id<T>> {
+        (self.store == T::STORE).then_some(Id { index: self.index, marker: PhantomData })
+    }
+}
+
+impl<T: Stored> From<Id<T>> for Reference {
+    fn from(id: Id<T>) -> Self {
+        Self { store: T::STORE, index: id.index }
+    }
+}
+
 /// Grow-only store of `T` addressed by [`Id<T>`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Id, Texture};
+use super::table::plain;
 
 /// A colour in the units of the file it came from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,36 +22,41 @@ pub enum Color {
     /// Wavelength in nm (ascending) and value, linearly interpolated, zero outside.
     Samples(Vec<[f64; 2]>),
     /// CIE D65 scaled, optionally coloured: white (1, 1, 1) at scale 1.
-    D65 { scale: f64, color: Option<[f64; 3]> },
+    D65 {
+        /// Factor on all wavelengths.
+        scale: f64,
+        /// Linear components.
+        color: Option<[f64; 3]>,
+    },
     /// Planck radiance in W·m⁻²·sr⁻¹·nm⁻¹ times `scale` (Mitsuba 0.6).
-    Blackbody { kelvin: f64, scale: f64 },
+    Blackbody {
+        /// Temperature.
+        kelvin: f64,
+        /// Factor on all wavelengths.
+        scale: f64,
+    },
     /// A spectrum of pbrt's library: `metal-Cu-eta`, `glass-BK7`, `stdillum-A` (luminance 1), …
     Library(String),
     /// The spectrum scaled to luminance `luminance` (pbrt's lights).
-    WithLuminance { spectrum: Box<Color>, luminance: f64 },
-}
-
-/// A colour parameter: constant or textured.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum ColorInput {
-    Color(Color),
-    Texture(Id<Texture>),
-}
-
-/// A scalar parameter: constant or textured.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum FloatInput {
-    Value(f64),
-    Texture(Id<Texture>),
+    WithLuminance {
+        /// Its shape.
+        spectrum: Box<Color>,
+        /// Y of the result.
+        luminance: f64,
+    },
 }
 
 /// Which renderer's rule turns spectra into RGB; they differ by up to 20 % (Mitsuba 3 weights
 /// reflectance spectra by D65, 0.6 does not; pbrt's are lit by D65 as well).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SpectrumRule {
+    /// Mitsuba 0.x.
     Mitsuba06,
+    /// Mitsuba 2.x.
     Mitsuba2,
+    /// Mitsuba 3.x.
     Mitsuba3,
+    /// pbrt-v4.
     Pbrt,
 }
 
@@ -65,3 +70,5 @@ pub enum ColorSlot {
     /// Radiance, intensity or irradiance.
     Emission,
 }
+
+plain! { Color }

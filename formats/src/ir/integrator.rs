@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Origin;
 
+/// The integrator of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Integrator {
+    /// Where it was written.
     pub origin: Origin,
     /// The plugin as written (`path`, `photonmapper`, `sppm`, …); a wrapping `moment` or `aov` is removed.
     pub plugin: String,
@@ -15,31 +17,45 @@ pub struct Integrator {
     pub settings: BTreeMap<String, Setting>,
 }
 
+/// A value of a setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setting {
+    /// Where it was written.
     pub origin: Origin,
+    /// What it is set to.
     pub value: Scalar,
 }
 
+/// A value of one of the types that settings have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Scalar {
+    /// `true` or `false`.
     Boolean(bool),
+    /// A whole number.
     Integer(i64),
+    /// Any finite number.
     Float(f64),
+    /// A word or path.
     String(String),
 }
 
 /// What a setting may hold. A float setting takes an integer as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ScalarType {
+    /// `true` or `false`.
     Boolean,
+    /// A whole number.
     Integer,
+    /// Any finite number.
     Float,
+    /// A word or path.
     String,
 }
 
-/// Settings of ours that `path`, `photonmapper`, `ppm` and `sppm` accept beside their own.
+/// Settings of ours that `path`, `photonmapper`, `ppm` and `sppm` accept beside their own: all that the
+/// renderer knows. Each may also be written as a string, in the words of the command line.
 pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
+    ("integrator", ScalarType::String),
     ("mode", ScalarType::String),
     ("nee", ScalarType::Boolean),
     ("kernel", ScalarType::String),
@@ -57,10 +73,12 @@ pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
     ("caustic_radius", ScalarType::Float),
     ("alpha", ScalarType::Float),
     ("caustic_alpha", ScalarType::Float),
+    ("caustic_map", ScalarType::Boolean),
     ("glossy", ScalarType::Float),
     ("boundary", ScalarType::Boolean),
     ("max_depth", ScalarType::Integer),
     ("rr_depth", ScalarType::Integer),
     ("hide_emitters", ScalarType::Boolean),
     ("samples", ScalarType::Integer),
+    ("seed", ScalarType::Integer),
 ];

@@ -8,24 +8,30 @@ mod bsdf;
 mod color;
 mod emitter;
 mod integrator;
+mod interface;
+mod query;
 mod references;
 mod sensor;
 mod shape;
+mod table;
 mod texture;
 mod transform;
 
 use serde::{Deserialize, Serialize};
 
-pub use arena::{Arena, Id};
+pub use arena::{Arena, Id, Reference, Store, Stored};
 pub use bsdf::{
-    Bsdf, BsdfKind, Coat, Conductor, ConductorMaterial, Dielectric, Ior, Microfacet, MicrofacetDistribution,
-    PerturbedShading, Plastic, Principled, PrincipledIndex, PrincipledThin, RoughnessRemap, Shadowing,
-    WardVariant,
+    Bsdf, BsdfKind, Passage, PerturbedShading, Principled, PrincipledIndex, PrincipledThin, WardVariant,
 };
-pub use color::{Color, ColorInput, ColorSlot, FloatInput, SpectrumRule};
+pub use color::{Color, ColorSlot, SpectrumRule};
 pub use emitter::{Emitter, EmitterKind, EnvironmentMapping, LightImage, SpotFalloff};
 pub use integrator::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
-pub use references::{References, Uses, canonical, uses_textures};
+pub use interface::{
+    Coat, Conductor, ConductorMaterial, Dielectric, Ior, Microfacet, MicrofacetDistribution, Plastic,
+    RoughnessRemap, Shadowing,
+};
+pub use query::{Nature, Query, emits, uses_textures};
+pub use references::{Uses, canonical, parts};
 pub use sensor::{
     ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Projection, Sampler, Sensor,
     Tonemap,
@@ -33,8 +39,10 @@ pub use sensor::{
 pub use shape::{
     AreaEmission, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind,
 };
+pub use table::Part;
 pub use texture::{
-    Bitmap, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding, TextureFilter, TextureKind, WrapMode,
+    Bitmap, ColorInput, FloatInput, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding, TextureFilter,
+    TextureKind, WrapMode,
 };
 pub use transform::Transform;
 
@@ -43,17 +51,27 @@ use crate::diagnostic::Span;
 /// A whole scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
+    /// The root of the scene.
     pub origin: Origin,
+    /// How its spectra become RGB.
     pub spectrum_rule: SpectrumRule,
+    /// What hiding emitters means to its renderer.
     pub hide_emitters: HideEmitters,
+    /// `None` where the scene asks for none.
     pub integrator: Option<Integrator>,
     /// In file order; which one renders is `default_sensor`.
     pub sensors: Vec<Sensor>,
+    /// Index in `sensors`.
     pub default_sensor: usize,
+    /// Outside of groups, in file order.
     pub shapes: Vec<Shape>,
+    /// What instances refer to.
     pub groups: Arena<ShapeGroup>,
+    /// What shapes refer to.
     pub bsdfs: Arena<Bsdf>,
+    /// What BSDFs and emitters refer to.
     pub textures: Arena<Texture>,
+    /// Without area lamps, in file order.
     pub emitters: Vec<Emitter>,
 }
 
@@ -87,3 +105,5 @@ impl<'de> Deserialize<'de> for Origin {
         <()>::deserialize(deserializer).map(|()| Self(None))
     }
 }
+
+table::plain! { Origin, Transform, Fov, FovAxis }

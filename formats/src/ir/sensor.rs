@@ -7,33 +7,45 @@ use super::{Origin, Transform};
 /// A camera looking along local +Z with +Y up and +X to the left of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensor {
+    /// The author's id, if any.
     pub name: Option<String>,
+    /// Where it was written.
     pub origin: Origin,
+    /// Local → world.
     pub to_world: Transform,
+    /// From directions to the film.
     pub projection: Projection,
     /// pbrt's window on the screen plane [x0, x1, y0, y1]; `None` follows from the film's shape.
     pub screen_window: Option<[f64; 4]>,
     /// Range along the optical axis; nothing nearer or farther is seen.
     pub near_clip: f64,
+    /// The far end of that range.
     pub far_clip: f64,
     /// Fractions of the film.
     pub principal_point_offset: [f64; 2],
     /// `None`: pinhole.
     pub lens: Option<Lens>,
+    /// What is stored.
     pub film: Film,
+    /// How many samples.
     pub sampler: Sampler,
 }
 
+/// From directions to places on the film.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Projection {
+    /// Pinhole or thin lens.
     Perspective {
+        /// Its angle.
         fov: Fov,
+        /// The axis of the film that `fov` spans.
         axis: FovAxis,
     },
     /// Sees x in ±1 and y in ±1/aspect of its local frame, which `to_world` may scale.
     Orthographic,
 }
 
+/// How the angle of a camera is given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Fov {
     /// Full angle along the fov axis.
@@ -42,34 +54,50 @@ pub enum Fov {
     FocalLength(f64),
 }
 
+/// An axis of the film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FovAxis {
+    /// Width.
     X,
+    /// Height.
     Y,
+    /// From corner to corner.
     Diagonal,
+    /// The shorter of width and height.
     Smaller,
+    /// The longer of the two.
     Larger,
 }
 
+/// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lens {
+    /// In scene units.
     pub aperture_radius: f64,
     /// z of the plane of focus.
     pub focus_distance: f64,
 }
 
+/// Size, filter and format of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Film {
+    /// Where it was written.
     pub origin: Origin,
+    /// In pixels.
     pub width: u32,
+    /// In pixels.
     pub height: u32,
     /// Part of the full film that is rendered and stored; `None` is all.
     pub crop: Option<Crop>,
+    /// From samples to pixels.
     pub filter: Filter,
+    /// Channels as written.
     pub pixel_format: PixelFormat,
+    /// Numbers as written.
     pub component_format: ComponentFormat,
     /// Extension-like name as written: `openexr`, `rgbe`, `pfm`, `png`, `jpeg`.
     pub file_format: String,
+    /// Takes samples beyond the border that the filter reaches.
     pub sample_border: bool,
     /// Radiance of the scene times this is what the film stores (pbrt's imaging ratio).
     pub imaging_ratio: f64,
@@ -80,75 +108,132 @@ pub struct Film {
     pub tonemap: Option<Tonemap>,
 }
 
+/// A rectangle of the film, in pixels from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Crop {
+    /// Left edge.
     pub x: u32,
+    /// Upper edge.
     pub y: u32,
+    /// In pixels.
     pub width: u32,
+    /// In pixels.
     pub height: u32,
 }
 
+/// Reconstruction filter; lengths in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Filter {
+    /// Constant.
     Box {
+        /// Half its width.
         radius: f64,
     },
+    /// Linear to zero.
     Tent {
+        /// Half its width.
         radius: f64,
     },
+    /// Truncated at 4 standard deviations, less the value there.
     Gaussian {
+        /// Standard deviation.
         stddev: f64,
     },
+    /// Mitchell and Netravali 1988, of radius 2.
     Mitchell {
+        /// Blur.
         b: f64,
+        /// Ringing.
         c: f64,
     },
+    /// `Mitchell` with b = 0 and c = 1/2.
     CatmullRom,
+    /// Windowed sinc.
     Lanczos {
+        /// Of the sinc, on each side.
         lobes: u32,
     },
     /// pbrt's: truncated at `radius`, with the value there taken off.
     TruncatedGaussian {
+        /// Standard deviation.
         sigma: f64,
+        /// Half width and half height.
         radius: [f64; 2],
     },
     /// pbrt's: stretched to `radius`.
     ScaledMitchell {
+        /// Blur.
         b: f64,
+        /// Ringing.
         c: f64,
+        /// Half width and half height.
         radius: [f64; 2],
     },
     /// pbrt's box and triangle may be wider on one axis.
     WideBox {
+        /// Half width and half height.
         radius: [f64; 2],
     },
+    /// As `WideBox`.
     WideTent {
+        /// Half width and half height.
         radius: [f64; 2],
     },
     /// pbrt's Lanczos-windowed sinc.
     WindowedSinc {
+        /// Cycles of the window.
         tau: f64,
+        /// Half width and half height.
         radius: [f64; 2],
     },
 }
 
+impl Filter {
+    /// Filters by the names of Mitsuba's plugins, with its default parameters.
+    pub const NAMED: &[(&str, Self)] = &[
+        ("box", Self::Box { radius: 0.5 }),
+        ("tent", Self::Tent { radius: 1.0 }),
+        ("gaussian", Self::Gaussian { stddev: 0.5 }),
+        ("mitchell", Self::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
+        ("catmullrom", Self::CatmullRom),
+        ("lanczos", Self::Lanczos { lobes: 3 }),
+    ];
+
+    /// The filter of this name in [`Filter::NAMED`].
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMED.iter().find(|(known, _)| *known == name).map(|(_, filter)| *filter)
+    }
+}
+
+/// Channels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PixelFormat {
+    /// Gray.
     Luminance,
+    /// Gray and coverage.
     LuminanceAlpha,
+    /// Linear Rec. 709.
     Rgb,
+    /// Linear Rec. 709 and coverage.
     Rgba,
+    /// CIE 1931.
     Xyz,
+    /// CIE 1931 and coverage.
     Xyza,
 }
 
+/// Numbers of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ComponentFormat {
+    /// Half precision.
     Float16,
+    /// Single precision.
     Float32,
+    /// Whole numbers.
     Uint32,
 }
 
+/// From radiance to a picture of 8 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tonemap {
     /// Stops.
@@ -160,7 +245,10 @@ pub struct Tonemap {
 /// Only the count matters to us; the plugin name is kept for writing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sampler {
+    /// As written.
     pub plugin: String,
+    /// In each pixel.
     pub sample_count: u32,
+    /// Of the random numbers.
     pub seed: u64,
 }

@@ -13,9 +13,11 @@ impl Default for Transform {
 }
 
 impl Transform {
+    /// Leaves everything where it is.
     pub const IDENTITY: Self =
         Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]);
 
+    /// Moves by `t`.
     pub fn translate(t: [f64; 3]) -> Self {
         let mut m = Self::IDENTITY;
         for (row, offset) in m.0.iter_mut().zip(t) {
@@ -24,6 +26,7 @@ impl Transform {
         m
     }
 
+    /// Scales each axis by its factor.
     pub fn scale(s: [f64; 3]) -> Self {
         let mut m = Self::IDENTITY;
         for (i, factor) in s.into_iter().enumerate() {
@@ -69,12 +72,14 @@ impl Transform {
         Self(m)
     }
 
+    /// Where a point goes, divided by its w.
     pub fn point(&self, p: [f64; 3]) -> [f64; 3] {
         let h = |r: usize| self.0[r][0] * p[0] + self.0[r][1] * p[1] + self.0[r][2] * p[2] + self.0[r][3];
         let w = h(3);
         [h(0) / w, h(1) / w, h(2) / w]
     }
 
+    /// Where a direction goes; no translation, no normalisation.
     pub fn vector(&self, v: [f64; 3]) -> [f64; 3] {
         let h = |r: usize| self.0[r][0] * v[0] + self.0[r][1] * v[1] + self.0[r][2] * v[2];
         [h(0), h(1), h(2)]

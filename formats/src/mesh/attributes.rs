@@ -3,11 +3,14 @@
 /// A value per vertex (`vertex_…`) or per triangle (`face_…`); a single number is repeated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
+    /// With `vertex_` or `face_` before the file's own name.
     pub name: String,
+    /// One for each vertex or triangle; a single number is repeated.
     pub values: Vec<[f32; 3]>,
 }
 
 impl Attribute {
+    /// Whether its values belong to triangles and not to vertices.
     pub fn is_per_face(&self) -> bool {
         self.name.starts_with(FACE)
     }
@@ -18,15 +21,15 @@ pub(super) const FACE: &str = "face_";
 
 /// The attributes among the properties of an element.
 pub(super) struct Columns {
-    /// Names, and of how many numbers each consists.
+    /// Names and numbers of components.
     found: Vec<(String, usize)>,
-    /// For every property the attribute and the component, if it is part of one.
+    /// For every property, the attribute and component it is part of, if any.
     pub places: Vec<Option<(usize, usize)>>,
-    /// Names of what consists of other than one or three numbers, and of how many.
+    /// Names and numbers of components of those that do not have one or three.
     pub skipped: Vec<(String, usize)>,
 }
 
-/// What a property is part of: `color_0` of `color`, and so are `r` and `red`.
+/// The attribute a property is part of: `color` for `color_0`, `r` and `red`.
 fn stem(property: &str) -> Option<&str> {
     if matches!(property, "r" | "g" | "b" | "red" | "green" | "blue") {
         return Some("color");
@@ -37,7 +40,7 @@ fn stem(property: &str) -> Option<&str> {
 }
 
 impl Columns {
-    /// Of the free properties (the others are `None`); only those of one or three numbers count.
+    /// Groups the free properties (the others are `None`) into attributes of one or three components.
     pub fn new<'a>(prefix: &str, properties: impl Iterator<Item = Option<&'a str>>) -> Self {
         let stems: Vec<Option<&str>> = properties.map(|p| p.and_then(stem)).collect();
         let count = |stem: &str| stems.iter().flatten().filter(|s| **s == stem).count();

@@ -1,4 +1,4 @@
-//! Flat shapes as meshes: two triangles intersect faster than a special case, and exactly alike.
+//! Flat shapes as meshes: two triangles are intersected faster than a special case, with the same result.
 
 use super::Mesh;
 

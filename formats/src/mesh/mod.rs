@@ -27,11 +27,13 @@ pub use serialized::{read_serialized, serialized_count};
 /// Indexed triangles in object space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
+    /// One for each vertex.
     pub positions: Vec<[f32; 3]>,
     /// Unit shading normals per vertex; empty when the mesh is flat-shaded.
     pub normals: Vec<[f32; 3]>,
     /// Per vertex; empty when absent.
     pub uvs: Vec<[f32; 2]>,
+    /// Three vertices each, counter-clockwise as seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Further values per vertex or triangle.
     pub attributes: Vec<Attribute>,
@@ -43,7 +45,7 @@ pub enum MeshError {
     /// Malformed bytes; the text names line, element or byte offset.
     #[error("{0}")]
     Invalid(String),
-    /// Well-formed, but outside what we read.
+    /// Well-formed, but not supported.
     #[error("{0} is not supported")]
     Unsupported(String),
 }
@@ -63,6 +65,9 @@ pub struct MeshOptions {
 }
 
 /// Reads a mesh of a known format, which may be gzipped. A mesh without triangles is not an error.
+///
+/// # Errors
+/// When the bytes are not a mesh of this format, with the line, element or offset.
 pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> {
     let unpacked;
     let bytes = if is_gzip(bytes) {
@@ -78,7 +83,10 @@ pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<M
     }
 }
 
-/// Attributes that [`read`] leaves out of the mesh of a file, and of how many numbers each consists.
+/// Attributes that [`read`] leaves out of the mesh, with their number of components.
+///
+/// # Errors
+/// When the header of the file is malformed.
 pub fn skipped(format: MeshFormat, bytes: &[u8]) -> Result<Vec<(String, usize)>, MeshError> {
     match format {
         MeshFormat::Ply if is_gzip(bytes) => {

@@ -10,6 +10,9 @@ use crate::encoding::to_utf8;
 
 /// Reads an OBJ file. Indices may be relative (negative) and may precede what they refer to;
 /// `\` at the end of a line continues it.
+///
+/// # Errors
+/// When a line is malformed or an index points nowhere.
 pub fn read_obj(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> {
     let file = parse(&to_utf8(bytes))?;
     file.check_indices()?;
@@ -236,7 +239,7 @@ fn integer(word: &[u8]) -> Option<i64> {
 }
 
 /// Distinct corners. Each position heads a list of its corners; few have more than a handful, and
-/// those that do continue in a hash map.
+/// the rest go into a hash map.
 struct Vertices {
     corners: Vec<Corner>,
     /// Per position, the corner added last.

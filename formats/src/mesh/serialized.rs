@@ -19,6 +19,9 @@ const DOUBLE: u32 = 0x2000;
 const MAX_RATIO: u64 = 1032;
 
 /// Reads mesh number `index` of the file.
+///
+/// # Errors
+/// When the file is malformed or has no such mesh.
 pub fn read_serialized(bytes: &[u8], index: u32, options: &MeshOptions) -> Result<Mesh, MeshError> {
     let start = offset(bytes, index)?;
     let body = bytes.get(start..).unwrap_or(&[]);
@@ -68,6 +71,9 @@ pub fn read_serialized(bytes: &[u8], index: u32, options: &MeshOptions) -> Resul
 }
 
 /// Number of meshes in the file.
+///
+/// # Errors
+/// When the table at the end of the file is malformed.
 pub fn serialized_count(bytes: &[u8]) -> Result<u32, MeshError> {
     table(bytes).map(|table| (table.entries.len() / table.width) as u32)
 }
@@ -149,7 +155,7 @@ impl Stream<'_> {
         Ok(bytes)
     }
 
-    /// The buffer grows with what is really there, not with what the header claims.
+    /// The buffer grows with the data that is there, not with the size that the header claims.
     fn bytes(&mut self, count: usize) -> Result<Vec<u8>, MeshError> {
         let mut bytes = Vec::with_capacity(count.min(1 << 20));
         let read = self.decoder.by_ref().take(count as u64).read_to_end(&mut bytes);
@@ -180,6 +186,6 @@ impl Stream<'_> {
                 return Ok(());
             }
         }
-        Err(invalid(self.offset, "has a name without end".into()))
+        Err(invalid(self.offset, "has an unterminated name".into()))
     }
 }

@@ -2,12 +2,12 @@
 
 use super::number;
 use super::object::{Class, Entry, Object, ObjectIndex, Value};
-use super::plugin::{Plugin, read};
 use super::props::Props;
 use super::reader::Reader;
 use super::texture::is_texture_plugin;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
+use crate::plugin::{Plugin, read};
 
 type ReadSpectrum = fn(&mut Props<'_>) -> Option<Color>;
 
@@ -23,7 +23,7 @@ pub(super) const SPECTRA: &[Plugin<ReadSpectrum>] = &[
     read("srgb_d65", d65),
 ];
 
-/// Mitsuba 2 and 3 make no difference between spectra and textures but the name of the plugin.
+/// In Mitsuba 2 and 3, spectra and textures differ only by the name of the plugin.
 pub(super) fn is_texture(object: &Object) -> bool {
     let is_spectrum = SPECTRA.iter().any(|row| row.name == object.plugin);
     match object.class {
@@ -34,6 +34,15 @@ pub(super) fn is_texture(object: &Object) -> bool {
 }
 
 impl<'a> Reader<'a> {
+    /// Reads a texture or spectrum to report its problems; it is used only where something refers to it.
+    pub fn top_level_texture(&mut self, index: ObjectIndex) {
+        if is_texture(&self.objects[index]) {
+            self.texture(index);
+        } else {
+            self.spectrum(index);
+        }
+    }
+
     /// A colour or texture; `default` when it is not given or was reported.
     pub fn color_input(
         &mut self,
@@ -178,7 +187,7 @@ fn uniform(props: &mut Props<'_>) -> Option<Color> {
     Some(Color::UniformPlugin(props.float("value", 1.0)))
 }
 
-/// Numbers that are no light: what they are in every slot.
+/// The value of a number that is not light, in any slot.
 fn raw_constant(props: &mut Props<'_>) -> Option<Color> {
     let Some(entry) = props.entry("value") else {
         props.complain("value", "rawconstant needs the parameter `value`");

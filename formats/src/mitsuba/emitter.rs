@@ -1,7 +1,6 @@
 //! Emitters: those of the scene, and those of shapes.
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported, unsupported_but};
 use super::props::Props;
 use super::reader::Reader;
 use super::sensor::{AXES, fov};
@@ -11,6 +10,7 @@ use crate::ir::{
     AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage, SpotFalloff,
     TextureEncoding,
 };
+use crate::plugin::{Plugin, read, unsupported, unsupported_but};
 
 type ReadEmitter = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<EmitterKind>;
 
@@ -34,7 +34,7 @@ pub(super) const EMITTERS: &[Plugin<ReadEmitter>] = &[
 
 const BAKED: &str = "render it into a latitude-longitude picture and use an `envmap`";
 
-/// Emitters that are a shape's surface; true where they shine along the normal only.
+/// Emitters on the surface of a shape; true for those that emit along the normal only.
 pub(super) const AREA_EMITTERS: &[Plugin<bool>] =
     &[read("area", false), read("directionalarea", true), unsupported("projector")];
 
@@ -42,9 +42,9 @@ impl<'a> Reader<'a> {
     pub fn top_level_emitter(&mut self, index: ObjectIndex) {
         let object = &self.objects[index];
         if object.plugin == "area" || object.plugin == "directionalarea" {
-            // It may stand here only to be referred to by shapes.
+            // It may be defined here only for shapes to refer to.
             if !object.used {
-                let text = format!("an {} emitter shines only as part of a shape", object.plugin);
+                let text = format!("an {} emitter must be part of a shape", object.plugin);
                 self.problems.push(
                     Diagnostic::error(text, Some(object.span))
                         .help("put it, or a <ref> to it, into a <shape>"),
@@ -67,7 +67,7 @@ impl<'a> Reader<'a> {
         if let Some(emission) = self.emissions.get(&index) {
             return emission.clone();
         }
-        let emission = self.plugin(AREA_EMITTERS, index, "the shape does not shine").map(|collimated| {
+        let emission = self.plugin(AREA_EMITTERS, index, "the shape does not emit light").map(|collimated| {
             let mut props = self.props(index);
             if props.has("to_world") {
                 props.complain("to_world", "an area emitter takes no `to_world`; place the shape instead");
@@ -85,12 +85,14 @@ impl<'a> Reader<'a> {
         emission
     }
 
-    /// Rules about all emitters together.
+    /// Checks that concern all emitters together.
     pub fn check_emitters(&mut self) {
         let environments: Vec<_> = self.scene.emitters.iter().filter(|e| e.kind.fills_the_sky()).collect();
         if let [first, second, ..] = environments.as_slice() {
-            let mut problem =
-                Diagnostic::error("a scene has one environment; this is a second one", second.origin.0);
+            let mut problem = Diagnostic::error(
+                "a scene may have only one environment; this is a second one",
+                second.origin.0,
+            );
             problem.labels.extend(first.origin.0.map(|span| (span, "the first one".to_owned())));
             self.problems.push(problem);
         }

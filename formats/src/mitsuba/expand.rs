@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::tree::{Element, MAX_DEPTH};
 use super::version::Version;
 use super::xml;
-use crate::diagnostic::{Diagnostic, SourceMap, Span, nearest};
+use crate::diagnostic::{Diagnostic, SourceMap, Span};
 use crate::encoding::into_utf8;
 use crate::files::{Files, Included};
 use crate::missing::{find, not_found};
@@ -225,7 +225,7 @@ impl<'a> Expander<'a> {
     fn path(&mut self, element: &Element, depth: usize) {
         let Some([value]) = self.required(element, ["value"]) else { return };
         if self.root_depths.last().is_none_or(|root| depth != root + 1) {
-            let text = "<path> may only stand directly below <scene>";
+            let text = "<path> is only allowed directly inside <scene>";
             self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
             return;
         }
@@ -252,7 +252,7 @@ impl<'a> Expander<'a> {
             chain.push(path.display().to_string());
             let mut problem = Diagnostic::error(format!("include cycle: {}", chain.join(" → ")), Some(span));
             for (_, from) in &self.stack[at + 1..] {
-                problem.labels.extend(from.map(|from| (from, "by way of this".to_owned())));
+                problem.labels.extend(from.map(|from| (from, "through this".to_owned())));
             }
             self.problems.push(problem);
             return;
@@ -317,10 +317,9 @@ pub(super) fn check_attributes(element: &Element, allowed: &[&str], problems: &m
         if !allowed.contains(&attribute.name.as_str()) {
             let text = format!("unexpected attribute `{}` of <{}>", attribute.name, element.tag);
             let problem = Diagnostic::error(text, Some(attribute.name_span));
-            problems.push(match nearest(&attribute.name, allowed.iter().copied()) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem.help(format!("it takes: {}", allowed.join(", "))),
-            });
+            problems.push(problem.suggest_or(&attribute.name, allowed.iter().copied(), || {
+                format!("it takes: {}", allowed.join(", "))
+            }));
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Films and reconstruction filters.
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{ComponentFormat, Crop, Film, Filter, Origin, PixelFormat, Tonemap};
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadTonemap = fn(&mut Props<'_>) -> Option<Tonemap>;
 type ReadFilter = fn(&mut Props<'_>) -> Filter;
@@ -144,7 +144,7 @@ fn crop(props: &mut Props<'_>, width: u32, height: u32) -> Option<Crop> {
 
 fn pixel_format(props: &mut Props<'_>) -> PixelFormat {
     if let Some((text, span)) = props.optional_string("pixel_format").filter(|(text, _)| text.contains(',')) {
-        let text = format!("several images in one (`{text}`) are not written; rgb is");
+        let text = format!("multiple images in one file (`{text}`) are not written; only rgb is");
         props.problems.push(Diagnostic::warning(text, Some(span)));
         return PixelFormat::Rgb;
     }

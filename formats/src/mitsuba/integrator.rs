@@ -1,53 +1,53 @@
-//! Integrators: which of ours a scene asks for, and its settings.
+//! Integrators: the one a scene asks for, and its settings.
 
 use std::collections::BTreeMap;
 
 use super::object::{Class, ObjectIndex, Value};
-use super::plugin::{Found, Plugin, approximated, find, read, unknown, unsupported};
 use super::props::Props;
-use super::reader::Reader;
+use super::reader::{Reader, unknown};
 use crate::diagnostic::{Diagnostic, Severity, Span, nearest};
 use crate::ir::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
+use crate::plugin::{Plugin, Status, approximated, find, read, unsupported};
 
 use ScalarType::{Boolean, Float, Integer, String as Text};
 
 type Settings = &'static [(&'static str, ScalarType)];
 
 #[derive(Clone, Copy)]
-pub(super) enum Kind {
+pub(super) enum Rendering {
     /// Rendered as asked, with these settings beside the common ones.
     Own(Settings),
     /// Rendered by `path`; its own settings do not matter.
     Approximated,
-    /// Something around the integrator that counts.
+    /// Wraps the integrator that is rendered.
     Wrapper,
 }
 
 const AS_PATH: &str = "as `path`";
 
-pub(super) const INTEGRATORS: &[Plugin<Kind>] = &[
-    read("path", Kind::Own(INTEGRATOR_SETTINGS)),
-    read("direct", Kind::Own(DIRECT)),
-    read("volpath", Kind::Own(&[])),
-    read("volpathmis", Kind::Own(&[("use_spectral_mis", Boolean)])),
-    read("ptracer", Kind::Own(&[("granularity", Integer), ("brute_force", Boolean)])),
-    read("photonmapper", Kind::Own(PHOTON_MAPPER)),
-    read("ppm", Kind::Own(PROGRESSIVE)),
-    read("sppm", Kind::Own(PROGRESSIVE)),
-    approximated("volpath_simple", Kind::Approximated, AS_PATH),
-    approximated("bdpt", Kind::Approximated, AS_PATH),
-    approximated("vpl", Kind::Approximated, AS_PATH),
-    approximated("pssmlt", Kind::Approximated, AS_PATH),
-    approximated("mlt", Kind::Approximated, AS_PATH),
-    approximated("erpt", Kind::Approximated, AS_PATH),
-    approximated("prb", Kind::Approximated, AS_PATH),
-    approximated("prb_basic", Kind::Approximated, AS_PATH),
-    approximated("prbvolpath", Kind::Approximated, AS_PATH),
-    approximated("moment", Kind::Wrapper, "the picture alone"),
-    approximated("aov", Kind::Wrapper, "the picture alone"),
-    approximated("stokes", Kind::Wrapper, "the picture alone"),
-    approximated("irrcache", Kind::Wrapper, "as what it wraps"),
-    approximated("adaptive", Kind::Wrapper, "as what it wraps"),
+pub(super) const INTEGRATORS: &[Plugin<Rendering>] = &[
+    read("path", Rendering::Own(INTEGRATOR_SETTINGS)),
+    read("direct", Rendering::Own(DIRECT)),
+    read("volpath", Rendering::Own(&[])),
+    read("volpathmis", Rendering::Own(&[("use_spectral_mis", Boolean)])),
+    read("ptracer", Rendering::Own(&[("granularity", Integer), ("brute_force", Boolean)])),
+    read("photonmapper", Rendering::Own(PHOTON_MAPPER)),
+    read("ppm", Rendering::Own(PROGRESSIVE)),
+    read("sppm", Rendering::Own(PROGRESSIVE)),
+    approximated("volpath_simple", Rendering::Approximated, AS_PATH),
+    approximated("bdpt", Rendering::Approximated, AS_PATH),
+    approximated("vpl", Rendering::Approximated, AS_PATH),
+    approximated("pssmlt", Rendering::Approximated, AS_PATH),
+    approximated("mlt", Rendering::Approximated, AS_PATH),
+    approximated("erpt", Rendering::Approximated, AS_PATH),
+    approximated("prb", Rendering::Approximated, AS_PATH),
+    approximated("prb_basic", Rendering::Approximated, AS_PATH),
+    approximated("prbvolpath", Rendering::Approximated, AS_PATH),
+    approximated("moment", Rendering::Wrapper, "the picture alone"),
+    approximated("aov", Rendering::Wrapper, "the picture alone"),
+    approximated("stokes", Rendering::Wrapper, "the picture alone"),
+    approximated("irrcache", Rendering::Wrapper, "as what it wraps"),
+    approximated("adaptive", Rendering::Wrapper, "as what it wraps"),
     unsupported("depth"),
     unsupported("ao"),
     unsupported("field"),
@@ -99,7 +99,7 @@ impl<'a> Reader<'a> {
     pub fn integrators(&mut self, all: &[(ObjectIndex, Span)]) {
         for (i, (index, span)) in all.iter().enumerate() {
             if i > 0 {
-                let text = "a scene has one integrator; this is a second one";
+                let text = "a scene may have only one integrator; this is a second one";
                 let problem =
                     Diagnostic::new(self.strict(), text, Some(*span)).label(all[0].1, "the first one");
                 self.problems.push(problem);
@@ -114,26 +114,26 @@ impl<'a> Reader<'a> {
             return None;
         }
         let mut props = self.props(index);
-        let integrator = match find(INTEGRATORS, object) {
-            Found::Reader(Kind::Own(own)) => {
+        let integrator = match find(INTEGRATORS, &object.plugin) {
+            Some(Status::Read(Rendering::Own(own))) => {
                 let settings = self.settings(&mut props, own);
                 let integrator =
                     Integrator { origin: props.origin(), plugin: object.plugin.clone(), settings };
                 self.finish(props);
                 integrator
             }
-            Found::Reader(Kind::Approximated) => {
+            Some(Status::Read(Rendering::Approximated)) => {
                 let text = format!("integrator `{}` is approximated by `path`", object.plugin);
                 self.problems.push(Diagnostic::warning(text, Some(object.span)));
                 self.as_path(props)
             }
-            Found::Reader(Kind::Wrapper) => return self.unwrapped(props),
-            Found::Unsupported(advice) => {
+            Some(Status::Read(Rendering::Wrapper)) => return self.unwrapped(props),
+            Some(Status::Unsupported(advice)) => {
                 self.unsupported(index, advice, "`path` is used");
                 self.as_path(props)
             }
-            Found::Unknown => {
-                // Integrators of other renderers are made up for; a slip of the pen would lose their parameters.
+            None => {
+                // Integrators of other renderers are replaced; a misspelt name would lose its parameters.
                 let slip = nearest(&object.plugin, INTEGRATORS.iter().map(|row| row.name)).is_some();
                 self.problems.push(if slip {
                     unknown(INTEGRATORS, object)
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
             self.problems.push(Diagnostic::new(Severity::Note, text, span));
         }
         if nested.is_none() {
-            let text = format!("`{}` without an integrator in it: `path` is used", props.object.plugin);
+            let text = format!("`{}` contains no integrator: `path` is used", props.object.plugin);
             self.problems.push(Diagnostic::warning(text, Some(props.object.span)));
             return Some(self.as_path(props));
         }
@@ -193,13 +193,16 @@ impl<'a> Reader<'a> {
         let extra: Settings = if ours { INTEGRATOR_SETTINGS } else { &[] };
         for (name, kind) in COMMON.iter().chain(own).chain(extra) {
             if !settings.contains_key(*name) {
-                read_setting(props, name, *kind, &mut settings);
+                // "auto", "0.05R" and "stored:1000" are neither integers nor floats.
+                let as_text = extra.iter().any(|(own, _)| own == name)
+                    && props.entry(name).is_some_and(|e| matches!(e.value, Value::String(_)));
+                read_setting(props, name, if as_text { Text } else { *kind }, &mut settings);
             }
         }
         if let Some(entry) = props.entry("strict_normals")
             && matches!(entry.value, Value::Boolean(true))
         {
-            let text = "`strict_normals` is ignored; Mitsuba 3 has no such thing either";
+            let text = "`strict_normals` is ignored; Mitsuba 3 does not have it either";
             props.problems.push(Diagnostic::new(Severity::Note, text, Some(entry.name_span)));
         }
         settings

@@ -13,7 +13,6 @@ mod integrator;
 mod number;
 mod object;
 mod parameters;
-mod plugin;
 mod property;
 mod props;
 mod reader;
@@ -29,10 +28,10 @@ mod xml;
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Diagnostic, Severity, SourceMap};
+use crate::diagnostic::{Severity, SourceMap, in_source_order};
 use crate::files::Files;
+use crate::plugin::{Concept, Support, concept};
 use crate::read::{Failure, Read, ReadOptions};
-use crate::support::{Concept, Support};
 
 /// Reads the scene at `path` with everything it includes. Meshes and textures are only looked for,
 /// not opened. Fails with all problems found, never only the first.
@@ -66,17 +65,8 @@ fn search_folders(scene: &Path, paths: &[PathBuf], options: &ReadOptions) -> Vec
     paths.iter().cloned().chain([own]).chain(options.search.iter().cloned()).collect()
 }
 
-/// Worst first, then as they stand in the files; a message about no place comes last.
-fn in_source_order(problems: &mut Vec<Diagnostic>) {
-    let place = |p: &Diagnostic| p.span.map_or((u32::MAX, 0), |s| (s.file, s.start));
-    problems.sort_by_key(|p| (std::cmp::Reverse(p.severity), place(p)));
-    // An object that several others refer to may be read more than once.
-    problems.dedup();
-}
-
 /// Every plugin that is known, by concept.
 pub fn support() -> Vec<Concept> {
-    use plugin::concept;
     let mut emitters = concept("emitters", emitter::EMITTERS);
     let on_shapes = concept("emitters", emitter::AREA_EMITTERS).plugins;
     emitters.plugins.retain(|&(name, _)| !on_shapes.iter().any(|&(n, s)| n == name && s == Support::Full));

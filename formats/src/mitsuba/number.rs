@@ -1,4 +1,4 @@
-//! Numbers as Mitsuba writes them. NaN and infinities are no numbers here.
+//! Numbers as Mitsuba writes them. NaN and infinities are refused.
 
 /// Decimal number with blanks around; `2.0f`, `nan` and `inf` are refused.
 pub(super) fn float(text: &str) -> Option<f64> {

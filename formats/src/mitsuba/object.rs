@@ -1,4 +1,4 @@
-//! Objects and their entries: what the tree means before plugins are looked at.
+//! Objects and their entries, before any plugin is interpreted.
 
 use crate::diagnostic::Span;
 use crate::ir::{Color, Transform};
@@ -66,7 +66,7 @@ pub(super) struct Object {
     pub span: Span,
     pub id: Option<String>,
     pub entries: Vec<Entry>,
-    /// Reachable from the scene other than by merely standing in it.
+    /// Referred to by something, not only defined at the top level of the scene.
     pub used: bool,
     /// The root element's version of its file was below 2.
     pub camel_case: bool,

@@ -2,10 +2,9 @@
 
 use crate::diagnostic::{Diagnostic, Span, nearest};
 
-/// A substituted value may not grow beyond this: `<default>`s that double each other would fill
-/// the memory.
+/// Longest substituted value: `<default>`s that double each other would fill the memory.
 const MAX_VALUE_BYTES: usize = 16 << 20;
-/// And all of a scene together not beyond this.
+/// Most bytes of all substituted values of a scene together.
 const MAX_BYTES: usize = 64 << 20;
 
 #[derive(Clone, Debug)]
@@ -117,14 +116,11 @@ impl Parameters {
             let problem =
                 Diagnostic::error(format!("the scene never uses the parameter `{name}` given by -D"), None);
             let known = self.items.iter().filter(|p| p.used || !p.given).map(|p| p.name.as_str());
-            match nearest(name, known.clone()) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => {
-                    let mut known: Vec<_> = known.collect();
-                    known.sort_unstable();
-                    problem.help(format!("the scene's parameters: {}", list_or_none(&known)))
-                }
-            }
+            problem.suggest_or(name, known.clone(), || {
+                let mut known: Vec<_> = known.collect();
+                known.sort_unstable();
+                format!("the scene's parameters: {}", list_or_none(&known))
+            })
         })
     }
 }

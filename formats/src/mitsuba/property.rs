@@ -116,7 +116,7 @@ impl PropertyReader<'_> {
         let (components, hex) = match text.trim().strip_prefix('#') {
             Some(digits) => match number::hex(digits) {
                 Some(components) => (components, true),
-                None => return self.error(format!("`{text}` is not a colour; `#` wants six digits"), span),
+                None => return self.error(format!("`{text}` is not a colour; `#` expects six digits"), span),
             },
             None => (self.one_or_three(text, span)?, false),
         };
@@ -170,7 +170,7 @@ impl PropertyReader<'_> {
                 }
                 Some(Color::Rgb([*r, *g, *b]))
             }
-            _ => self.error("<spectrum> wants one number, or `wavelength:value` pairs", span),
+            _ => self.error("<spectrum> expects one number, or `wavelength:value` pairs", span),
         }
     }
 
@@ -198,7 +198,7 @@ impl PropertyReader<'_> {
         };
         if element.children.len() > 1 {
             self.problems.push(Diagnostic::warning(
-                "motion is not rendered: the first key frame of the animation stands for all",
+                "motion is not rendered: only the first key frame of the animation is used",
                 Some(element.tag_span),
             ));
         }
@@ -277,13 +277,13 @@ impl PropertyReader<'_> {
         let text = self.attribute(element, "value")?;
         let span = element.place("value");
         let Some(numbers) = floats(text) else {
-            return self.error("<matrix> wants numbers", span);
+            return self.error("<matrix> expects numbers", span);
         };
         let mut m = Transform::IDENTITY;
         let size = match numbers.len() {
             16 => 4,
             9 => 3,
-            n => return self.error(format!("<matrix> wants 16 (or 9) numbers, got {n}"), span),
+            n => return self.error(format!("<matrix> expects 16 (or 9) numbers, got {n}"), span),
         };
         for (i, number) in numbers.into_iter().enumerate() {
             m.0[i / size][i % size] = number;

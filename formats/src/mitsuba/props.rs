@@ -54,14 +54,14 @@ impl<'a> Props<'a> {
         self.object.entries.iter().any(|e| e.name.as_deref() == Some(name))
     }
 
-    /// Entries that neither change the picture nor deserve a word.
+    /// Accepts entries that do not change the image, without a message.
     pub fn ignore(&mut self, names: &[&'static str]) {
         for name in names {
             self.entry(name);
         }
     }
 
-    /// Entries that would change the picture if they were heeded.
+    /// Accepts entries that would change the image if they were supported, with a warning.
     pub fn ignore_with_warning(&mut self, names: &[&'static str], why: &str) {
         for name in names {
             if let Some(entry) = self.entry(name) {
@@ -71,7 +71,7 @@ impl<'a> Props<'a> {
         }
     }
 
-    /// Leaves nothing to report.
+    /// Accepts all remaining entries without a message.
     pub fn ignore_rest(&mut self) {
         self.taken.fill(true);
     }
@@ -173,10 +173,9 @@ impl<'a> Props<'a> {
         if found.is_none() {
             let words: Vec<&str> = table.iter().map(|(word, _)| *word).collect();
             let problem = Diagnostic::error(format!("parameter `{name}` has no value `{text}`"), Some(span));
-            self.problems.push(match nearest(text, words.iter().copied()) {
-                Some(word) => problem.help(format!("did you mean `{word}`?")),
-                None => problem.help(format!("possible: {}", words.join(", "))),
-            });
+            self.problems.push(
+                problem.suggest_or(text, words.iter().copied(), || format!("possible: {}", words.join(", "))),
+            );
         }
         found.map(|(_, value)| *value)
     }
@@ -213,7 +212,7 @@ impl<'a> Props<'a> {
                     let name = ior_names().find(|known| known.eq_ignore_ascii_case(text.trim()));
                     if name.is_none() {
                         let known = ior_names().collect::<Vec<_>>().join(", ");
-                        let text = format!("no index of refraction is called `{text}`");
+                        let text = format!("no index of refraction named `{text}`");
                         let problem = Diagnostic::error(text, Some(entry.span));
                         self.problems.push(problem.help(format!("known: {known}")));
                     }
@@ -253,7 +252,7 @@ impl<'a> Props<'a> {
         Some(first)
     }
 
-    /// Two ways to say the same thing may not be given together.
+    /// Reports an error when two alternative parameters are both given.
     pub fn exclusive(&mut self, a: &str, b: &str) {
         let place = |name: &str| {
             let entry = self.object.entries.iter().find(|e| e.name.as_deref() == Some(name));
@@ -288,7 +287,7 @@ impl<'a> Props<'a> {
             other => other.describe().to_owned(),
         };
         let name = self.spelt(entry.name.as_deref().unwrap_or_default());
-        let text = format!("parameter `{name}` of {} wants {wanted}, got {got}", self.object.plugin);
+        let text = format!("parameter `{name}` of {} expects {wanted}, got {got}", self.object.plugin);
         self.problems.push(Diagnostic::error(text, Some(entry.span)));
         None
     }

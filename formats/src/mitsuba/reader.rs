@@ -1,16 +1,16 @@
-//! Last pass: objects to IR. This file walks the scene and serves the readers of the concepts.
+//! Last pass: objects to IR. This file walks the scene and has what the readers of all concepts share.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::object::{Class, Object, ObjectIndex, Value};
-use super::plugin::{self, Found, Plugin};
 use super::props::Props;
 use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
-use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Scene, ShapeGroup, Texture};
+use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Query, Scene, ShapeGroup, Texture};
 use crate::missing::{find, not_found};
+use crate::plugin::{self, Plugin, Status};
 use crate::read::ReadOptions;
 
 pub(super) struct Reader<'a> {
@@ -18,6 +18,8 @@ pub(super) struct Reader<'a> {
     pub dialect: Dialect,
     pub scene: Scene,
     pub problems: Vec<Diagnostic>,
+    /// Answers about the BSDFs read so far.
+    pub query: Query,
     files: &'a dyn Files,
     sources: &'a SourceMap,
     folders: &'a [PathBuf],
@@ -56,6 +58,7 @@ impl<'a> Reader<'a> {
             dialect,
             scene,
             problems: Vec::new(),
+            query: Query::default(),
             files,
             sources,
             folders,
@@ -120,14 +123,14 @@ impl<'a> Reader<'a> {
         if object.plugin.is_empty() {
             return None;
         }
-        match plugin::find(table, object) {
-            Found::Reader(reader) => Some(reader),
-            Found::Unsupported(advice) => {
+        match plugin::find(table, &object.plugin) {
+            Some(Status::Read(reader)) => Some(reader),
+            Some(Status::Unsupported(advice)) => {
                 self.unsupported(index, advice, instead);
                 None
             }
-            Found::Unknown => {
-                self.problems.push(plugin::unknown(table, object));
+            None => {
+                self.problems.push(unknown(table, object));
                 None
             }
         }
@@ -176,4 +179,9 @@ impl<'a> Reader<'a> {
     pub fn strict(&self) -> Severity {
         if self.dialect == Dialect::Old { Severity::Warning } else { Severity::Error }
     }
+}
+
+/// The error for a plugin that no version of Mitsuba has.
+pub(super) fn unknown<F>(table: &[Plugin<F>], object: &Object) -> Diagnostic {
+    plugin::unknown(table, &format!("{} plugin", object.class.name()), &object.plugin, object.span)
 }

@@ -1,4 +1,4 @@
-//! Fourth pass: elements become objects with typed entries; ids, aliases and references meet.
+//! Fourth pass: elements become objects with typed entries; ids, aliases and references are resolved.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -102,7 +102,7 @@ impl<'a> Resolver<'a> {
         let class = Class::of_tag(tag).filter(|_| tag != "spectrum" || element.attribute("type").is_some());
         if let Some(class) = class {
             if class == Class::Scene {
-                let text = "<scene> may not stand inside another element";
+                let text = "<scene> is not allowed inside another element";
                 self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
                 return None;
             }
@@ -168,7 +168,7 @@ impl<'a> Resolver<'a> {
         let problem = Diagnostic::error(text, Some(element.tag_span));
         self.problems.push(match nearest(&element.tag, known) {
             Some(known) => problem.help(format!("did you mean <{known}>?")),
-            None => problem.help("leave it out; --allow-unsupported skips elements that are not known"),
+            None => problem.help("remove it; --allow-unsupported skips unknown elements"),
         });
     }
 
@@ -181,7 +181,7 @@ impl<'a> Resolver<'a> {
             let text = format!("parameter `{name}` is given twice");
             // Mitsuba 0.6 and 2 warned and went on with the later value.
             let problem = if tolerant {
-                Diagnostic::warning(text, Some(new.name_span)).help("the last one counts")
+                Diagnostic::warning(text, Some(new.name_span)).help("the last one is used")
             } else {
                 Diagnostic::error(text, Some(new.name_span))
             };
@@ -232,12 +232,9 @@ impl<'a> Resolver<'a> {
                 let problem = Diagnostic::error(format!("no object has the id `{id}`"), Some(entry.span));
                 let mut known: Vec<&str> = self.ids.keys().map(String::as_str).collect();
                 known.sort_unstable();
-                // Comparing with more would take longer than finding the slip by hand.
+                // Comparing with more would take too long.
                 known.truncate(10_000);
-                self.problems.push(match nearest(id, known) {
-                    Some(known) => problem.help(format!("did you mean `{known}`?")),
-                    None => problem,
-                });
+                self.problems.push(problem.suggest(id, known));
                 entry.value = Value::Broken;
             }
         }
@@ -263,7 +260,7 @@ impl<'a> Resolver<'a> {
         for entry in &self.objects[0].entries {
             if let Value::Object(index) = entry.value {
                 let object = &self.objects[index];
-                // These stand in the scene only to be referred to.
+                // These are at the top level only to be referred to.
                 let passive =
                     matches!(object.class, Class::Bsdf | Class::Texture | Class::Spectrum | Class::Medium)
                         || matches!(object.plugin.as_str(), "area" | "directionalarea");
@@ -334,7 +331,7 @@ impl Walk<'_> {
         let mut problem =
             Diagnostic::error(format!("objects contain themselves: {}", chain.join(" → ")), Some(span));
         for (_, through) in &self.path[at..self.path.len() - 1] {
-            problem = problem.label(*through, "by way of this");
+            problem = problem.label(*through, "through this");
         }
         self.problems.push(problem);
     }

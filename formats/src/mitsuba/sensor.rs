@@ -2,11 +2,11 @@
 
 use super::number;
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform};
+use crate::plugin::{Plugin, read, unsupported};
 
 /// What is special to a sensor; the number is `far_clip`.
 type ReadOptics = fn(&mut Props<'_>, f64) -> (Projection, Option<Lens>);
@@ -25,7 +25,7 @@ pub(super) const SENSORS: &[Plugin<ReadOptics>] = &[
     unsupported("fluencemeter"),
 ];
 
-/// Our own sample points replace them all.
+/// Accepted for their sample counts only: we use our own sample points.
 pub(super) const SAMPLERS: &[Plugin<()>] = &[
     read("independent", ()),
     read("stratified", ()),
@@ -82,7 +82,7 @@ impl<'a> Reader<'a> {
             sampler: self.sampler(sampler),
         };
         if let Some(nested) = props.child(Class::Rfilter) {
-            let text = "a reconstruction filter belongs into the <film>, not beside it";
+            let text = "a reconstruction filter belongs inside the <film>, not beside it";
             props.problems.push(Diagnostic::error(text, Some(nested.span)));
         }
         self.finish(props);
@@ -127,7 +127,7 @@ fn thin_lens(props: &mut Props<'_>, far_clip: f64) -> (Projection, Option<Lens>)
         }
         _ => {}
     }
-    // Mitsuba nudges a zero radius up; a pinhole is what it approaches.
+    // Mitsuba replaces a zero radius by a tiny one; its limit is a pinhole.
     let lens = radius.filter(|r| *r > 0.0).map(|aperture_radius| Lens { aperture_radius, focus_distance });
     (perspective(props), lens)
 }

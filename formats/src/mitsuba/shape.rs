@@ -1,11 +1,11 @@
 //! Shapes, groups and instances.
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{MeshFile, MeshFormat, Shape, ShapeGroup, ShapeKind};
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadShape = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<ShapeKind>;
 
@@ -33,7 +33,7 @@ pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
     unsupported("deformable"),
 ];
 
-/// Marks of renderers that sample specular chains, and of differentiable ones: not for us.
+/// Parameters of renderers that sample specular chains and of differentiable ones; ignored.
 const HARMLESS: &[&str] = &[
     "silhouette_sampling_weight",
     "caustic_caster_single",
@@ -60,7 +60,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The shapes of a `merge`, which joins meshes for speed and changes no picture.
+    /// The shapes of a `merge`, which joins meshes for speed and does not change the image.
     fn parts(&mut self, index: ObjectIndex) -> Vec<ObjectIndex> {
         let mut props = self.props(index);
         let mut parts = Vec::new();
@@ -207,7 +207,7 @@ fn instance<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeK
         return None;
     };
     if reader.objects[group.index].plugin != "shapegroup" {
-        let text = format!("instance wants a shapegroup, got `{}`", reader.objects[group.index].plugin);
+        let text = format!("instance expects a shapegroup, got `{}`", reader.objects[group.index].plugin);
         props.problems.push(Diagnostic::error(text, Some(group.span)));
         return None;
     }

@@ -1,9 +1,7 @@
 //! Textures.
 
-use super::color::is_texture;
 use super::emitter::gamma;
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use super::version::Dialect;
@@ -11,6 +9,7 @@ use crate::ir::{
     Bitmap, Color, ColorInput, ColorSlot, Id, Mapping, Texture, TextureEncoding, TextureFilter, TextureKind,
     Transform, WrapMode,
 };
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadTexture = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<TextureKind>;
 
@@ -54,15 +53,6 @@ impl<'a> Reader<'a> {
         let id = self.scene.textures.push(Texture { name, origin, kind: kind? });
         self.textures.insert(index, id);
         Some(id)
-    }
-
-    /// Reads it for its problems; it counts only where something refers to it.
-    pub fn top_level_texture(&mut self, index: ObjectIndex) {
-        if is_texture(&self.objects[index]) {
-            self.texture(index);
-        } else {
-            self.spectrum(index);
-        }
     }
 }
 

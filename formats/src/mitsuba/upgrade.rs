@@ -1,5 +1,5 @@
-//! Third pass: names of old versions become those of today. Meanings that changed are left to the
-//! readers of the concepts, which know the dialect.
+//! Third pass: old names become current ones. Changes of meaning are left to the readers of the concepts, which
+//! know the dialect.
 
 use super::tree::{Attribute, Element};
 use super::version::{Dialect, Version};
@@ -49,7 +49,7 @@ pub(super) fn snake_case(name: &str) -> String {
     out
 }
 
-/// The way back, for suggestions in old files.
+/// The inverse of [`snake_case`], for suggestions in old files.
 pub(super) fn camel_case(name: &str) -> String {
     let mut out = String::with_capacity(name.len());
     for (i, part) in name.split('_').enumerate() {
@@ -78,29 +78,11 @@ fn before_0_4(element: &mut Element) {
         ("emitter", "directional") => rename(element, &[("intensity", "irradiance")]),
         ("sensor", _) => {
             rename(element, &[("focusDepth", "focusDistance"), ("mapSmallerSide", "fovAxis")]);
-            for child in named(element, "fovAxis").filter(|c| c.tag == "boolean") {
-                child.tag = "string".to_owned();
-                if let Some(value) = child.attributes.iter_mut().find(|a| a.name == "value") {
-                    let smaller = value.value.trim() == "true";
-                    value.value = if smaller { "smaller" } else { "larger" }.to_owned();
-                }
-            }
+            named(element, "fovAxis").for_each(|child| choice(child, "fovAxis", ["smaller", "larger"]));
             mirror_sensor(element);
         }
         ("film", _) => {
-            for child in named(element, "alpha").filter(|c| c.tag == "boolean") {
-                child.tag = "string".to_owned();
-                for attribute in &mut child.attributes {
-                    match attribute.name.as_str() {
-                        "name" => attribute.value = "pixelFormat".to_owned(),
-                        "value" => {
-                            let alpha = attribute.value.trim() == "true";
-                            attribute.value = if alpha { "rgba" } else { "rgb" }.to_owned();
-                        }
-                        _ => {}
-                    }
-                }
-            }
+            named(element, "alpha").for_each(|child| choice(child, "pixelFormat", ["rgba", "rgb"]));
         }
         ("sampler", _) => rename(element, &[("depth", "dimension")]),
         ("blackbody", _) => {
@@ -114,6 +96,21 @@ fn before_0_4(element: &mut Element) {
         rename(element, &[("intensityScale", "scale")]);
     }
     rename(element, &[("luminaireSamples", "emitterSamples")]);
+}
+
+/// Makes a boolean a string called `name`, with one of two words: the first for `true`.
+fn choice(child: &mut Element, name: &str, [yes, no]: [&str; 2]) {
+    if child.tag != "boolean" {
+        return;
+    }
+    child.tag = "string".to_owned();
+    for attribute in &mut child.attributes {
+        match attribute.name.as_str() {
+            "name" => attribute.value = name.to_owned(),
+            "value" => attribute.value = if attribute.value.trim() == "true" { yes } else { no }.to_owned(),
+            _ => {}
+        }
+    }
 }
 
 fn before_0_3(element: &mut Element) {

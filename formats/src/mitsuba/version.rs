@@ -1,4 +1,4 @@
-//! Versions of the language, and what follows from them.
+//! Versions of the language and the dialects they belong to.
 
 use super::tree::Element;
 use crate::ir::{HideEmitters, SpectrumRule};
@@ -7,7 +7,7 @@ use crate::ir::{HideEmitters, SpectrumRule};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Version(pub u32, pub u32, pub u32);
 
-/// What decides the meaning of a scene where the versions differ.
+/// The groups of versions between which the meaning of a scene differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Dialect {
     /// Up to 0.6: camelCase.
@@ -58,7 +58,7 @@ impl Dialect {
         }
     }
 
-    /// A 3.x file means what the current 3.x does with it, whatever its minor number.
+    /// A 3.x file is read as the latest 3.x reads it, whatever its minor version.
     pub fn hide_emitters(self) -> HideEmitters {
         match self {
             Self::Old | Self::Two => HideEmitters::Emission,

@@ -1,4 +1,4 @@
-//! XML text to an element tree. Refuses document types and entities of its own.
+//! XML text to an element tree. Document types and custom entities are refused.
 
 use std::borrow::Cow;
 
@@ -61,17 +61,10 @@ impl Parser<'_> {
                 Event::End(tag) => {
                     let found = tag.name().into_inner();
                     let Some(element) = open.pop() else {
-                        return fail(format!("end tag </{found}> closes nothing"), whole);
+                        return fail(format!("end tag </{found}> has no start tag"), whole);
                     };
                     if element.tag != found {
-                        let expected = &element.tag;
-                        return Err(Box::new(
-                            Diagnostic::error(
-                                format!("mismatched end tag </{found}>, expected </{expected}>"),
-                                Some(whole),
-                            )
-                            .label(element.tag_span, format!("<{expected}> begins here")),
-                        ));
+                        return Err(Box::new(mismatched(&element, found, whole)));
                     }
                     close(element, &mut open, &mut root);
                 }
@@ -134,6 +127,12 @@ impl Parser<'_> {
     }
 }
 
+fn mismatched(open: &Element, found: &str, place: Span) -> Diagnostic {
+    let expected = &open.tag;
+    let text = format!("mismatched end tag </{found}>, expected </{expected}>");
+    Diagnostic::error(text, Some(place)).label(open.tag_span, format!("<{expected}> begins here"))
+}
+
 fn close(element: Element, open: &mut [Element], root: &mut Option<Element>) {
     match open.last_mut() {
         Some(parent) => parent.children.push(element),
@@ -145,7 +144,7 @@ fn refuse_second_root(root: Option<&Element>, whole: Span) -> Result<(), Box<Dia
     match root {
         None => Ok(()),
         Some(root) => Err(Box::new(
-            Diagnostic::error("a file has one root element; this is a second one", Some(whole))
+            Diagnostic::error("a file may have only one root element; this is a second one", Some(whole))
                 .label(root.tag_span, "the root"),
         )),
     }

@@ -91,12 +91,12 @@ impl Reader<'_> {
             Color::Library(spectrum) => match library_spectrum(spectrum) {
                 Some(LibrarySpectrum::Index(index)) => index,
                 _ => {
-                    p.complain(name, format!("`{spectrum}` is no index of refraction"));
+                    p.complain(name, format!("`{spectrum}` is not an index of refraction"));
                     return GLASS;
                 }
             },
             _ => {
-                p.complain(name, format!("`{name}` wants an index of refraction"));
+                p.complain(name, format!("`{name}` expects an index of refraction"));
                 return GLASS;
             }
         };
@@ -140,7 +140,7 @@ impl Reader<'_> {
         let spectrum = match (kind, values) {
             (T::Rgb, Values::Floats(v)) => match v[..] {
                 [r, g, b] => return self.rgb(p, name, [r, g, b], span, usage),
-                _ => return fail(format!("`{name}` wants 3 values, got {}", v.len())),
+                _ => return fail(format!("`{name}` expects 3 values, got {}", v.len())),
             },
             (T::Blackbody, Values::Floats(v)) => match v[..] {
                 [kelvin] if kelvin > 0.0 => {
@@ -149,12 +149,12 @@ impl Reader<'_> {
                     Color::Blackbody { kelvin, scale: 1.0 / peak }
                 }
                 [kelvin] => return fail(format!("a temperature must be positive, not {kelvin} K")),
-                _ => return fail(format!("`{name}` wants 1 value, got {}", v.len())),
+                _ => return fail(format!("`{name}` expects 1 value, got {}", v.len())),
             },
             (T::Spectrum, Values::Floats(v)) => {
                 if v.len() % 2 != 0 {
                     let text =
-                        format!("a spectrum wants pairs of wavelength and value, got {} numbers", v.len());
+                        format!("a spectrum expects pairs of wavelength and value, got {} numbers", v.len());
                     return fail(text);
                 }
                 let samples = v.as_chunks::<2>().0.to_vec();
@@ -170,7 +170,7 @@ impl Reader<'_> {
             }
             (T::Spectrum, Values::Texts(v)) => match &v[..] {
                 [text] => self.named_spectrum(p, text, span)?,
-                _ => return fail(format!("`{name}` wants 1 name, got {}", v.len())),
+                _ => return fail(format!("`{name}` expects 1 name, got {}", v.len())),
             },
             _ => return None,
         };
@@ -189,7 +189,7 @@ impl Reader<'_> {
             return None;
         }
         if usage == Use::Albedo && rgb.iter().any(|c| *c > 1.0) {
-            let text = format!("`{name}` {shown} reflects more light than there is: 1 is the most");
+            let text = format!("`{name}` {shown} reflects more light than arrives: the maximum is 1");
             p.problems.push(Diagnostic::error(text, Some(span)));
             return None;
         }
@@ -277,7 +277,7 @@ fn at(samples: &[[f64; 2]], nm: f64) -> f64 {
 }
 
 fn no_texture(kind: &str, name: &str, span: Span, known: &[&str], other: Option<&str>) -> Diagnostic {
-    let text = format!("no {kind} texture is called `{name}`");
+    let text = format!("no {kind} texture named `{name}`");
     let problem = Diagnostic::error(text, Some(span));
     match (other, nearest(name, known.iter().copied())) {
         (Some(other), _) => problem.help(format!("`{name}` is {other}")),

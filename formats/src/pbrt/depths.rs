@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use crate::ir::{Bsdf, Id, References, ShapeGroup, Texture, TextureKind};
+use crate::ir::{Part, TextureKind};
 
-/// Everything that walks along textures calls itself.
+/// Limit on nesting, because the walks over textures are recursive.
 pub(super) const MAX_DEPTH: u32 = 256;
 
-/// How many textures stand below each other, by the index of the uppermost. One where nothing is said.
+/// Nesting depth of textures by index; 1 where there is no entry.
 #[derive(Default)]
 pub(super) struct Depths(HashMap<usize, u32>);
 
@@ -16,25 +16,10 @@ impl Depths {
         self.0.insert(texture, depth);
     }
 
-    /// Of what the texture refers to.
-    pub fn below(&self, kind: &mut TextureKind) -> u32 {
-        let mut deepest = Deepest { depths: self, found: 0 };
-        kind.references(&mut deepest);
-        deepest.found
+    /// The greatest depth among the textures that this one refers to.
+    pub fn below(&self, kind: &TextureKind) -> u32 {
+        let mut deepest = 0;
+        kind.references(&mut |to| deepest = deepest.max(self.0.get(&to.index()).copied().unwrap_or(1)));
+        deepest
     }
-}
-
-struct Deepest<'a> {
-    depths: &'a Depths,
-    found: u32,
-}
-
-impl References for Deepest<'_> {
-    fn bsdf(&mut self, _: &mut Id<Bsdf>) {}
-
-    fn texture(&mut self, id: &mut Id<Texture>) {
-        self.found = self.found.max(self.depths.0.get(&id.index()).copied().unwrap_or(1));
-    }
-
-    fn group(&mut self, _: &mut Id<ShapeGroup>) {}
 }

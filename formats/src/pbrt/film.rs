@@ -1,12 +1,12 @@
 //! Films and pixel filters.
 
 use super::params::Params;
-use super::plugin::{Plugin, approximated, read};
 use super::reader::Reader;
 use super::sensor::default_film;
 use super::space::ColorSpace;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{ComponentFormat, Crop, Film, Filter};
+use crate::plugin::{Plugin, approximated, read};
 
 type ReadFilm = fn(&mut Params);
 
@@ -94,7 +94,7 @@ impl Reader<'_> {
         }
         film.imaging_ratio = exposure * p_ref.positive("iso", 100.0) / 100.0;
         p_ref.ignore(&["diagonal"]);
-        p_ref.ignore_with_warning("maxcomponentvalue", "no sample is cut");
+        p_ref.ignore_with_warning("maxcomponentvalue", "samples are not clamped");
         film.white_balance = response(p_ref);
         if p_ref.space != ColorSpace::Srgb {
             let text = format!("the picture is written in linear Rec.709, not in {}", p_ref.space.name());
@@ -120,7 +120,7 @@ impl Reader<'_> {
 fn side(p: &mut Params, name: &'static str, default: u32) -> u32 {
     let side = p.count(name, default, 1);
     if side > MAX_SIDE {
-        p.complain(name, format!("`{name}` may be {MAX_SIDE} at most"));
+        p.complain(name, format!("`{name}` may be at most {MAX_SIDE}"));
         return default;
     }
     side
@@ -161,7 +161,7 @@ fn response(p: &mut Params) -> Option<f64> {
             let text = format!("sensor `{name}` is approximated by the standard observer `cie1931`");
             p.warn("sensor", text);
         } else if name != "cie1931" {
-            p.complain("sensor", format!("no sensor is called `{name}`; the exact one is cie1931"));
+            p.complain("sensor", format!("no sensor named `{name}`; the exact one is cie1931"));
         }
     }
     let kelvin = p.float("whitebalance", 0.0);
@@ -170,7 +170,10 @@ fn response(p: &mut Params) -> Option<f64> {
     }
     // Outside of these the formula of daylight is no colour of light.
     if !(1500.0..=25000.0).contains(&kelvin) {
-        p.complain("whitebalance", format!("{kelvin} K is no daylight: 1500 to 25000 are, 0 is no balance"));
+        p.complain(
+            "whitebalance",
+            format!("{kelvin} K is not a daylight temperature: use 1500 to 25000, or 0 for no balance"),
+        );
         return None;
     }
     Some(kelvin)
@@ -189,7 +192,7 @@ fn crop(p: &mut Params, width: u32, height: u32) -> Option<Crop> {
     let (x0, x1) = (inside(x0, width), inside(x1, width));
     let (y0, y1) = (inside(y0, height), inside(y1, height));
     if x0 >= x1 || y0 >= y1 {
-        p.complain(name, format!("`{name}` leaves nothing of the film of {width}×{height}"));
+        p.complain(name, format!("`{name}` leaves no pixels of the {width}×{height} film"));
         return None;
     }
     let crop = Crop { x: x0, y: y0, width: x1 - x0, height: y1 - y0 };

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::params::Params;
-use super::plugin::{self, Plugin, read, unsupported};
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Integrator, Origin, Scalar, Setting};
+use crate::plugin::{self, Plugin, read, unsupported};
 
 type Settings = BTreeMap<String, Setting>;
 
@@ -50,7 +50,7 @@ impl Reader<'_> {
             settings.insert("photon_count".to_owned(), Setting { origin, value });
         }
         if p.boolean("regularize", false) {
-            p.warn("regularize", "`regularize` is ignored: rough surfaces stay as they are");
+            p.warn("regularize", "`regularize` is ignored: rough surfaces are unchanged");
         }
         p.ignore(&["lightsampler"]);
         self.done(p);

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use super::color::{Use, scaled};
 use super::directive::ParamType;
 use super::params::Params;
-use super::plugin::{Plugin, Status, find, read};
 use super::reader::Reader;
 use super::texture::upside_down;
 use crate::diagnostic::Diagnostic;
@@ -14,6 +13,7 @@ use crate::ir::{
     AreaEmission, Bitmap, Color, ColorInput, Emitter, EmitterKind, EnvironmentMapping, LightImage, Mapping,
     SpotFalloff, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
 };
+use crate::plugin::{Plugin, Status, find, read};
 
 use ParamType as T;
 
@@ -43,7 +43,7 @@ impl Reader<'_> {
     pub fn area_emission(&mut self) -> Option<AreaEmission> {
         let mut p = self.state.area_light.as_deref()?.clone();
         if !matches!(find(AREA_LIGHTS, &p.kind), Some(Status::Read(()))) {
-            self.plugin(AREA_LIGHTS, &mut p, "the shape does not shine");
+            self.plugin(AREA_LIGHTS, &mut p, "the shape does not emit light");
             self.done(p);
             return None;
         }
@@ -201,7 +201,7 @@ fn infinite(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
     if p.has("portal") {
         r.unsupported(
             "the portal of an infinite light",
-            "the light shines from everywhere",
+            "the light comes from all directions",
             p.span_of("portal"),
         );
         p.ignore(&["portal"]);

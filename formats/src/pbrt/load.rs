@@ -10,11 +10,11 @@ use crate::encoding::into_utf8;
 use crate::files::{Files, Included, is_gzip, unpack};
 use crate::missing::{find, not_found};
 
-/// Files may include each other so deep.
+/// Deepest nesting of includes.
 const MAX_DEPTH: usize = 64;
-/// And so many in all.
+/// Most files of a scene.
 const MAX_FILES: usize = 10_000;
-/// No scene text is longer, all files together: spans are 32 bits.
+/// Most bytes of all files together: spans are 32 bits.
 const MAX_TEXT: u64 = u32::MAX as u64 - 1;
 
 pub(super) struct Loader<'a> {
@@ -66,7 +66,7 @@ impl<'a> Loader<'a> {
         self.count += 1;
         if self.open.len() >= MAX_DEPTH || self.count > MAX_FILES {
             return self.error(
-                format!("more than {MAX_DEPTH} files include each other, or {MAX_FILES} in all"),
+                format!("includes are nested more than {MAX_DEPTH} deep, or more than {MAX_FILES} files are included"),
                 from,
             );
         }
@@ -137,7 +137,7 @@ impl<'a> Loader<'a> {
         if bytes.len() as u64 > MAX_TEXT {
             return Err("it is over 4 GiB".to_owned());
         }
-        // Old scenes have Latin-1 letters in comments; they harm nobody.
+        // Old scenes have Latin-1 letters in comments, which do no harm.
         Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
     }
 }

@@ -1,21 +1,21 @@
-//! Materials. What lets no light through is two-sided in pbrt, and wrapped accordingly.
+//! Materials. Opaque ones are two-sided in pbrt, so they are wrapped in `TwoSided`.
 
 use super::color::Use;
 use super::directive::{Directive, Param};
 use super::params::Params;
-use super::plugin::{Plugin, approximated, read, unsupported};
 use super::reader::{Named, Reader, text};
 use super::texture::upside_down;
-use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
-    Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, PerturbedShading, RoughnessRemap,
+    Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, Passage, PerturbedShading, RoughnessRemap,
     Shadowing, Texture, TextureKind, Transform,
 };
+use crate::plugin::{Plugin, approximated, read, unsupported};
 
 type ReadMaterial = fn(&mut Reader<'_>, &mut Params) -> Option<BsdfKind>;
 
-/// What the coated materials are instead.
+/// How the coated materials are approximated.
 const CLOSED_FORM: &str = "closed form of the random walk: its albedo to 0.6 %";
 const CLOSED_FORM_OVER_METAL: &str =
     "closed form of the random walk: its albedo to 2 %, below a rough interface to 8 %";
@@ -43,7 +43,7 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
 const WHITE: ColorInput = ColorInput::Color(Color::Gray(1.0));
 const GRAY: ColorInput = ColorInput::Color(Color::Gray(0.5));
 
-/// pbrt does nothing about normals that a map turns away.
+/// pbrt does not correct normals that a map turns away.
 const SHADING: PerturbedShading = PerturbedShading { flip_invalid_normals: false, shadowing: false };
 
 impl Reader<'_> {
@@ -60,9 +60,11 @@ impl Reader<'_> {
             None => None,
         };
         let kind = kind.unwrap_or(BsdfKind::Diffuse { reflectance: GRAY });
+        // The parts of a mix have their own sides.
+        let opaque = !matches!(kind, BsdfKind::Blend { .. }) && matches!(kind.passage(), Passage::Closed);
         let kind = self.perturbed(&mut p, kind);
         self.done(p);
-        let kind = if reflects_only(&kind, self) {
+        let kind = if opaque {
             let front = self.scene.bsdfs.push(Bsdf { name: None, origin, kind });
             BsdfKind::TwoSided { front, back: None }
         } else {
@@ -166,11 +168,10 @@ impl Reader<'_> {
             .collect();
         for (name, span) in missing {
             let defined = self.materials.iter().filter(|(_, named)| named.defined.is_some());
-            let problem = Diagnostic::error(format!("no material is called `{name}`"), Some(span));
-            self.problems.push(match nearest(&name, defined.map(|(name, _)| name.as_str())) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem.help("MakeNamedMaterial defines one"),
-            });
+            let problem = Diagnostic::error(format!("no material named `{name}`"), Some(span));
+            self.problems.push(problem.suggest_or(&name, defined.map(|(name, _)| name.as_str()), || {
+                "MakeNamedMaterial defines one".to_owned()
+            }));
         }
     }
 
@@ -228,25 +229,6 @@ const ROUGHNESS: [&str; 3] = ["roughness", "uroughness", "vroughness"];
 const INTERFACE: [&str; 3] = ["interface.roughness", "interface.uroughness", "interface.vroughness"];
 const CONDUCTOR: [&str; 3] = ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"];
 
-fn smooth(microfacet: &Microfacet) -> bool {
-    let zero = FloatInput::Value(0.0);
-    microfacet.alpha_u == zero && microfacet.alpha_v == zero
-}
-
-fn reflects_only(kind: &BsdfKind, reader: &Reader<'_>) -> bool {
-    match kind {
-        BsdfKind::Diffuse { .. }
-        | BsdfKind::CoatedDiffuse { .. }
-        | BsdfKind::Conductor(_)
-        | BsdfKind::RoughConductor { .. }
-        | BsdfKind::CoatedConductor { .. } => true,
-        BsdfKind::NormalMap { nested, .. } | BsdfKind::BumpMap { nested, .. } => {
-            reflects_only(&reader.scene.bsdfs[*nested].kind, reader)
-        }
-        _ => false,
-    }
-}
-
 fn diffuse(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
     Some(BsdfKind::Diffuse { reflectance: r.color_input(p, "reflectance", Use::Albedo, 0.5) })
 }
@@ -260,7 +242,7 @@ fn coated_diffuse(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
 fn conductor(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
     let conductor = r.metal(p, "eta", "k");
     let microfacet = r.microfacet(p, ROUGHNESS);
-    Some(if smooth(&microfacet) {
+    Some(if microfacet.is_smooth() {
         BsdfKind::Conductor(conductor)
     } else {
         BsdfKind::RoughConductor { conductor, microfacet }
@@ -288,7 +270,7 @@ fn interface(int_ior: Ior) -> Dielectric {
 fn dielectric(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
     let interface = interface(r.index(p, "eta"));
     let microfacet = r.microfacet(p, ROUGHNESS);
-    Some(if smooth(&microfacet) {
+    Some(if microfacet.is_smooth() {
         BsdfKind::Dielectric(interface)
     } else {
         BsdfKind::RoughDielectric { interface, microfacet }
@@ -330,7 +312,7 @@ fn mix(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
         return None;
     };
     let [first, second] = &names[..] else {
-        p.complain("materials", format!("`materials` wants 2 names, got {}", names.len()));
+        p.complain("materials", format!("`materials` expects 2 names, got {}", names.len()));
         return None;
     };
     let first = r.mixed(p, first, span)?;
@@ -346,10 +328,7 @@ impl Reader<'_> {
         }
         let known = self.materials.iter().filter(|(_, named)| named.defined.is_some());
         let problem = Diagnostic::error(format!("no material called `{name}` is defined above"), Some(span));
-        p.problems.push(match nearest(name, known.map(|(name, _)| name.as_str())) {
-            Some(known) => problem.help(format!("did you mean `{known}`?")),
-            None => problem,
-        });
+        p.problems.push(problem.suggest(name, known.map(|(name, _)| name.as_str())));
         None
     }
 }

@@ -1,9 +1,9 @@
-//! Participating media: known by name, not rendered.
+//! Participating media: recognised, but not rendered.
 
 use super::directive::{Directive, Param};
-use super::plugin::{Plugin, read};
 use super::reader::{Reader, text};
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::Diagnostic;
+use crate::plugin::{Plugin, read};
 
 type Names = &'static [&'static str];
 
@@ -63,7 +63,7 @@ impl Reader<'_> {
         self.redefined("medium", &name, span, earlier);
     }
 
-    /// Vacuum, `""`, is what everything is in here.
+    /// Everything is in vacuum, `""`.
     pub fn medium_interface(&mut self, d: &Directive) {
         for index in 0..d.arguments.len() {
             let (name, span) = (text(d, index), d.arguments[index].span);
@@ -71,14 +71,13 @@ impl Reader<'_> {
                 continue;
             }
             if self.media.contains_key(name) {
-                self.unsupported(&format!("participating medium `{name}`"), "there is vacuum", span);
+                self.unsupported(&format!("participating medium `{name}`"), "vacuum is used", span);
                 continue;
             }
-            let problem = Diagnostic::error(format!("no medium is called `{name}`"), Some(span));
-            self.problems.push(match nearest(name, self.media.keys().map(String::as_str)) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem.help("MakeNamedMedium defines one"),
-            });
+            let problem = Diagnostic::error(format!("no medium named `{name}`"), Some(span));
+            self.problems.push(problem.suggest_or(name, self.media.keys().map(String::as_str), || {
+                "MakeNamedMedium defines one".to_owned()
+            }));
         }
     }
 }

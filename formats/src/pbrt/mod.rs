@@ -7,6 +7,7 @@
 mod color;
 mod depths;
 mod directive;
+mod dispatch;
 mod film;
 mod finish;
 mod integrator;
@@ -18,24 +19,25 @@ mod number;
 mod option;
 mod params;
 mod parse;
-mod plugin;
 mod reader;
+mod scope;
 mod sensor;
 mod shape;
 mod space;
 mod state;
 mod texture;
 mod token;
+mod transform;
 mod upgrade;
+mod values;
 pub(crate) mod write;
 
-use std::collections::HashSet;
 use std::path::Path;
 
-use crate::diagnostic::{Diagnostic, Severity, SourceMap, Span};
+use crate::diagnostic::{Diagnostic, Severity, SourceMap, Span, in_source_order};
 use crate::files::Files;
+use crate::plugin::{Concept, concept};
 use crate::read::{Failure, Read, ReadOptions};
-use crate::support::Concept;
 
 /// Reads the scene at `path` with everything it includes. Meshes and textures are only looked for,
 /// not opened. Fails with all problems found, never only the first.
@@ -70,18 +72,8 @@ pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Rea
     Err(Box::new(Failure { diagnostics: problems, sources }))
 }
 
-/// Worst first, then as they stand in the files; a message about no place comes last.
-fn in_source_order(problems: &mut Vec<Diagnostic>) {
-    let place = |p: &Diagnostic| p.span.map_or((u32::MAX, 0), |s| (s.file, s.start));
-    problems.sort_by_key(|p| (std::cmp::Reverse(p.severity), place(p)));
-    // An area light is read once for every shape it lights.
-    let mut said = HashSet::new();
-    problems.retain(|p| p.span.is_none() || said.insert((p.span, p.message.clone())));
-}
-
 /// Every type that is known, by concept.
 pub fn support() -> Vec<Concept> {
-    use plugin::concept;
     let mut lights = concept("lights", light::LIGHTS);
     let area = concept("lights", light::AREA_LIGHTS).plugins;
     lights.plugins.extend(area.into_iter().map(|(_, support)| ("diffuse (area)", support)));

@@ -2,7 +2,7 @@
 
 use super::token::Cursor;
 
-/// A number that is not one, and where.
+/// A malformed number and its place.
 pub(super) struct BadNumber {
     pub start: usize,
     pub end: usize,

@@ -1,4 +1,4 @@
-//! The parameters of one entity: every one must be read, and have the type and count that is asked for.
+//! The parameters of one entity: each must be read, and must have the expected type and count.
 
 use super::directive::{Param, ParamType, Values};
 use super::space::ColorSpace;
@@ -112,13 +112,13 @@ impl Params {
         self.slots.iter().rev().find(|slot| slot.param.name == name).map(|slot| slot.param.kind)
     }
 
-    /// Takes `name`, which must have one of `types`. Of several the last one counts.
+    /// Takes `name`, which must have one of `types`. Of several the last one is used.
     pub fn take(&mut self, name: &'static str, types: &[ParamType]) -> Option<Param> {
         self.mark(name);
         let index = self.slots.iter().rposition(|slot| slot.param.name == name)?;
         let earlier = self.slots[..index].iter().rfind(|slot| slot.own && slot.param.name == name);
         if let Some(earlier) = earlier {
-            let text = format!("`{name}` is given again below; this one does not count");
+            let text = format!("`{name}` is given again below; this one is ignored");
             let problem = Diagnostic::warning(text, Some(earlier.param.span));
             self.problems.push(problem.label(self.slots[index].param.span, "this one does"));
         }
@@ -148,7 +148,7 @@ impl Params {
             return Some(());
         }
         let values = if count == 1 { "value" } else { "values" };
-        let text = format!("`{name}` wants {count} {values}, got {got}");
+        let text = format!("`{name}` expects {count} {values}, got {got}");
         self.problems.push(Diagnostic::error(text, Some(param.value_span)));
         None
     }
@@ -226,11 +226,10 @@ impl Params {
             return *value;
         }
         let known: Vec<&str> = choices.iter().map(|(known, _)| *known).collect();
-        let problem = Diagnostic::error(format!("`{text}` is no value of `{name}`"), Some(span));
-        self.problems.push(match nearest(&text, known.iter().copied()) {
-            Some(near) => problem.help(format!("did you mean `{near}`?")),
-            None => problem.help(format!("it takes: {}", known.join(", "))),
-        });
+        let problem = Diagnostic::error(format!("`{text}` is not a value of `{name}`"), Some(span));
+        self.problems.push(
+            problem.suggest_or(&text, known.iter().copied(), || format!("it takes: {}", known.join(", "))),
+        );
         default
     }
 
@@ -261,7 +260,7 @@ impl Params {
     pub fn points<const N: usize>(&mut self, name: &'static str, kind: ParamType) -> Option<Vec<[f32; N]>> {
         let param = self.take(name, &[kind])?;
         if param.values.len() % N != 0 {
-            let text = format!("`{name}` wants {N} values a point, but has {}", param.values.len());
+            let text = format!("`{name}` expects {N} values a point, but has {}", param.values.len());
             self.problems.push(Diagnostic::error(text, Some(param.value_span)));
             return None;
         }

@@ -2,14 +2,11 @@
 
 use std::ops::Range;
 
-use super::directive::{Argument, DIRECTIVES, Directive, Follows, Param, ParamType, Value, Values, follows};
-use super::number::{self, BadNumber, Number};
+use super::directive::{Argument, DIRECTIVES, Directive, Follows, Param, ParamType, Value, follows};
+use super::number;
 use super::token::{Cursor, Token};
 use super::upgrade::Old;
-use crate::diagnostic::{Diagnostic, Span, nearest};
-
-/// Point lists longer than this are kept in the precision of a mesh.
-const PRECISE: usize = 64;
+use crate::diagnostic::{Diagnostic, Span};
 
 /// Reads the directives of one file.
 pub(super) fn parse(text: &str, file: u32, old: &mut Old, problems: &mut Vec<Diagnostic>) -> Vec<Directive> {
@@ -38,36 +35,33 @@ pub(super) fn parse(text: &str, file: u32, old: &mut Old, problems: &mut Vec<Dia
 fn unknown_directive(name: &str, span: Span) -> Diagnostic {
     let shown: String = name.chars().take(40).collect();
     let problem = Diagnostic::error(format!("unknown directive `{shown}`"), Some(span));
-    match nearest(&shown, DIRECTIVES.iter().map(|row| row.0)) {
-        Some(known) => problem.help(format!("did you mean `{known}`?")),
-        None => problem,
-    }
+    problem.suggest(&shown, DIRECTIVES.iter().map(|row| row.0))
 }
 
-struct Parser<'a, 'p> {
-    cursor: Cursor<'a>,
+pub(super) struct Parser<'a, 'p> {
+    pub cursor: Cursor<'a>,
     file: u32,
-    old: &'p mut Old,
+    pub old: &'p mut Old,
     problems: &'p mut Vec<Diagnostic>,
 }
 
 impl Parser<'_, '_> {
-    fn span(&self, range: &Range<usize>) -> Span {
+    pub fn span(&self, range: &Range<usize>) -> Span {
         // Files over 4 GiB were refused.
         Span { file: self.file, start: range.start as u32, end: range.end as u32 }
     }
 
-    fn here(&self) -> Span {
+    pub fn here(&self) -> Span {
         let end = self.cursor.text.len();
         let at = self.cursor.position.min(end);
         self.span(&(at..at))
     }
 
-    fn error(&mut self, text: impl Into<String>, span: Span) {
+    pub fn error(&mut self, text: impl Into<String>, span: Span) {
         self.problems.push(Diagnostic::error(text, Some(span)));
     }
 
-    /// Up to the next word that is a directive.
+    /// Skips to the next directive.
     fn skip_statement(&mut self) {
         while let Some(token) = self.cursor.peek() {
             if matches!(token, Token::Word(name) if follows(name).is_some()) {
@@ -114,13 +108,13 @@ impl Parser<'_, '_> {
         }
         let span = self.span(&(start..self.cursor.position));
         if values.len() < count {
-            let text = format!("{} wants {count} numbers, got {}", directive.name, values.len());
+            let text = format!("{} expects {count} numbers, got {}", directive.name, values.len());
             self.error(text, directive.span);
             return false;
         }
         if bracket && self.cursor.peek() != Some(Token::Close) {
             let here = self.here();
-            self.error(format!("{} wants {count} numbers and then a `]`", directive.name), here);
+            self.error(format!("{} expects {count} numbers and then a `]`", directive.name), here);
             return false;
         }
         if bracket {
@@ -157,7 +151,7 @@ impl Parser<'_, '_> {
             return true;
         }
         let wanted = if least == 1 { "a quoted name".to_owned() } else { format!("{least} quoted names") };
-        self.error(format!("{} wants {wanted} after it", directive.name), directive.span);
+        self.error(format!("{} expects {wanted} after it", directive.name), directive.span);
         false
     }
 
@@ -169,7 +163,7 @@ impl Parser<'_, '_> {
             directive.arguments.push(Argument { value: Value::Word(word.to_owned()), span });
             return true;
         }
-        self.error(format!("{} wants a word after it", directive.name), directive.span);
+        self.error(format!("{} expects a word after it", directive.name), directive.span);
         false
     }
 
@@ -178,7 +172,7 @@ impl Parser<'_, '_> {
             Some(Token::Word(word)) if follows(word).is_none() => Value::Word(word.to_owned()),
             Some(Token::Quoted(text)) => Value::Text(text.into_owned()),
             _ => {
-                self.error("Option wants a name and a value", directive.span);
+                self.error("Option expects a name and a value", directive.span);
                 return false;
             }
         };
@@ -219,13 +213,10 @@ impl Parser<'_, '_> {
         let kind = ParamType::of_keyword(keyword).filter(|kind| *kind != ParamType::Xyz);
         let Some(kind) = kind.or_else(|| self.old.param_type(keyword, span)) else {
             let problem = Diagnostic::error(format!("unknown parameter type `{keyword}`"), Some(span));
-            self.problems.push(match nearest(keyword, ParamType::keywords()) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => {
-                    let all: Vec<_> = ParamType::keywords().collect();
-                    problem.help(format!("known: {}", all.join(", ")))
-                }
-            });
+            self.problems.push(problem.suggest_or(keyword, ParamType::keywords(), || {
+                let all: Vec<_> = ParamType::keywords().collect();
+                format!("known: {}", all.join(", "))
+            }));
             self.skip_value();
             return None;
         };
@@ -234,190 +225,5 @@ impl Parser<'_, '_> {
         let values = self.values(kind, name, span);
         let value_span = self.span(&(start..self.cursor.position.max(start)));
         Some(Param { kind, name: name.to_owned(), span, value_span, values })
-    }
-
-    fn values(&mut self, kind: ParamType, name: &str, span: Span) -> Values {
-        let bracket = self.cursor.peek() == Some(Token::Open);
-        if bracket {
-            self.cursor.next();
-            self.cursor.skip_blank();
-        }
-        let limit = if bracket { usize::MAX } else { 1 };
-        let quoted = matches!(self.cursor.peek(), Some(Token::Quoted(_)));
-        let values = match kind {
-            ParamType::String | ParamType::Texture => self.strings(limit).map(Values::Texts),
-            ParamType::Bool => self.bools(limit),
-            ParamType::Spectrum if quoted => self.strings(limit).map(Values::Texts),
-            ParamType::Integer => self.list(limit).map(Values::Integers),
-            ParamType::Point2 | ParamType::Point3 | ParamType::Vector3 | ParamType::Normal => {
-                self.points(limit)
-            }
-            _ => self.list(limit).map(Values::Floats),
-        };
-        let Some(values) = values else {
-            self.skip_value();
-            return Values::Broken;
-        };
-        if bracket {
-            match self.cursor.peek() {
-                Some(Token::Close) => {
-                    self.cursor.next();
-                }
-                found => {
-                    let text = match found {
-                        None => format!("the list of `{name}` is not closed"),
-                        Some(_) => format!("`{name}` wants {}", wanted(kind)),
-                    };
-                    self.cursor.skip_blank();
-                    let place = if found.is_none() { span } else { self.here() };
-                    self.error(text, place);
-                    self.skip_value();
-                    return Values::Broken;
-                }
-            }
-        }
-        if values.len() == 0 {
-            let text = if bracket {
-                format!("the list of `{name}` is empty")
-            } else {
-                format!("`{name}` wants {}", wanted(kind))
-            };
-            self.error(text, span);
-            if !bracket {
-                self.skip_value();
-            }
-            return Values::Broken;
-        }
-        values
-    }
-
-    fn list<N: Number>(&mut self, limit: usize) -> Option<Vec<N>> {
-        let mut out = Vec::new();
-        match number::list(&mut self.cursor, &mut out, limit) {
-            Ok(()) => Some(out),
-            Err(bad) => {
-                self.bad_number(&bad);
-                None
-            }
-        }
-    }
-
-    fn points(&mut self, limit: usize) -> Option<Values> {
-        let mut precise: Vec<f64> = self.list(limit.min(PRECISE))?;
-        if precise.len() < PRECISE {
-            return Some(Values::Floats(precise));
-        }
-        let mut mesh: Vec<f32> = precise.drain(..).map(|x| x as f32).collect();
-        match number::list(&mut self.cursor, &mut mesh, limit) {
-            Ok(()) => Some(Values::Mesh(mesh)),
-            Err(bad) => {
-                self.bad_number(&bad);
-                None
-            }
-        }
-    }
-
-    fn bad_number(&mut self, bad: &BadNumber) {
-        let text = self.cursor.text;
-        let end = crate::diagnostic::char_floor(text, bad.end.min(bad.start + 60)).max(bad.start);
-        let found = &text[bad.start..end];
-        let span = self.span(&(bad.start..end));
-        self.error(format!("expected {}, found `{found}`", bad.text), span);
-    }
-
-    fn strings(&mut self, limit: usize) -> Option<Vec<String>> {
-        let mut out = Vec::new();
-        while out.len() < limit {
-            match self.cursor.peek() {
-                Some(Token::Quoted(_)) => {
-                    if let Some((Token::Quoted(text), _)) = self.cursor.next() {
-                        out.push(text.into_owned());
-                    }
-                }
-                Some(Token::Bad(what)) => {
-                    let (_, range) = self.cursor.next()?;
-                    let span = self.span(&range);
-                    self.error(what, span);
-                    return None;
-                }
-                _ => break,
-            }
-        }
-        Some(out)
-    }
-
-    fn bools(&mut self, limit: usize) -> Option<Values> {
-        let mut out = Vec::new();
-        while out.len() < limit {
-            let word = match self.cursor.peek() {
-                Some(Token::Word(word)) if follows(word).is_none() => word.to_owned(),
-                Some(Token::Quoted(word)) => {
-                    let mut ahead = self.cursor.clone();
-                    let (_, range) = ahead.next()?;
-                    let span = self.span(&range);
-                    self.old.found(span, "a quoted boolean", "bare `true` or `false`");
-                    word.into_owned()
-                }
-                _ => break,
-            };
-            let (_, range) = self.cursor.next()?;
-            match word.as_str() {
-                "true" => out.push(true),
-                "false" => out.push(false),
-                _ => {
-                    let span = self.span(&range);
-                    self.error(format!("expected true or false, found `{word}`"), span);
-                    return None;
-                }
-            }
-        }
-        Some(Values::Bools(out))
-    }
-
-    /// To the end of a value that makes no sense: its bracket, or the next directive.
-    fn skip_value(&mut self) {
-        let mut ahead = self.cursor.clone();
-        let bracketed = loop {
-            match ahead.next() {
-                None => break false,
-                Some((Token::Close, _)) => break true,
-                Some((Token::Word(name), _)) if follows(name).is_some() => break false,
-                Some((Token::Quoted(text), _)) if declares(&text) => break false,
-                _ => {}
-            }
-        };
-        if bracketed {
-            self.cursor = ahead;
-            return;
-        }
-        loop {
-            match self.cursor.peek() {
-                None => return,
-                Some(Token::Word(name)) if follows(name).is_some() => return,
-                Some(Token::Quoted(text)) if declares(&text) => return,
-                _ => {
-                    self.cursor.next();
-                }
-            }
-        }
-    }
-}
-
-/// Whether a string looks like the type and name of a parameter.
-fn declares(text: &str) -> bool {
-    let mut words = text.split_ascii_whitespace();
-    words.next().is_some_and(|word| ParamType::of_keyword(word).is_some())
-        && words.next().is_some()
-        && words.next().is_none()
-}
-
-fn wanted(kind: ParamType) -> &'static str {
-    match kind {
-        ParamType::String => "a quoted string",
-        ParamType::Texture => "the quoted name of a texture",
-        ParamType::Bool => "true or false",
-        ParamType::Spectrum => "pairs of wavelength and value, or the quoted name of a spectrum",
-        ParamType::Integer => "whole numbers",
-        _ => "numbers",
     }
 }

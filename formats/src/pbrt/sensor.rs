@@ -1,10 +1,10 @@
 //! Camera, sampler, and the sensor they make with the film.
 
 use super::params::Params;
-use super::plugin::{Plugin, read, unsupported};
 use super::reader::Reader;
 use crate::diagnostic::Span;
 use crate::ir::{Film, Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform};
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadCamera = fn(&mut Params) -> Projection;
 

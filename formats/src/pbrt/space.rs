@@ -1,6 +1,6 @@
 //! pbrt's colour spaces and their way to linear Rec.709.
 
-/// Where `rgb` values live.
+/// The colour space of `rgb` values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum ColorSpace {
     #[default]

@@ -1,4 +1,4 @@
-//! What directives change and later ones see: transforms, material, light, colour space.
+//! The graphics state: transforms, material, light, colour space.
 
 use std::collections::HashMap;
 use std::rc::Rc;

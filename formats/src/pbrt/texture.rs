@@ -4,19 +4,19 @@ use super::color::Use;
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param, ParamType};
 use super::params::Params;
-use super::plugin::{Plugin, read, unsupported};
 use super::reader::{Reader, text};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Color, ColorInput, FloatInput, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding,
     TextureFilter, TextureKind, Transform, WrapMode,
 };
+use crate::plugin::{Plugin, read, unsupported};
 
 use ParamType as T;
 
 /// Whether a texture gives numbers or colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum TextureType {
     Float,
     Spectrum,
 }
@@ -31,7 +31,7 @@ fn made(kind: TextureKind) -> Made {
     Made::Texture(Box::new(kind))
 }
 
-type ReadTexture = fn(&mut Reader<'_>, &mut Params, Kind) -> Option<Made>;
+type ReadTexture = fn(&mut Reader<'_>, &mut Params, TextureType) -> Option<Made>;
 
 pub(super) const TEXTURES: &[Plugin<ReadTexture>] = &[
     read("constant", |r, p, k| Some(Made::Input(r.operand(p, "value", k, 1.0)))),
@@ -41,10 +41,10 @@ pub(super) const TEXTURES: &[Plugin<ReadTexture>] = &[
     read("bilerp", bilerp),
     read("checkerboard", checkerboard),
     read("dots", dots),
-    read("fbm", |r, p, k| noise(r, p, k, Kind::Float, |p| with_octaves(p, fbm))),
-    read("wrinkled", |r, p, k| noise(r, p, k, Kind::Float, |p| with_octaves(p, wrinkled))),
-    read("windy", |r, p, k| noise(r, p, k, Kind::Float, |_| NoiseKind::Windy)),
-    read("marble", |r, p, k| noise(r, p, k, Kind::Spectrum, marble)),
+    read("fbm", |r, p, k| noise(r, p, k, TextureType::Float, |p| with_octaves(p, fbm))),
+    read("wrinkled", |r, p, k| noise(r, p, k, TextureType::Float, |p| with_octaves(p, wrinkled))),
+    read("windy", |r, p, k| noise(r, p, k, TextureType::Float, |_| NoiseKind::Windy)),
+    read("marble", |r, p, k| noise(r, p, k, TextureType::Spectrum, marble)),
     read("imagemap", imagemap),
     unsupported("ptex"),
     unsupported("uv"),
@@ -73,15 +73,15 @@ impl Reader<'_> {
         let name = text(d, 0).to_owned();
         let name_span = d.arguments[0].span;
         let kind = match text(d, 1) {
-            "float" => Kind::Float,
-            "spectrum" => Kind::Spectrum,
+            "float" => TextureType::Float,
+            "spectrum" => TextureType::Spectrum,
             other => {
                 let text = format!("a texture is \"float\" or \"spectrum\", not `{other}`");
                 return self.error(text, d.arguments[1].span);
             }
         };
         if self.state.moves() {
-            self.warn("a texture moves: it stands as at the start time", d.span);
+            self.warn("a texture moves: its transform at the start time is used", d.span);
         }
         let mut p = Params::new("texture", text(d, 2), d.arguments[2].span, params, self.state.space);
         if let Some(inherited) = self.state.attributes.get("texture") {
@@ -92,9 +92,9 @@ impl Reader<'_> {
         self.done(p);
         let input = match made {
             Some(Made::Input(input)) => input,
-            Some(Made::Texture(mut kind)) => {
+            Some(Made::Texture(kind)) => {
                 let origin = crate::ir::Origin(Some(name_span));
-                let below = self.texture_depths.below(&mut kind);
+                let below = self.texture_depths.below(&kind);
                 if below == MAX_DEPTH {
                     let text = format!("textures refer to each other more than {MAX_DEPTH} deep");
                     return self.error(text, name_span);
@@ -109,7 +109,7 @@ impl Reader<'_> {
             None => ColorInput::Color(Color::Gray(0.5)),
         };
         let earlier = match kind {
-            Kind::Float => {
+            TextureType::Float => {
                 let input = match input {
                     ColorInput::Color(Color::Gray(v)) => FloatInput::Value(v),
                     ColorInput::Color(_) => FloatInput::Value(0.5),
@@ -117,7 +117,7 @@ impl Reader<'_> {
                 };
                 self.float_textures.insert(name.clone(), (input, name_span)).map(|(_, span)| span)
             }
-            Kind::Spectrum => {
+            TextureType::Spectrum => {
                 self.color_textures.insert(name.clone(), (input, name_span)).map(|(_, span)| span)
             }
         };
@@ -133,10 +133,10 @@ impl Reader<'_> {
     }
 
     /// A value of the texture's kind, or a texture of it.
-    fn operand(&mut self, p: &mut Params, name: &'static str, kind: Kind, default: f64) -> ColorInput {
+    fn operand(&mut self, p: &mut Params, name: &'static str, kind: TextureType, default: f64) -> ColorInput {
         match kind {
-            Kind::Spectrum => self.color_input(p, name, Use::Unbounded, default),
-            Kind::Float => as_color(self.float_input(p, name, default)),
+            TextureType::Spectrum => self.color_input(p, name, Use::Unbounded, default),
+            TextureType::Float => as_color(self.float_input(p, name, default)),
         }
     }
 
@@ -209,13 +209,13 @@ pub(super) fn upside_down(mapping: Mapping) -> Mapping {
     }
 }
 
-fn scale(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
+fn scale(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option<Made> {
     let value = r.operand(p, "tex", kind, 1.0);
     let factor = as_color(r.float_input(p, "scale", 1.0));
     Some(made(TextureKind::Scale { value, factor }))
 }
 
-fn mix(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
+fn mix(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option<Made> {
     Some(made(TextureKind::Mix {
         first: r.operand(p, "tex1", kind, 0.0),
         second: r.operand(p, "tex2", kind, 1.0),
@@ -224,7 +224,7 @@ fn mix(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
 }
 
 /// `tex1` where the normal lies along `dir`.
-fn direction_mix(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
+fn direction_mix(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option<Made> {
     let tex1 = r.operand(p, "tex1", kind, 0.0);
     let tex2 = r.operand(p, "tex2", kind, 1.0);
     let dir = r.state.ctm[0].vector(p.triple("dir", T::Vector3).unwrap_or([0.0, 1.0, 0.0]));
@@ -237,11 +237,11 @@ fn direction_mix(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made>
     Some(made(TextureKind::Mix { first: tex2, second: tex1, amount }))
 }
 
-fn bilerp(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
+fn bilerp(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option<Made> {
     let mut corner = |name, default: f64| {
         let color = match kind {
-            Kind::Spectrum => r.color(p, name, Use::Unbounded),
-            Kind::Float => p.optional_float(name).map(Color::Gray),
+            TextureType::Spectrum => r.color(p, name, Use::Unbounded),
+            TextureType::Float => p.optional_float(name).map(Color::Gray),
         };
         color.unwrap_or(Color::Gray(default))
     };
@@ -249,7 +249,7 @@ fn bilerp(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
     Some(made(TextureKind::Bilerp { corners, mapping: r.mapping(p) }))
 }
 
-fn checkerboard(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
+fn checkerboard(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option<Made> {
     let color0 = r.operand(p, "tex1", kind, 1.0);
     let color1 = r.operand(p, "tex2", kind, 0.0);
     let mapping = match p.optional_integer("dimension").unwrap_or(2) {
@@ -263,7 +263,7 @@ fn checkerboard(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> 
     Some(made(TextureKind::MappedCheckerboard { color0, color1, mapping }))
 }
 
-fn dots(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
+fn dots(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option<Made> {
     let inside = r.operand(p, "inside", kind, 1.0);
     let outside = r.operand(p, "outside", kind, 0.0);
     Some(made(TextureKind::Dots { inside, outside, mapping: r.mapping(p) }))
@@ -272,13 +272,13 @@ fn dots(r: &mut Reader<'_>, p: &mut Params, kind: Kind) -> Option<Made> {
 fn noise(
     r: &mut Reader<'_>,
     p: &mut Params,
-    kind: Kind,
-    wanted: Kind,
+    kind: TextureType,
+    wanted: TextureType,
     make: fn(&mut Params) -> NoiseKind,
 ) -> Option<Made> {
     let noise = make(p);
     if kind != wanted {
-        let only = if wanted == Kind::Float { "float" } else { "spectrum" };
+        let only = if wanted == TextureType::Float { "float" } else { "spectrum" };
         let text = format!("texture `{}` exists as \"{only}\" only", p.kind);
         p.problems.push(Diagnostic::error(text, Some(p.span)));
         return None;
@@ -308,7 +308,7 @@ fn marble(p: &mut Params) -> NoiseKind {
     }
 }
 
-fn imagemap(r: &mut Reader<'_>, p: &mut Params, _: Kind) -> Option<Made> {
+fn imagemap(r: &mut Reader<'_>, p: &mut Params, _: TextureType) -> Option<Made> {
     let path = r.asset(p, "filename", "texture");
     let filter = p.choice("filter", TextureFilter::Bilinear, FILTERS);
     let wrap = p.choice("wrap", Some(WrapMode::Repeat), WRAPS).unwrap_or_else(|| {
@@ -318,7 +318,10 @@ fn imagemap(r: &mut Reader<'_>, p: &mut Params, _: Kind) -> Option<Made> {
     p.ignore(&["maxanisotropy"]);
     let encoding = p.optional_string("encoding").map_or(TextureEncoding::Auto, |(text, _)| {
         encoding(&text).unwrap_or_else(|| {
-            p.complain("encoding", format!("`{text}` is no encoding: sRGB, linear, or `gamma` and a number"));
+            p.complain(
+                "encoding",
+                format!("`{text}` is not an encoding: sRGB, linear, or `gamma` and a number"),
+            );
             TextureEncoding::Auto
         })
     });

@@ -19,7 +19,7 @@ pub(super) enum Token<'a> {
     Word(&'a str),
     Open,
     Close,
-    /// Not a token; what is wrong with it.
+    /// Not a token; the text says why.
     Bad(String),
 }
 
@@ -57,7 +57,7 @@ fn unescape(body: &str) -> Token<'_> {
             ('\\', Some(same @ ('\\' | '\'' | '"'))) => same,
             ('\\', other) => {
                 let other = other.unwrap_or_default();
-                return Token::Bad(format!("`\\{other}` is no escape; `\\\\` is a backslash"));
+                return Token::Bad(format!("`\\{other}` is not an escape; `\\\\` is a backslash"));
             }
             _ => c,
         });

@@ -8,31 +8,45 @@
 
 use thiserror::Error;
 
+use super::integrate::{exact_samples, exact_smooth, interpolate, lit_by_d65, thousand_points};
 use super::{LibrarySpectrum, cie, library_spectrum, srgb_to_linear};
 use crate::ir::{Color, ColorSlot, SpectrumRule};
 
 /// Why a colour has no RGB value.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SpectrumError {
+    /// A component is infinite or NaN.
     #[error("a colour must consist of finite numbers")]
     NotFinite,
+    /// A bounded colour has a component outside 0..1.
     #[error("RGB reflectance ({}, {}, {}) must lie in the range [0, 1]", .0[0], .0[1], .0[2])]
     OutOfRange([f64; 3]),
+    /// Wavelengths must ascend.
     #[error("wavelengths must increase, but {next} nm follows {previous} nm")]
-    NotAscending { previous: f64, next: f64 },
+    NotAscending {
+        /// A wavelength.
+        previous: f64,
+        /// The one after it, which is not longer.
+        next: f64,
+    },
+    /// A spectrum needs two samples.
     #[error("a spectrum needs at least two wavelengths, this one has {0}")]
     TooFewSamples(usize),
+    /// A blackbody needs a temperature above zero.
     #[error("a blackbody temperature must be positive, not {0} K")]
     BadTemperature(f64),
-    #[error("no spectrum is called `{0}`")]
+    /// No spectrum has this name.
+    #[error("no spectrum named `{0}`")]
     UnknownName(String),
 }
 
 /// The linear Rec.709 triple that the renderer behind `rule` uses for `color` in `slot`.
 ///
-/// Out-of-range colours fail where that renderer rejects them: RGB reflectances in Mitsuba 2 and 3,
-/// and the `srgb` plugin everywhere. Mitsuba 2 and 3 themselves cannot evaluate blackbodies in RGB;
-/// here they are integrated like any emission spectrum.
+/// Mitsuba 2 and 3 cannot evaluate blackbodies in RGB; here they are integrated like any emission spectrum.
+///
+/// # Errors
+/// For colours out of range where that renderer rejects them (RGB reflectances in Mitsuba 2 and 3, the `srgb`
+/// plugin everywhere), for spectra with too few or unordered samples, and for unknown names.
 pub fn to_linear_rgb(color: &Color, slot: ColorSlot, rule: SpectrumRule) -> Result<[f64; 3], SpectrumError> {
     let rgb = match color {
         Color::Gray(v) | Color::UniformPlugin(v) => [*v; 3],
@@ -115,9 +129,6 @@ pub fn planck(nm: f64, kelvin: f64) -> f64 {
     2.0 * H * C * C / (metres.powi(5) * exponent.exp_m1()) * 1e-9
 }
 
-/// Integral of ȳ in Mitsuba 2 and 3.
-const Y_INTEGRAL: f64 = 106.750_259_399_414_062_5;
-
 /// Mean of ȳ-weighted D65 in Mitsuba 3, so that white has luminance 1.
 const D65_INTEGRAL: f64 = 98.997_417_518_762_55;
 
@@ -142,7 +153,7 @@ fn check_samples(samples: &[[f64; 2]]) -> Result<(), SpectrumError> {
     }
 }
 
-/// Negative components are an artefact of the small gamut; a reflectance above one is cut by
+/// Negative components come from the small gamut and are clamped; reflectances above one are clamped by
 /// Mitsuba 2 and 3 only.
 fn clamp(rgb: [f64; 3], slot: ColorSlot, rule: SpectrumRule) -> [f64; 3] {
     let bounded = slot == ColorSlot::Reflectance && rule != SpectrumRule::Mitsuba06;
@@ -157,95 +168,6 @@ pub(super) fn xyz_to_rgb([x, y, z]: [f64; 3]) -> [f64; 3] {
         -0.969_256 * x + 1.875_991 * y + 0.041_556 * z,
         0.055_648 * x - 0.204_043 * y + 1.057_311 * z,
     ]
-}
-
-/// Value of piecewise linear samples at `nm`, zero outside their range.
-fn interpolate(samples: &[[f64; 2]], nm: f64) -> f64 {
-    let end = samples.partition_point(|sample| sample[0] < nm);
-    if end == 0 {
-        return if samples[0][0] == nm { samples[0][1] } else { 0.0 };
-    }
-    let Some(&[nm1, v1]) = samples.get(end) else { return 0.0 };
-    let [nm0, v0] = samples[end - 1];
-    v0 + (v1 - v0) * ((nm - nm0) / (nm1 - nm0))
-}
-
-/// XYZ by the quadrature of Mitsuba 2 and 3: its weight is 1/1000 of the range although the 1000
-/// points span it with 999 gaps, which makes everything 0.1 % darker.
-fn thousand_points(power: impl Fn(f64) -> f64) -> [f64; 3] {
-    const POINTS: u32 = 1000;
-    let range = cie::LAST - cie::FIRST;
-    let mut xyz = [0.0; 3];
-    for i in 0..POINTS {
-        let nm = cie::FIRST + range * f64::from(i) / f64::from(POINTS - 1);
-        accumulate(&mut xyz, power(nm), cie::observer(nm));
-    }
-    xyz.map(|c| c * range / f64::from(POINTS) / Y_INTEGRAL)
-}
-
-/// XYZ of piecewise linear samples, exact: between two nodes of either curve the product is a
-/// parabola, which Simpson's rule integrates without error.
-fn exact_samples(samples: &[[f64; 2]]) -> [f64; 3] {
-    over_segments(samples, |_, value| value).map(|c| c / exact_y_integral())
-}
-
-/// ∫ power(λ, value) · (x̄, ȳ, z̄) between the first and the last sample, by Simpson's rule from node to
-/// node of samples and tables.
-fn over_segments(samples: &[[f64; 2]], power: impl Fn(f64, f64) -> f64) -> [f64; 3] {
-    let (first, last) = (samples[0][0], samples[samples.len() - 1][0]);
-    let inside = |nm: &f64| *nm >= first.max(cie::FIRST) && *nm <= last.min(cie::LAST);
-    let nodes = (0..cie::OBSERVER.len()).map(|i| cie::FIRST + cie::STEP * i as f64);
-    let mut breaks: Vec<f64> = nodes.chain(samples.iter().map(|sample| sample[0])).filter(inside).collect();
-    breaks.sort_by(f64::total_cmp);
-    breaks.dedup();
-    let mut xyz = [0.0; 3];
-    for pair in breaks.windows(2) {
-        simpson(&mut xyz, pair[0], pair[1], |nm| power(nm, interpolate(samples, nm)));
-    }
-    xyz
-}
-
-/// XYZ of a reflectance lit by D65, so scaled that a reflectance of 1 gives the XYZ of (1, 1, 1).
-/// Between two nodes the product of the three lines is a cubic, which Simpson's rule still integrates
-/// without error.
-fn lit_by_d65(samples: &[[f64; 2]]) -> [f64; 3] {
-    let white = rgb_to_xyz_of_white();
-    let total = over_segments(&[[cie::FIRST, 1.0], [cie::LAST, 1.0]], |nm, v| v * cie::d65(nm));
-    let lit = over_segments(samples, |nm, v| v * cie::d65(nm));
-    std::array::from_fn(|i| lit[i] / total[i] * white[i])
-}
-
-/// The XYZ that [`xyz_to_rgb`] takes to (1, 1, 1), to its six digits: D65.
-pub(super) fn rgb_to_xyz_of_white() -> [f64; 3] {
-    [0.950_456, 1.0, 1.088_754]
-}
-
-/// XYZ of a smooth curve over the whole table, Simpson's rule in steps of 1 nm.
-fn exact_smooth(power: impl Fn(f64) -> f64) -> [f64; 3] {
-    let mut xyz = [0.0; 3];
-    for nm in cie::FIRST as u32..cie::LAST as u32 {
-        simpson(&mut xyz, f64::from(nm), f64::from(nm + 1), &power);
-    }
-    xyz.map(|c| c / exact_y_integral())
-}
-
-/// Integral of the tabulated ȳ by the trapezoid rule, 106.857: the curve is linear between samples.
-fn exact_y_integral() -> f64 {
-    cie::OBSERVER.windows(2).map(|pair| (pair[0][1] + pair[1][1]) / 2.0 * cie::STEP).sum()
-}
-
-/// Adds ∫ power · (x̄, ȳ, z̄) over `a..b`.
-fn simpson(xyz: &mut [f64; 3], a: f64, b: f64, power: impl Fn(f64) -> f64) {
-    let weight = (b - a) / 6.0;
-    for (nm, factor) in [(a, weight), ((a + b) / 2.0, 4.0 * weight), (b, weight)] {
-        accumulate(xyz, power(nm) * factor, cie::observer(nm));
-    }
-}
-
-fn accumulate(sum: &mut [f64; 3], weight: f64, value: [f64; 3]) {
-    for (s, v) in sum.iter_mut().zip(value) {
-        *s += weight * v;
-    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,9 @@
 /// Complex index of refraction of a conductor, η − ik, against vacuum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metal {
+    /// Real part of the index.
     pub eta: [f64; 3],
+    /// Imaginary part of the index.
     pub k: [f64; 3],
 }
 

@@ -4,6 +4,7 @@ mod cie;
 mod convert;
 #[cfg(test)]
 mod cornell;
+mod integrate;
 mod ior;
 mod library;
 mod metals;

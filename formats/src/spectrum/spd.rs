@@ -5,13 +5,23 @@ use thiserror::Error;
 /// Why a spectrum file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SpdError {
+    /// Not UTF-8.
     #[error("the spectrum file is not text")]
     NotText,
+    /// A line that is not a wavelength and a value.
     #[error("line {line}: expected a wavelength and a value, found \"{found}\"")]
-    BadLine { line: usize, found: String },
+    BadLine {
+        /// From 1.
+        line: usize,
+        /// What stands there, shortened.
+        found: String,
+    },
 }
 
 /// Samples in file order; [`super::to_linear_rgb`] checks that they ascend.
+///
+/// # Errors
+/// When the bytes are not text or a line is not a wavelength and a value.
 pub fn parse_spd(bytes: &[u8]) -> Result<Vec<[f64; 2]>, SpdError> {
     let text = std::str::from_utf8(bytes).map_err(|_| SpdError::NotText)?;
     let mut samples = Vec::new();

@@ -21,10 +21,12 @@ pub fn srgb_to_linear_f32(encoded: f32) -> f32 {
 pub struct SrgbTable([f32; 256]);
 
 impl SrgbTable {
+    /// Tabulates the curve.
     pub fn new() -> Self {
         Self(std::array::from_fn(|i| srgb_to_linear_f32(i as f32 / 255.0)))
     }
 
+    /// Linear value of an encoded one.
     pub fn decode(&self, encoded: f32) -> f32 {
         let step = (encoded * 255.0 + 0.5) as usize;
         match self.0.get(step) {

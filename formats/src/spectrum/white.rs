@@ -1,6 +1,7 @@
-//! White balance: what daylight of a temperature lights is to look as if D65 did.
+//! White balance: makes a scene lit by daylight of a given temperature look as if lit by D65.
 
-use super::convert::{rgb_to_xyz_of_white, xyz_to_rgb};
+use super::convert::xyz_to_rgb;
+use super::integrate::rgb_to_xyz_of_white;
 
 type Matrix = [[f64; 3]; 3];
 

@@ -1,4 +1,4 @@
-//! Images that have to be made: baked textures, and environments of the other mapping.
+//! Images that have to be generated: baked textures, and environments in the other mapping.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use std::path::Path;

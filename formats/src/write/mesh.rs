@@ -1,4 +1,4 @@
-//! Meshes that have to be made: of other formats, written into the scene, or tessellated.
+//! Meshes that have to be generated: converted from other formats, inline in the scene, or tessellated.
 
 use std::f64::consts::TAU;
 use std::path::Path;

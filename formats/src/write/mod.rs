@@ -1,4 +1,4 @@
-//! Writing a scene in any language: the choice of the writer by extension, and what comes of it.
+//! The result of a writer, and what the writers of all scene languages share.
 
 mod image;
 mod mesh;
@@ -15,17 +15,17 @@ use thiserror::Error;
 pub(crate) use image::Tone;
 pub(crate) use output::Output;
 
-use crate::diagnostic::nearest;
 use crate::files::Files;
 use crate::image::atomic_write;
-use crate::{Read, mitsuba, pbrt};
 
-/// Something the scene says that the written one does not.
+/// Something in the scene that the written one cannot express.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Loss {
+    /// What is lost.
     pub what: String,
     /// `file:line:column` in the scene that was read.
     pub place: Option<String>,
+    /// What is written instead.
     pub instead: String,
 }
 
@@ -34,13 +34,16 @@ pub struct Loss {
 pub struct Asset {
     /// Below the scene's folder.
     pub path: PathBuf,
+    /// What it holds.
     pub content: Content,
 }
 
+/// Where the bytes of an asset come from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// The bytes of a file of the scene that was read.
     Copy(PathBuf),
+    /// Made for the written scene.
     Bytes(Vec<u8>),
 }
 
@@ -49,54 +52,66 @@ pub enum Content {
 pub struct Written {
     /// Of the scene file.
     pub path: PathBuf,
+    /// Of the scene file.
     pub text: String,
+    /// Files beside it, in the order of their first use.
     pub assets: Vec<Asset>,
+    /// Each once.
     pub losses: Vec<Loss>,
     /// Files the scene was read from, which must survive.
     inputs: HashSet<PathBuf>,
 }
 
+/// Why a scene cannot be written.
 #[derive(Debug, Error)]
 pub enum WriteError {
+    /// No language has the extension.
     #[error("{path}: not a scene language caustica writes; the extension decides; known: {known}{hint}")]
-    UnknownLanguage { path: String, known: String, hint: String },
+    UnknownLanguage {
+        /// As given.
+        path: String,
+        /// Extensions of the languages.
+        known: String,
+        /// The extension that was probably meant, or nothing.
+        hint: String,
+    },
+    /// The target is a file of the scene that was read.
     #[error("{} is a file the scene was read from; write somewhere else", .0.display())]
     OverInput(PathBuf),
+    /// The target is there, and must not be replaced.
     #[error("{} exists; --force replaces it", .0.display())]
     Exists(PathBuf),
+    /// A file cannot be read or written.
     #[error("{}: {error}", path.display())]
-    Io { path: PathBuf, error: io::Error },
+    Io {
+        /// Read or written.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// A mesh or picture that must be converted is broken.
     #[error("{}: {reason}", path.display())]
-    Asset { path: PathBuf, reason: String },
-}
-
-type Writer = fn(&mut Output<'_>) -> Result<String, WriteError>;
-
-/// One row per scene language.
-const LANGUAGES: &[(&str, Writer)] = &[("xml", mitsuba::write::write), ("pbrt", pbrt::write::write)];
-
-/// The scene of `read` in the language that the extension of `path` names. Meshes and textures
-/// below the folder of `path` stay where they are; others are carried along.
-pub fn write_scene(read: &Read, files: &dyn Files, path: &Path) -> Result<Written, WriteError> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let Some((_, writer)) = LANGUAGES.iter().find(|(name, _)| *name == extension) else {
-        let names: Vec<_> = LANGUAGES.iter().map(|(name, _)| *name).collect();
-        let hint = nearest(&extension, names.iter().copied());
-        return Err(WriteError::UnknownLanguage {
-            path: path.display().to_string(),
-            known: names.iter().map(|name| format!(".{name}")).collect::<Vec<_>>().join(", "),
-            hint: hint.map_or(String::new(), |name| format!("; did you mean .{name}?")),
-        });
-    };
-    let mut output = Output::new(read, files, path);
-    let text = writer(&mut output)?;
-    let (assets, losses, inputs) = output.finish();
-    Ok(Written { path: path.to_path_buf(), text, assets, losses, inputs })
+    Asset {
+        /// Of the mesh or picture.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
 }
 
 impl Written {
-    /// Writes scene and assets, each in one step. Nothing is written when a file is in the way,
-    /// unless `replace`; an asset that is there already with the same bytes is not in the way.
+    /// The scene of `output` as `text` in the file `path`.
+    pub(crate) fn new(path: &Path, text: String, output: Output<'_>) -> Self {
+        let (assets, losses, inputs) = output.finish();
+        Self { path: path.to_path_buf(), text, assets, losses, inputs }
+    }
+
+    /// Writes scene and assets, each in one step. An asset that is there already with the same bytes is left
+    /// alone.
+    ///
+    /// # Errors
+    /// When a target is a file that the scene was read from, or exists and `replace` is false: then nothing is
+    /// written. When a file cannot be read or written.
     pub fn save(&self, files: &dyn Files, replace: bool) -> Result<(), WriteError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let io = |path: &Path| {
@@ -125,6 +140,8 @@ impl Written {
         atomic_write(&self.path, self.text.as_bytes()).map_err(io(&self.path))
     }
 
+    /// Checks that writing to `target` would not replace a file the scene was read from.
+    ///
     /// # Errors
     /// When the scene was read from `target`, be it through a link.
     pub fn spare_inputs(&self, target: &Path) -> Result<(), WriteError> {
@@ -146,7 +163,7 @@ impl Written {
 
 /// The shortest decimal that reads back as the same number.
 pub(crate) fn number(v: f64) -> String {
-    // A negative zero means nothing.
+    // The sign of a zero is dropped.
     let v = if v == 0.0 { 0.0 } else { v };
     if v != 0.0 && !(1e-5..1e15).contains(&v.abs()) { format!("{v:e}") } else { format!("{v}") }
 }

@@ -4,10 +4,10 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
 
 use super::{Asset, Content, Loss, WriteError};
-use crate::Read;
 use crate::diagnostic::SourceMap;
 use crate::files::Files;
-use crate::ir::{Color, ColorSlot, EmitterKind, Origin, Scene, ShapeKind, TextureKind};
+use crate::ir::{Color, ColorSlot, Origin, Scene, parts};
+use crate::read::Read;
 use crate::spectrum::to_linear_rgb;
 
 pub(crate) struct Output<'a> {
@@ -59,7 +59,7 @@ impl<'a> Output<'a> {
         (self.assets, self.losses, self.inputs)
     }
 
-    /// Records that `what` is not said, and what is said instead.
+    /// Records that `what` cannot be expressed, and what is written instead.
     pub fn lose(&mut self, origin: Origin, what: impl Into<String>, instead: impl Into<String>) {
         let place = origin.0.map(|span| self.sources.location(span));
         let loss = Loss { what: what.into(), place, instead: instead.into() };
@@ -71,7 +71,6 @@ impl<'a> Output<'a> {
 
     /// The linear triple the scene's own rule gives a colour; out of range ones are clamped and lost.
     pub fn rgb(&mut self, color: &Color, slot: ColorSlot, origin: Origin) -> [f64; 3] {
-        // A rule that refuses nothing.
         match to_linear_rgb(color, slot, self.scene.spectrum_rule) {
             Ok(rgb) => rgb,
             Err(error) => {
@@ -171,21 +170,9 @@ fn plain(name: &str) -> String {
 }
 
 fn asset_paths(scene: &Scene) -> Vec<&Path> {
-    let groups = scene.groups.iter().flat_map(|(_, group)| &group.shapes);
-    let meshes = scene.shapes.iter().chain(groups).filter_map(|shape| match &shape.kind {
-        ShapeKind::Mesh(file) => Some(file.path.as_path()),
-        _ => None,
-    });
-    let textures = scene.textures.iter().filter_map(|(_, texture)| match &texture.kind {
-        TextureKind::Bitmap(bitmap) => Some(bitmap.path.as_path()),
-        _ => None,
-    });
-    let lights = scene.emitters.iter().filter_map(|emitter| match &emitter.kind {
-        EmitterKind::Environment { image, .. } | EmitterKind::Projection { image, .. } => Some(image),
-        EmitterKind::Goniometric { image, .. } => image.as_ref(),
-        _ => None,
-    });
-    meshes.chain(textures).chain(lights.map(|image| image.path.as_path())).collect()
+    let mut paths = Vec::new();
+    parts(scene).for_each(|part| part.files(&mut |path| paths.push(path)));
+    paths
 }
 
 /// Absolute, without `.` and `..`; symbolic links are not looked at.

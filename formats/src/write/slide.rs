@@ -1,4 +1,4 @@
-//! Pictures thrown by a lamp: Mitsuba's are irradiance on the plane z = 1, pbrt's are intensity, which is
+//! Images of projectors: Mitsuba's are irradiance on the plane z = 1, pbrt's are intensity, which is
 //! the same times the inverse cube of the cosine to the axis (E = I·cos³ at distance 1).
 
 use std::path::Path;

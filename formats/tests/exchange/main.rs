@@ -3,4 +3,5 @@
 
 mod random;
 mod round_trip;
+mod shared;
 mod snapshots;

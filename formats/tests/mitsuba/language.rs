@@ -96,7 +96,7 @@ fn an_area_emitter_may_stand_in_the_scene_for_shapes_to_refer_to() {
     let emission = scene.shapes[0].emission.as_ref().unwrap();
     assert_eq!(emission.radiance, ColorInput::Color(Color::Rgb([1.0, 2.0, 3.0])));
     let alone = headlines("<scene version='3.0.0'><emitter type='area'/></scene>");
-    assert_eq!(alone, ["an area emitter shines only as part of a shape"]);
+    assert_eq!(alone, ["an area emitter must be part of a shape"]);
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn an_environment_map_is_a_picture_around_the_scene() {
     assert_eq!(emitter(v06(old)), expected(image(TextureEncoding::Linear, 1.0)));
     let two = "<scene version='3.0.0'><emitter type='constant'/><emitter type='envmap'>\
                <string name='filename' value='wood.png'/></emitter></scene>";
-    assert_eq!(headlines(two), ["a scene has one environment; this is a second one"]);
+    assert_eq!(headlines(two), ["a scene may have only one environment; this is a second one"]);
 }
 
 #[test]

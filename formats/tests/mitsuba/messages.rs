@@ -113,7 +113,7 @@ fn malformed_xml() {
       │ ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
     "#);
     assert_snapshot!(failure("<scene version='3.0.0'/>\n<scene version='3.0.0'/>"), @r#"
-    error: a file has one root element; this is a second one
+    error: a file may have only one root element; this is a second one
       ┌─ scene.xml:2:1
       │
     1 │ <scene version='3.0.0'/>
@@ -152,7 +152,7 @@ fn include_cycle() {
       ┌─ a.xml:2:22
       │
     2 │   <include filename='b.xml'/>
-      │                      ----- by way of this
+      │                      ----- through this
     "#);
 }
 
@@ -176,7 +176,7 @@ fn reference_cycle() {
       ┌─ scene.xml:6:14
       │
     3 │     <ref id='b'/>
-      │              - by way of this
+      │              - through this
       ·
     6 │     <ref id='a'/>
       │              ^
@@ -233,14 +233,14 @@ fn definition_after_use() {
 #[test]
 fn wrong_type() {
     assert_snapshot!(failure("<scene version='3.0.0'>\n  <shape type='sphere'>\n    <string name='radius' value='2'/>\n  </shape>\n</scene>"), @r#"
-    error: parameter `radius` of sphere wants a float, got a string
+    error: parameter `radius` of sphere expects a float, got a string
       ┌─ scene.xml:3:34
       │
     3 │     <string name='radius' value='2'/>
       │                                  ^
     "#);
     assert_snapshot!(failure("<scene version='3.0.0'>\n  <integrator type='path'>\n    <float name='max_depth' value='2'/>\n  </integrator>\n</scene>"), @r#"
-    error: parameter `max_depth` of path wants an integer, got a float
+    error: parameter `max_depth` of path expects an integer, got a float
       ┌─ scene.xml:3:36
       │
     3 │     <float name='max_depth' value='2'/>
@@ -372,6 +372,6 @@ fn several_problems_in_source_order() {
     13 │   <teapot/>
        │    ^^^^^^
        │
-       = help: leave it out; --allow-unsupported skips elements that are not known
+       = help: remove it; --allow-unsupported skips unknown elements
     "#);
 }

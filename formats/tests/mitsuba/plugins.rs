@@ -74,7 +74,7 @@ fn two_sides_may_differ_but_not_transmit() {
 fn metals_have_case_sensitive_names() {
     let text =
         "<scene version='3.0.0'><bsdf type='conductor'><string name='material' value='au'/></bsdf></scene>";
-    assert_eq!(headlines(text), ["no metal is called `au`"]);
+    assert_eq!(headlines(text), ["no metal named `au`"]);
     let both = "<scene version='3.0.0'><bsdf type='conductor'><string name='material' value='Au'/><float name='eta' value='1'/><float name='k' value='1'/></bsdf></scene>";
     assert_eq!(headlines(both), ["a conductor takes either `material` or `eta` and `k`, not both"]);
 }
@@ -112,7 +112,7 @@ fn emitter_defaults_and_exclusions() {
     let text = "<scene version='3.0.0'><emitter type='point'><point name='position' value='1'/><transform name='to_world'/></emitter></scene>";
     assert_eq!(headlines(text), ["point takes either `position` or `to_world`, not both"]);
     let text = "<scene version='3.0.0'><emitter type='constant'/><emitter type='constant'/></scene>";
-    assert_eq!(headlines(text), ["a scene has one environment; this is a second one"]);
+    assert_eq!(headlines(text), ["a scene may have only one environment; this is a second one"]);
 }
 
 #[test]

@@ -26,16 +26,16 @@ fn names_that_do_not_exist() {
     );
     assert_eq!(
         of("MakeNamedMaterial \"red\" \"string type\" \"diffuse\"\nNamedMaterial \"rde\""),
-        ["scene.pbrt:3:15: no material is called `rde` (did you mean `red`?)"]
+        ["scene.pbrt:3:15: no material named `rde` (did you mean `red`?)"]
     );
     assert_eq!(
         of("Material \"diffuse\" \"texture reflectance\" \"wood\""),
-        ["scene.pbrt:2:42: no spectrum texture is called `wood` (a texture must be declared before it is \
+        ["scene.pbrt:2:42: no spectrum texture named `wood` (a texture must be declared before it is \
              used)"]
     );
     assert_eq!(
         of("ObjectInstance \"tree\""),
-        ["scene.pbrt:2:16: no object is called `tree` (ObjectBegin defines one)"]
+        ["scene.pbrt:2:16: no object named `tree` (ObjectBegin defines one)"]
     );
 }
 
@@ -47,7 +47,7 @@ fn values_of_the_wrong_kind() {
     );
     assert_eq!(
         of("Shape \"sphere\" \"float radius\" [ 1 2 ]"),
-        ["scene.pbrt:2:31: `radius` wants 1 value, got 2"]
+        ["scene.pbrt:2:31: `radius` expects 1 value, got 2"]
     );
     assert_eq!(
         of("Shape \"sphere\" \"float radius\" 1.5x"),
@@ -61,7 +61,7 @@ fn values_of_the_wrong_kind() {
     );
     assert_eq!(
         of("Material \"diffuse\" \"rgb reflectance\" [ 1.5 0 0 ]"),
-        ["scene.pbrt:2:38: `reflectance` (1.5, 0, 0) reflects more light than there is: 1 is the most"]
+        ["scene.pbrt:2:38: `reflectance` (1.5, 0, 0) reflects more light than arrives: the maximum is 1"]
     );
     assert_eq!(
         of("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]"),
@@ -77,7 +77,7 @@ fn values_of_the_wrong_kind() {
 fn structure() {
     assert_eq!(of("AttributeEnd"), ["scene.pbrt:2:1: AttributeEnd without AttributeBegin"]);
     assert_eq!(of("AttributeBegin"), ["scene.pbrt:2:1: AttributeBegin has no AttributeEnd"]);
-    assert_eq!(of("Film \"rgb\""), ["scene.pbrt:2:1: Film must stand before WorldBegin"]);
+    assert_eq!(of("Film \"rgb\""), ["scene.pbrt:2:1: Film must come before WorldBegin"]);
     assert_eq!(
         of("Shape \"sphere\" \"float radius\" [ 1"),
         ["scene.pbrt:2:16: the list of `radius` is not closed"]
@@ -92,7 +92,7 @@ fn structure() {
     );
     assert_eq!(
         problems("Film \"rgb\""),
-        ["scene.pbrt:1:1: the scene has no WorldBegin (camera, film and integrator stand before it, shapes \
+        ["scene.pbrt:1:1: the scene has no WorldBegin (camera, film and integrator come before it, shapes \
          and lights after it)"]
     );
 }
@@ -122,7 +122,7 @@ fn what_is_not_rendered_is_refused_or_replaced_by_name() {
     assert_eq!(
         of("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"\""),
         ["scene.pbrt:3:17: participating medium `fog` is not supported yet (--allow-unsupported renders \
-             without it: there is vacuum)"]
+             without it: vacuum is used)"]
     );
 }
 

@@ -224,6 +224,6 @@ fn an_interface_does_not_shine_and_a_lamp_may_turn() {
     );
     assert_eq!(
         dark,
-        ["scene.pbrt:2:17: a shape of material `interface` does not shine: the area light is ignored"]
+        ["scene.pbrt:2:17: a shape with material `interface` does not emit light: the area light is ignored"]
     );
 }

@@ -1,4 +1,4 @@
-//! Boxes of magnitudes that one tree can compare.
+//! Groups boxes by magnitude, so that their surface areas neither overflow nor vanish in `f32`.
 
 use std::collections::{HashMap, HashSet};
 
@@ -6,31 +6,31 @@ use obvhs::aabb::Aabb;
 
 use crate::math::{Bounds, Vec3};
 
-/// A farthest corner nearer than this has boxes scaled.
+/// A band whose largest coordinate is below this is scaled up.
 const NEAREST: f32 = 1e-6;
 
-/// Farthest corners of all bands but the last.
+/// The largest coordinates of all bands but the last.
 const FARTHEST: [f32; 2] = [1e12, 1e25];
 
-/// Boxes of which so many are looked at for equal ones.
-const LOOKED_AT: usize = 1024;
+/// Number of boxes sampled to find out whether some are equal.
+const SAMPLED: usize = 1024;
 
-/// Finite boxes whose magnitudes are close enough for the areas that the builder compares in `f32`: areas that
-/// overflow or are 0 are equal, and no tree can part equal ones. It pairs neighbours that prefer each other
-/// two at a time, and makes a chain as deep as they are many.
+/// Finite boxes whose areas the builder can compare in `f32`. Areas that overflow, or underflow to 0, are all
+/// equal, and the builder merges boxes of equal area one pair at a time, which gives a tree as deep as there
+/// are boxes.
 pub struct Band {
-    /// Indices of the boxes.
+    /// Indices of the boxes in the caller's list.
     items: Vec<u32>,
-    /// Groups of `items` with equal boxes, unless all are taken to differ.
+    /// Positions in `items` grouped by equal boxes; `None` if all boxes are taken to differ.
     groups: Option<Vec<Vec<u32>>>,
-    /// What boxes are multiplied by, a power of two. Usual scenes stay as they are.
+    /// Power of two by which the boxes are multiplied; 1 for scenes of ordinary size.
     pub scale: f32,
-    /// One for every group, else for every item.
+    /// Scaled boxes, one per group if there are groups, else one per item.
     pub boxes: Vec<Aabb>,
 }
 
 impl Band {
-    /// All bands in which there are boxes.
+    /// Sorts boxes into bands; empty bands are left out.
     pub fn all(boxes: &[Bounds]) -> Vec<Self> {
         let mut bands: [Vec<u32>; 3] = Default::default();
         for (i, b) in (0_u32..).zip(boxes).filter(|(_, b)| b.min.is_finite() && b.max.is_finite()) {
@@ -54,7 +54,7 @@ impl Band {
         Self { items, groups, scale, boxes }
     }
 
-    /// Indices of what has these of the band's boxes.
+    /// The caller's indices for these indices into `self.boxes`.
     pub fn members(&self, boxes: &[u32]) -> Vec<u32> {
         let item = |&i: &u32| self.items[i as usize];
         match &self.groups {
@@ -64,19 +64,19 @@ impl Band {
     }
 }
 
-/// A box larger by a few units in the last place, so that rounding cannot lose a ray that the primitive test
-/// accepts, times the scale (which may lose digits of what is nearly 0).
+/// The scaled box, grown by a few ulp so that rounding cannot lose a ray that the primitive test accepts, and by
+/// the smallest normal number where scaling may have lost digits.
 fn padded(b: &Bounds, scale: f32) -> Aabb {
     let lost = if scale == 1.0 { 0.0 } else { f32::MIN_POSITIVE };
     let pad = Vec3::splat(b.magnitude() * scale * 4.0 * f32::EPSILON + lost);
     Aabb { min: b.min * scale - pad, max: b.max * scale + pad }
 }
 
-/// All boxes in groups of equal ones, when many are equal.
+/// Groups equal boxes, by index; `None` if no two of a sample are equal.
 fn equal(boxes: &[Aabb]) -> Option<Vec<Vec<u32>>> {
     let key = |b: &Aabb| [b.min, b.max].map(|v| v.to_array().map(f32::to_bits));
     let mut seen = HashSet::new();
-    if boxes.iter().step_by((boxes.len() / LOOKED_AT).max(1)).all(|b| seen.insert(key(b))) {
+    if boxes.iter().step_by((boxes.len() / SAMPLED).max(1)).all(|b| seen.insert(key(b))) {
         return None;
     }
     let mut known = HashMap::new();

@@ -1,19 +1,19 @@
-//! Many boxes in a few parts, whose trees are built side by side.
+//! Divides many boxes into a few parts, whose subtrees are built in parallel.
 
 use obvhs::aabb::Aabb;
 
 use crate::math::Vec3;
 use crate::math::simd::WIDTH;
 
-/// Fewest boxes of which a part is worth the work of separating it.
+/// Parts smaller than this are not worth splitting off.
 const SMALLEST: usize = 1 << 12;
 
-/// Places at which a part may be cut along an axis.
+/// Bins per axis; a part may be cut between any two.
 const BINS: usize = 32;
 
-/// Up to as many parts as a node has lanes, each the indices of its boxes; `None` is all boxes. They are cut where
-/// the surface area heuristic would cut them (MacDonald and Booth 1990, binned as by Wald 2007), which depends on
-/// the boxes only.
+/// Divides boxes into at most as many parts as a node has lanes, each a list of indices; `None` stands for all
+/// boxes. Cuts are those of the surface area heuristic (MacDonald and Booth 1990), binned (Wald 2007), and depend
+/// only on the boxes.
 pub fn parts(boxes: &[Aabb]) -> Vec<Option<Vec<u32>>> {
     if boxes.len() < 2 * SMALLEST {
         return vec![None];
@@ -23,6 +23,7 @@ pub fn parts(boxes: &[Aabb]) -> Vec<Option<Vec<u32>>> {
     out.into_iter().map(Some).collect()
 }
 
+/// Appends at most `most` parts of `items` to `out`.
 fn split(boxes: &[Aabb], items: Vec<u32>, most: usize, out: &mut Vec<Vec<u32>>) {
     let cut = if most < 2 || items.len() < 2 * SMALLEST { None } else { best_cut(boxes, &items) };
     let Some(cut) = cut else {
@@ -30,7 +31,7 @@ fn split(boxes: &[Aabb], items: Vec<u32>, most: usize, out: &mut Vec<Vec<u32>>) 
         return;
     };
     let (below, above): (Vec<u32>, Vec<u32>) = items.iter().partition(|&&i| cut.is_below(&boxes[i as usize]));
-    // By their share, but at least one each.
+    // Each side gets parts in proportion to its boxes, but at least one.
     let share = (most * below.len()).div_euclid(items.len()).clamp(1, most - 1);
     drop(items);
     let mut others = Vec::new();
@@ -38,7 +39,7 @@ fn split(boxes: &[Aabb], items: Vec<u32>, most: usize, out: &mut Vec<Vec<u32>>) 
     out.append(&mut others);
 }
 
-/// Between two bins of an axis.
+/// A cutting plane below bin `bin` of an axis.
 struct Cut {
     axis: usize,
     from: f32,
@@ -52,17 +53,18 @@ impl Cut {
     }
 }
 
-/// Twice the centre.
+/// Twice the centre of a box.
 fn middle(b: &Aabb) -> Vec3 {
     b.min + b.max
 }
 
+/// The bin of the coordinate `x`.
 fn bin(x: f32, from: f32, per_bin: f32) -> usize {
-    // The cast saturates.
+    // The cast saturates, and takes NaN to 0.
     (((x - from) * per_bin) as usize).min(BINS - 1)
 }
 
-/// The cut of least cost, if the centres differ at all.
+/// The cut of least cost; `None` if all centres are equal.
 fn best_cut(boxes: &[Aabb], items: &[u32]) -> Option<Cut> {
     let (mut from, mut to) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for &i in items {
@@ -89,7 +91,7 @@ fn best_cut(boxes: &[Aabb], items: &[u32]) -> Option<Cut> {
     Some(Cut { axis, from: from[axis], per_bin: per_bin[axis], bin })
 }
 
-/// Of a cut before every bin, unless it would leave one side empty.
+/// The cost of a cut below each bin; `None` if it would leave one side empty.
 fn costs(bins: &[(Aabb, usize); BINS]) -> [Option<f32>; BINS] {
     let add = |(a, n): (Aabb, usize), (b, m): &(Aabb, usize)| (a.union(b), n + m);
     let mut below = [(Aabb::INVALID, 0); BINS];

@@ -77,7 +77,8 @@ fn samples_agree_with_density_and_radiance() {
         let mut total = Color::ZERO;
         for i in 0..n * n {
             let at = |k: i32| (k as f32 + 0.5) / n as f32;
-            let Some(s) = e.sample_direct(Vec2::new(at(i % n), at(i / n))) else {
+            let Some(s) = e.sample_direct(&Textures::default(), Vec3::ZERO, Vec2::new(at(i % n), at(i / n)))
+            else {
                 assert_eq!(e.mean, 0.0);
                 continue;
             };
@@ -103,8 +104,9 @@ fn photons_start_where_the_scene_can_receive_them() {
         for i in 0..64 {
             let at = |k: i32| (k as f32 + 0.5) / 8.0;
             let u = Vec2::new(at(i % 8), at(i / 8));
-            let s =
-                e.sample_emission(&Arena::even(scene), u, Vec2::new(u.y, u.x)).expect("the picture shines");
+            let s = e
+                .sample_emission(&Textures::default(), &Arena::even(scene), u, Vec2::new(u.y, u.x))
+                .expect("the picture shines");
             let from = s.o - scene.center;
             assert!((from.dot(s.d) + 2.0).abs() < 1e-4);
             assert!((from + s.d * 2.0).length() <= 2.0001);

@@ -95,13 +95,15 @@ fn apply(b: &mut Compiler<'_>, s: &mut Settings, plugin: &str, name: &str, setti
     if default || WITHOUT_EFFECT.contains(&name) {
         return;
     }
-    let own =
-        [(name, if plugin == "photonmapper" && name == "caustic_photons" { "stored:{}" } else { "{}" })];
+    // Mitsuba's photon mapper counts photons, not paths. Text is in our words.
+    let number = !matches!(setting.value, Scalar::String(_));
+    let stored = number && plugin == "photonmapper" && name == "caustic_photons";
+    let own = [(name, if stored { "stored:{}" } else { "{}" })];
     let both = [("alpha", "{}"), ("caustic_alpha", "{}")];
     let targets = match ROWS.iter().find(|(n, _)| *n == name) {
         Some((_, targets)) => targets,
         // One α serves both maps in Mitsuba.
-        None if name == "alpha" && plugin.ends_with("ppm") => &both[..],
+        None if name == "alpha" && number && plugin.ends_with("ppm") => &both[..],
         None => &own[..],
     };
     for (target, template) in targets {

@@ -23,7 +23,7 @@ impl Compiler<'_> {
             Some(power) => {
                 // pbrt multiplies its power by the scale, and knows nothing of the opacity there.
                 let whole = Area::new(surface.clone(), radiance, sides, lift, self.textures_of(radiance));
-                let emitted = luminance(whole.power());
+                let emitted = luminance(whole.flux());
                 let factor = if emitted > 0.0 { (power * e.scale) as f32 / emitted } else { 1.0 };
                 self.scaled(radiance, factor)
             }
@@ -39,6 +39,7 @@ impl Compiler<'_> {
         }
         Some(Emitter::Area(Area::new(surface, radiance, sides, lift, self.textures_of(radiance))))
     }
+
     /// Radiance that opacity leaves. A lamp of no opacity at all is invisible and shines (pbrt-v4's
     /// `DiffuseAreaLight`).
     fn cut(&mut self, radiance: Param, alpha: Option<&ir::FloatInput>) -> Param {

@@ -51,7 +51,7 @@ pub struct Compiled {
     pub view: View,
     /// The defaults with what the scene asks for.
     pub settings: Settings,
-    /// Sorted as they were found.
+    /// In the order in which they were found.
     pub warnings: Vec<Diagnostic>,
 }
 

@@ -38,6 +38,7 @@ impl Face {
         }
     }
 
+    /// In the frame of the level.
     #[inline(always)]
     pub fn corners(&self) -> [Vec3; 3] {
         self.corners.map(|v| Vec3::from_vec4(v.into()))
@@ -50,13 +51,18 @@ pub struct Level {
     pub(super) packets: Vec<Packet>,
     /// All triangles in the order of the packets, when there is no tree and nothing else.
     pub(super) flat: Vec<Face>,
+    /// How many there are.
     pub primitives: usize,
+    /// Shapes with models of their own.
     pub analytic: Vec<Analytic>,
     pub(super) bvh: Bvh,
+    /// Around all of it, in its own frame.
     pub bounds: Bounds,
 }
 
 impl Level {
+    /// Sorts primitives into leaves and builds the tree. `instance_bounds` are those of placed groups, in the
+    /// frame of this level.
     pub fn new(primitives: &[Primitive], analytic: Vec<Analytic>, instance_bounds: &[Bounds]) -> Self {
         let boxes: Vec<Bounds> = primitives.iter().map(|p| p.bounds(&analytic, instance_bounds)).collect();
         let mut bounds = Bounds::EMPTY;
@@ -76,6 +82,7 @@ impl Level {
         Self { packets, flat, primitives: primitives.len(), analytic, bvh, bounds }
     }
 
+    /// Memory of the tree and of the packets.
     pub fn bytes(&self) -> usize {
         self.bvh.bytes() + size_of_val(self.packets.as_slice())
     }

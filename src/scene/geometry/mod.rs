@@ -12,9 +12,11 @@ pub use primitive::{Kind, MAX_INDEX, Primitive};
 /// Where a ray met a primitive.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
+    /// Ray parameter, in lengths of the ray's direction.
     pub t: f32,
-    /// Barycentric weights of the second and third corner (triangles).
+    /// Barycentric weight of the second corner of a triangle.
     pub b1: f32,
+    /// The same for the third corner.
     pub b2: f32,
     /// Packet of the level, and the lane in it.
     packet: u32,
@@ -29,8 +31,11 @@ pub const NO_INSTANCE: u32 = u32::MAX;
 /// Everything rays can meet.
 #[derive(Debug)]
 pub struct Geometry {
+    /// Everything that is placed once, and the instances.
     pub world: Level,
+    /// What instances place.
     pub groups: Vec<Level>,
+    /// By the instance number of a hit.
     pub instances: Vec<Instance>,
 }
 

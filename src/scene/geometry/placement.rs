@@ -5,7 +5,9 @@ use crate::math::{Ray, Vec3};
 /// Affine map in f32 with its inverse.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
+    /// Images of the axes and of the origin.
     pub columns: [Vec3; 4],
+    /// The same of the inverse.
     pub inverse: [Vec3; 4],
 }
 
@@ -15,11 +17,13 @@ fn affine(m: &[Vec3; 4], v: Vec3, w: f32) -> Vec3 {
 }
 
 impl Placement {
+    /// From the group to the world.
     #[inline]
     pub fn point(&self, p: Vec3) -> Vec3 {
         affine(&self.columns, p, 1.0)
     }
 
+    /// A direction with its length.
     #[inline]
     pub fn vector(&self, v: Vec3) -> Vec3 {
         affine(&self.columns, v, 0.0)
@@ -31,11 +35,13 @@ impl Placement {
         Vec3::new(self.inverse[0].dot(n), self.inverse[1].dot(n), self.inverse[2].dot(n)).normalize_or_zero()
     }
 
+    /// From the world to the group.
     #[inline]
     pub fn inverse_point(&self, p: Vec3) -> Vec3 {
         affine(&self.inverse, p, 1.0)
     }
 
+    /// The inverse of [`Placement::vector`].
     #[inline]
     pub fn inverse_vector(&self, v: Vec3) -> Vec3 {
         affine(&self.inverse, v, 0.0)
@@ -51,6 +57,8 @@ impl Placement {
 /// A group placed in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Instance {
+    /// Index into `Geometry::groups`.
     pub group: u32,
+    /// From the group to the world.
     pub placement: Placement,
 }

@@ -19,8 +19,11 @@ const INDEX: u32 = INSTANCE - 1;
 /// What a primitive is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
+    /// Of the shape's mesh.
     Triangle(u32),
+    /// Index into the level's list of shapes with models of their own.
     Analytic(u32),
+    /// Index into `Geometry::instances`.
     Instance(u32),
 }
 

@@ -1,4 +1,4 @@
-//! Records → what the tables and pages say.
+//! From records to what the tables and pages show.
 
 use super::machine::Machine;
 use super::record::{Budget, Record};
@@ -21,7 +21,7 @@ pub struct Point {
     pub relmse: Spread,
     pub bias: Spread,
     pub flip: Spread,
-    /// Picture of the first seed.
+    /// The picture of the first seed, relative to the folder of the run.
     pub image: PathBuf,
 }
 
@@ -33,22 +33,23 @@ pub struct Row {
     /// RMSE as a power of seconds.
     pub rmse_slope: Option<PowerLaw>,
     pub flip_slope: Option<PowerLaw>,
-    /// When the target error is reached.
+    /// When it reaches the target error.
     pub reach: Option<Reach>,
-    /// That time over the first configuration's.
+    /// That time divided by the first configuration's.
     pub ratio: Option<Ratio>,
     #[serde(skip)]
     pub records: Vec<Record>,
 }
 
+/// All configurations on one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneResult {
     pub scene: String,
     pub reference: PathBuf,
     pub size: [usize; 2],
-    /// Pixels that the reference's mask leaves out.
+    /// Number of pixels that the reference's mask leaves out.
     pub left_out: usize,
-    /// RMSE whose time is compared.
+    /// The RMSE to which times are compared.
     pub target_rmse: Option<f64>,
     pub rows: Vec<Row>,
 }
@@ -69,7 +70,7 @@ pub struct Analysis {
 }
 
 impl SceneResult {
-    /// Rows in the order of `configs`; the first with records is the base of ratios.
+    /// Rows are in the order of `configs`. Ratios are to the first one that has records.
     pub fn new(
         scene: &str,
         reference: PathBuf,
@@ -91,7 +92,7 @@ impl SceneResult {
                 row.reach = time_to_error(&medians(curve), error);
                 row.ratio = curves.first().and_then(|base| time_ratio(curve, base, error));
             }
-            // A configuration compared with itself is 1, without doubt.
+            // Against itself the ratio is 1 without an interval.
             if let Some(first) = rows.first_mut() {
                 first.ratio = None;
             }

@@ -1,59 +1,63 @@
-//! Arguments of `caustica bench`, typed or from a file.
+//! Arguments of `caustica bench`, from the command line or from a file.
 
-use super::BenchError;
+use super::error::BenchError;
+use super::files;
 use super::record::Budget;
 use clap::Args;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
+/// Arguments of `caustica bench`.
+///
+/// Exit status: 0 if the benchmark was made, 1 otherwise.
 #[derive(Clone, Debug, Args)]
 pub struct BenchArgs {
     /// Scenes, or one JSON file with the fields scenes, references, configs, budgets or passes, seeds,
     /// output
     #[arg(value_name = "SCENE|BENCH.json", required_unless_present = "study")]
     pub scenes: Vec<PathBuf>,
-    /// True picture of each scene, in their order; its size is the size of every render. All render with a
-    /// box filter, and so must it have been (`--filter box`)
+    /// Reference picture of each scene, in the same order; its size is the size of every render. All renders
+    /// use a box filter, and the reference must too (`--filter box`)
     #[arg(long = "reference", value_name = "REF.exr")]
     pub references: Vec<PathBuf>,
     /// Configurations: caustica[:KEY=VALUE,...], caustica:path, mitsuba:VARIANT:INTEGRATOR,
-    /// pbrt:INTEGRATOR[,KEY=VALUE,...]; the first is what others are compared with [default: caustica]
+    /// pbrt:INTEGRATOR[,KEY=VALUE,...]; the others are compared with the first [default: caustica]
     #[arg(long = "config", value_name = "NAME", num_args = 1..)]
     pub configs: Vec<String>,
-    /// Seconds of rendering, each a point of the curve
+    /// Render times in seconds; each is a point of the curve
     #[arg(long, value_name = "S,S,...", value_delimiter = ',', conflicts_with = "passes")]
     pub budgets: Vec<f64>,
-    /// Passes (samples a pixel), instead of seconds
+    /// Passes (samples per pixel), instead of seconds
     #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
     pub passes: Vec<u32>,
-    /// Renders of each point, with different random numbers
+    /// Renders of each point, with different seeds
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
     pub seeds: u64,
-    /// Folder for points, pictures, tables and the page; a run that was interrupted goes on there
+    /// Folder for measurements, pictures, tables and the page; an interrupted run continues there
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
-    /// RMSE whose time is compared [default: one that all configurations reach]
+    /// Compare the times to this RMSE [default: one that all configurations reach]
     #[arg(long, value_name = "E")]
     pub target_error: Option<f64>,
-    /// Path segments at most, for every renderer; -1 is no limit [default: the scene's]
+    /// Most path segments, for every renderer; -1 is no limit [default: the scene's]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub max_depth: Option<i64>,
     /// Threads of every render [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
-    /// Python that can import mitsuba [default: python3, or one that gets Mitsuba installed when needed]
+    /// Python that can import mitsuba [default: python3, or a virtual environment made when needed]
     #[arg(long, value_name = "PATH")]
     pub python: Option<PathBuf>,
     /// Repeat a study of photon mapping's parameters: photons, neighbours, kernels, roulette, direct,
     /// nee, caustic-map or all
     #[arg(long, value_name = "NAME", conflicts_with_all = ["scenes", "references"])]
     pub study: Option<String>,
-    /// Small pictures and few of them, for studies
+    /// Small pictures and few of them, for --study
     #[arg(long, requires = "study")]
     pub quick: bool,
 }
 
-/// The same in a file; paths are relative to it, except `output`.
+/// The arguments in a file. Paths are relative to the file, except `output`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BenchFile {
@@ -74,8 +78,11 @@ struct BenchFile {
 }
 
 impl BenchArgs {
-    /// With the fields of the bench file put in, if one was given; checks that something can be measured.
-    pub fn resolve(mut self) -> Result<Self, BenchError> {
+    /// Fills in the fields of the file, if one was given, and the defaults.
+    ///
+    /// # Errors
+    /// The file cannot be read, a scene has no reference, or a budget is not positive.
+    pub(super) fn resolve(mut self) -> Result<Self, BenchError> {
         if let [file] = self.scenes.as_slice()
             && file.extension().is_some_and(|e| e == "json")
         {
@@ -84,7 +91,7 @@ impl BenchArgs {
         }
         if self.scenes.len() != self.references.len() {
             return Err(BenchError::Usage(format!(
-                "{} scenes need as many references, and there are {}: give --reference REF.exr for each",
+                "{} scenes but {} references: give --reference REF.exr for each scene",
                 self.scenes.len(),
                 self.references.len()
             )));
@@ -96,21 +103,19 @@ impl BenchArgs {
             self.budgets = vec![1.0, 2.0, 4.0, 8.0];
         }
         if self.budgets.iter().any(|b| !(b.is_finite() && *b > 0.0)) || self.passes.contains(&0) {
-            return Err(BenchError::Usage("budgets and passes are positive numbers".to_owned()));
+            return Err(BenchError::Usage("budgets and passes must be positive".to_owned()));
         }
         Ok(self)
     }
 
     fn take(&mut self, path: &Path) -> Result<(), BenchError> {
-        let io = |source| BenchError::Io { path: path.to_path_buf(), source };
-        let bytes = std::fs::read(path).map_err(io)?;
-        let file: BenchFile = serde_json::from_slice(&bytes)
+        let file: BenchFile = serde_json::from_slice(&files::read(path)?)
             .map_err(|source| BenchError::Json { path: path.to_path_buf(), source })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let beside = |paths: Vec<PathBuf>| paths.iter().map(|p| folder.join(p)).collect::<Vec<_>>();
         self.scenes = beside(file.scenes);
         self.references = beside(file.references);
-        // What was typed wins over the file.
+        // The command line wins over the file.
         if self.configs.is_empty() {
             self.configs = file.configs;
         }
@@ -128,8 +133,8 @@ impl BenchArgs {
         Ok(())
     }
 
-    /// Points of a curve.
-    pub fn points(&self) -> Vec<Budget> {
+    /// The points of a curve.
+    pub(super) fn points(&self) -> Vec<Budget> {
         let seconds = self.budgets.iter().map(|s| Budget::Seconds(*s));
         seconds.chain(self.passes.iter().map(|n| Budget::Passes(*n))).collect()
     }
@@ -153,7 +158,7 @@ mod tests {
     #[test]
     fn every_scene_has_a_reference() {
         let args = parse(&["a.xml", "b.xml", "--reference", "a.exr"]).resolve();
-        assert!(args.unwrap_err().to_string().contains("2 scenes need as many references"));
+        assert!(args.unwrap_err().to_string().contains("2 scenes but 1 references"));
         let args = parse(&["a.xml", "--reference", "a.exr", "--passes", "1,4"]).resolve().unwrap();
         assert_eq!(args.points(), [Budget::Passes(1), Budget::Passes(4)]);
         assert_eq!(args.configs, ["caustica"]);

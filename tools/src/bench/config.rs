@@ -1,10 +1,11 @@
-//! What is measured: a renderer and how it is set.
+//! What is measured: a renderer and its settings.
 
-use super::BenchError;
+use super::error::BenchError;
 
+/// A renderer with its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Renderer {
-    /// This program, with settings of `--set`.
+    /// caustica, with settings for `--set`.
     Ours {
         settings: Vec<(String, String)>,
     },
@@ -18,7 +19,7 @@ pub enum Renderer {
     },
 }
 
-/// A named configuration; the name is what was typed.
+/// A renderer with its settings, named as on the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
     pub name: String,
@@ -26,8 +27,11 @@ pub struct Config {
 }
 
 impl Config {
-    /// `caustica`, `caustica:path`, `caustica:KEY=VALUE,KEY=VALUE`, `mitsuba:VARIANT:INTEGRATOR`,
+    /// Parses `caustica`, `caustica:path`, `caustica:KEY=VALUE,KEY=VALUE`, `mitsuba:VARIANT:INTEGRATOR` or
     /// `pbrt:INTEGRATOR[,KEY=VALUE...]`.
+    ///
+    /// # Errors
+    /// Any other name.
     pub fn parse(name: &str) -> Result<Self, BenchError> {
         let wrong = || BenchError::Config(name.to_owned());
         let (program, rest) = name.split_once(':').unwrap_or((name, ""));
@@ -60,7 +64,7 @@ fn parameter(token: &str) -> Option<(String, String)> {
     Some((key.to_owned(), value.to_owned()))
 }
 
-/// `KEY=VALUE`, or the name of an integrator or mode.
+/// `KEY=VALUE`, or the name of an integrator or of a mode.
 fn setting(token: &str) -> Option<(String, String)> {
     let owned = |a: &str, b: &str| Some((a.to_owned(), b.to_owned()));
     match token {

@@ -2,7 +2,7 @@ use crate::compare::CompareError;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why a benchmark could not be made.
+/// Why a benchmark failed.
 #[derive(Debug, Error)]
 pub enum BenchError {
     #[error("{}: {source}", path.display())]
@@ -16,11 +16,11 @@ pub enum BenchError {
     #[error("`{command}` failed: {message}")]
     Render { command: String, message: String },
     #[error(
-        "`{0}` is no configuration: expected caustica[:KEY=VALUE,...], mitsuba:VARIANT:INTEGRATOR or \
+        "unknown configuration `{0}`: expected caustica[:KEY=VALUE,...], mitsuba:VARIANT:INTEGRATOR or \
          pbrt:INTEGRATOR[,KEY=VALUE...]"
     )]
     Config(String),
-    #[error("no render of this benchmark succeeded; why is said above")]
+    #[error("no render of this benchmark succeeded; the reasons are above")]
     Nothing,
     #[error("{0}")]
     Usage(String),

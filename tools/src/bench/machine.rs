@@ -1,14 +1,15 @@
-//! The machine a time was measured on; it stands beside every table.
+//! The machine on which times were measured. Every table names it.
 
 use serde::{Deserialize, Serialize};
 
+/// A machine, as far as it matters for times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     pub cpu: String,
     /// Logical processors that this process may use.
     pub cores: usize,
     pub memory_bytes: Option<u64>,
-    /// Threads a render used; all cores unless fewer were asked for.
+    /// Threads of each render.
     pub threads: usize,
     /// Mean number of running processes over the last minute before the first measurement.
     pub load: Option<f64>,
@@ -16,7 +17,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Of this machine, with the threads renders are given.
+    /// This machine; `threads` is the number given to each render, `None` for all cores.
     pub fn here(threads: Option<usize>) -> Self {
         let read = |path| std::fs::read_to_string(path).unwrap_or_default();
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -33,7 +34,7 @@ impl Machine {
         }
     }
 
-    /// One line for tables and pages.
+    /// A description in one line.
     pub fn line(&self) -> String {
         let memory =
             self.memory_bytes.map_or_else(String::new, |b| format!(", {:.1} GB memory", b as f64 / 1e9));
@@ -42,7 +43,7 @@ impl Machine {
     }
 }
 
-/// Value of the first `name : value` line.
+/// The value of the first line `name : value`.
 fn field(text: &str, name: &str) -> Option<String> {
     text.lines()
         .filter_map(|l| l.split_once(':'))

@@ -1,16 +1,16 @@
-//! Error against time: renders are measured as processes, judged by [`crate::metrics`] and
-//! [`crate::flip`], and written as tables and pages. The renderer is a program like any other.
+//! Error against time of whole renderers. Every render is a process of its own, judged by the crate's metrics
+//! and written to tables and pages. caustica is measured like any other renderer.
 
 mod analysis;
 mod args;
 mod config;
 mod error;
+mod files;
+mod judge;
 mod machine;
 mod page;
-mod pbrt;
 mod plot;
 mod process;
-mod python;
 mod record;
 mod renderers;
 mod run;
@@ -20,16 +20,15 @@ mod table;
 mod thumbnail;
 
 pub use args::BenchArgs;
-pub use error::BenchError;
 
 use std::io::Write;
 use std::path::Path;
 
-/// Exit status of a run that could not do its work.
+/// Exit status of a run that failed.
 const FAILED: u8 = 1;
 
-/// Runs the benchmark or the studies that the arguments ask for with the given `caustica` program.
-/// Progress, tables and errors go to `out`; the value is the exit status of the process.
+/// Runs the benchmark or the studies that the arguments ask for, with `caustica` as the program to measure.
+/// Progress, tables and errors go to `out`. Returns the exit status of the process: 0, or 1 after an error.
 pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> u8 {
     let result = match &args.study {
         Some(name) => study::run(name, args, caustica, out),
@@ -38,7 +37,7 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> u8 {
     match result {
         Ok(()) => 0,
         Err(e) => {
-            // With a closed output there is nobody to tell.
+            // If the output is closed, nobody can be told.
             let _closed = writeln!(out, "error: {e}");
             FAILED
         }

@@ -1,11 +1,13 @@
-//! The HTML page of a run: one file without references to others.
+//! The HTML page of a run: one file that needs no other.
 
 use super::analysis::{Analysis, Point, Row, SceneResult};
-use super::plot::{Plot, Series, escape};
+use super::error::BenchError;
+use super::plot::{Plot, Series};
 use super::record::{Budget, Record};
 use super::statistics::Spread;
-use super::{BenchError, table, thumbnail};
+use super::{table, thumbnail};
 use crate::compare::load;
+use crate::html::escape;
 use crate::pixels::Pixels;
 use std::path::Path;
 
@@ -16,7 +18,10 @@ th:first-child,td:first-child{text-align:left}svg{display:block;margin:1em 0;max
 overflow-wrap:anywhere}img{image-rendering:pixelated;width:256px}.machine{background:#f3f3f3;padding:.5em .8em}\
 code{background:#f3f3f3;padding:0 3px}";
 
-/// The page; `truths` are the references in the order of the scenes, `folder` holds the pictures.
+/// The HTML; `truths` are the references in the order of the scenes, `folder` is that of the run.
+///
+/// # Errors
+/// A picture cannot be read or encoded.
 pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<String, BenchError> {
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>caustica bench</title>\
@@ -26,7 +31,7 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
     for (scene, truth) in analysis.scenes.iter().zip(truths) {
         html += &format!(
             "<h2>{}</h2>\n{machine}<p>{} × {} pixels, box filter; reference <code>{}</code>. Times are of the \
-             render without loading. Values are medians over seeds, ± half the distance of the quartiles. \
+             render without loading. Values are medians over seeds; ± is half the distance between the quartiles. \
              Small dots are single renders.</p>\n",
             escape(&scene.scene),
             scene.size[0],
@@ -34,15 +39,12 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
             escape(&scene.reference.display().to_string())
         );
         if scene.left_out > 0 {
-            html += &format!(
-                "<p>{} pixels do not count: the reference's mask leaves them out.</p>\n",
-                scene.left_out
-            );
+            html += &format!("<p>{} pixels are masked out.</p>\n", scene.left_out);
         }
         for (title, f) in METRICS {
             html += &plot(scene, title, f, WALL).svg();
         }
-        // Where the machine is shared, processor time is the fairer abscissa.
+        // On a shared machine, processor time is the fairer measure.
         html += &plot(scene, "RMSE", |r| r.rmse, CPU).svg();
         html += &reach_table(scene);
         html += &points_table(scene);
@@ -63,7 +65,7 @@ type Metric = fn(&Record) -> f64;
 const METRICS: [(&str, Metric); 3] =
     [("RMSE", |r| r.rmse), ("relMSE", |r| r.relmse), ("LDR-FLIP", |r| r.flip)];
 
-/// An abscissa: its name in titles and at the axis, and its value.
+/// What runs along the x axis: its name in titles, its label, and its value.
 type Abscissa = (&'static str, &'static str, Metric);
 const WALL: Abscissa = ("time", "wall time of the render [s]", |r| r.seconds);
 const CPU: Abscissa = ("CPU time", "processor time of all threads [s]", |r| r.cpu_seconds);
@@ -96,7 +98,7 @@ fn plot(scene: &SceneResult, title: &str, f: Metric, (time, axis, x): Abscissa) 
 fn reach_table(scene: &SceneResult) -> String {
     let Some(error) = scene.target_rmse else { return String::new() };
     let mut html = format!(
-        "<h3>Time to RMSE {error:.5}</h3>\n<table><tr><th>configuration</th><th>time</th><th>times the first's (95 % \
+        "<h3>Time to RMSE {error:.5}</h3>\n<table><tr><th>configuration</th><th>time</th><th>ratio to the first (95 % \
          interval over seeds)</th><th>fitted slope</th></tr>\n"
     );
     for row in &scene.rows {
@@ -140,7 +142,7 @@ fn points_table(scene: &SceneResult) -> String {
     html + "</table>\n"
 }
 
-/// Pictures of every configuration at the largest budget that all have.
+/// The pictures of every configuration at the largest budget that all have.
 fn pictures(scene: &SceneResult, truth: &Pixels, folder: &Path) -> Result<String, BenchError> {
     let has = |row: &Row, b: Budget| row.points.iter().any(|p| p.budget == b);
     let budgets = scene.rows.iter().flat_map(|r| r.points.iter().map(|p| p.budget));

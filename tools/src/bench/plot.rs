@@ -1,27 +1,31 @@
-//! Line plots as SVG with logarithmic or linear axes; the legend stands beside the plot, never on it.
+//! Line plots as SVG with logarithmic or linear axes. The legend is beside the plot.
 
+use crate::html::escape;
 use std::fmt::Write;
 
-/// Colours that stay apart for colour-blind readers (Okabe and Ito 2008), dark enough for white paper.
+/// Colours that colour-blind readers can tell apart (Okabe and Ito 2008), dark enough on white.
 const COLOURS: [&str; 9] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#444444", "#7b3294", "#8c6d31"];
 
+/// One curve.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     pub name: String,
-    /// Joined by a line.
+    /// Points joined by a line.
     pub line: Vec<(f64, f64)>,
-    /// Single measurements, faint.
+    /// Single measurements, drawn faintly.
     pub dots: Vec<(f64, f64)>,
-    /// No marks on the line's points.
+    /// Whether the line's points have no marks.
     pub smooth: bool,
 }
 
+/// Curves with a title and labelled axes.
 #[derive(Clone, Debug, Default)]
 pub struct Plot {
     pub title: String,
     pub x: String,
     pub y: String,
+    /// Whether x and y are logarithmic.
     pub log: [bool; 2],
     pub series: Vec<Series>,
 }
@@ -31,11 +35,11 @@ const HEIGHT: f64 = 320.0;
 const LEFT: f64 = 78.0;
 const TOP: f64 = 40.0;
 const BOTTOM: f64 = 56.0;
-/// Width of a letter of the legend's type, estimated high.
+/// Width of a letter in the legend, on the high side.
 const LETTER: f64 = 7.0;
 
 impl Plot {
-    /// The picture; series without drawable points are in the legend only.
+    /// The SVG. A series without a drawable point is in the legend only.
     pub fn svg(&self) -> String {
         let longest = self.series.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
         let total = [LEFT + WIDTH + 48.0 + longest as f64 * LETTER, TOP + HEIGHT + BOTTOM];
@@ -184,7 +188,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// Over the drawable values with a little room at both ends.
+    /// An axis over the drawable values, with a little room at both ends.
     fn over(values: &[f64], log: bool) -> Self {
         let drawable = values.iter().copied().filter(|v| v.is_finite() && (!log || *v > 0.0));
         let map = |v: f64| if log { v.log10() } else { v };
@@ -206,7 +210,7 @@ impl Axis {
             .filter(|s| (-1e-9..=1.0 + 1e-9).contains(s))
     }
 
-    /// Values with a line, and whether they have a number as well.
+    /// Values with a grid line, and whether they are labelled.
     fn ticks(&self) -> Vec<(f64, bool)> {
         let span = self.high - self.low;
         if !self.log {
@@ -239,7 +243,7 @@ fn nice(step: f64) -> f64 {
     factor * decade
 }
 
-/// A tick's number, short.
+/// A short label.
 fn number(v: f64) -> String {
     if v == 0.0 {
         return "0".to_owned();
@@ -249,11 +253,6 @@ fn number(v: f64) -> String {
     }
     let text = format!("{v:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// Text that cannot be markup.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -1,26 +1,29 @@
-//! Runs a program to its end and says what it cost.
+//! Runs a program and measures its cost.
 
-use super::BenchError;
+use super::error::BenchError;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Cost of a process, loading included.
+/// Cost of a process, including loading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     pub seconds: f64,
-    /// User and system time of all its threads; none where the system does not tell.
+    /// User and system time of all threads; `None` where the system does not report it.
     pub cpu_seconds: Option<f64>,
-    /// Most that was resident, as far as it was seen while the process ran.
+    /// Peak resident memory, as last seen while the process ran.
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Time between looks at the process; also the error of `Cost::seconds`, which callers replace by what the
-/// program itself measured.
-const LOOK: Duration = Duration::from_millis(5);
-/// Clock ticks a second in /proc: 100 on every Linux that programs see.
+/// Time between two looks at the process, and so the error of `Cost::seconds`. Callers prefer the program's
+/// own measurement.
+const INTERVAL: Duration = Duration::from_millis(5);
+/// Clock ticks per second in /proc: 100 on every Linux, as seen by programs.
 const TICKS: f64 = 100.0;
 
-/// Runs `command` with its output caught; a status other than 0 is an error with the end of its stderr.
+/// Runs `command` without showing its output.
+///
+/// # Errors
+/// It cannot be started, or its exit status is not 0; the error then has the end of its stderr.
 pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
     let program = command.get_program().to_string_lossy().into_owned();
     let shown = || {
@@ -39,7 +42,7 @@ pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
     let stat = format!("/proc/{}/stat", child.id());
     let memory = format!("/proc/{}/status", child.id());
     let (mut cpu_seconds, mut peak_memory_bytes) = (None, None);
-    // A process that has ended keeps its times until it is waited for.
+    // A process that has ended keeps its times until `wait`.
     while let Some((ended, cpu)) = std::fs::read_to_string(&stat).ok().as_deref().and_then(parse_stat) {
         cpu_seconds = Some(cpu);
         if ended {
@@ -47,7 +50,7 @@ pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
         }
         let status = std::fs::read_to_string(&memory).ok();
         peak_memory_bytes = status.as_deref().and_then(parse_peak).or(peak_memory_bytes);
-        std::thread::sleep(LOOK);
+        std::thread::sleep(INTERVAL);
     }
     let seconds = started.elapsed().as_secs_f64();
     let status = child.wait()?;
@@ -59,7 +62,7 @@ pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
 
 /// Whether the process has ended, and its CPU seconds, from /proc/PID/stat.
 fn parse_stat(text: &str) -> Option<(bool, f64)> {
-    // The name in parentheses may hold anything; fields are counted after its end.
+    // The name in parentheses may hold anything, so fields are counted from its end.
     let mut fields = text.rsplit_once(')')?.1.split_whitespace();
     let state = fields.next()?;
     let user: f64 = fields.nth(10)?.parse().ok()?;
@@ -73,7 +76,7 @@ fn parse_peak(text: &str) -> Option<u64> {
     Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
-/// Last lines of what the process said.
+/// The last lines of a process's stderr.
 fn tail(mut file: std::fs::File, otherwise: &str) -> String {
     use std::io::{Read, Seek};
     let mut text = Vec::new();

@@ -1,7 +1,7 @@
-//! One measurement, and the file that keeps them: a JSON object a line, so that an interrupted run
-//! loses at most the line it was writing.
+//! Measurements, and the file that keeps them: one JSON object per line, so that an interrupted run loses at
+//! most the line it was writing.
 
-use super::BenchError;
+use super::error::BenchError;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::OpenOptions;
@@ -33,13 +33,13 @@ pub struct Record {
     pub config: String,
     pub budget: Budget,
     pub seed: u64,
-    /// Of everything else that decides the picture: scene and reference bytes, size, depth, threads.
+    /// Fingerprint of everything else that decides the result: scene, reference, mask, depth, threads.
     pub identity: String,
     /// Wall time of the render, without loading.
     pub seconds: f64,
     pub cpu_seconds: f64,
     pub peak_memory_bytes: Option<u64>,
-    /// Passes or samples a pixel that were made.
+    /// Passes or samples per pixel that were made.
     pub passes: u64,
     pub rmse: f64,
     pub relmse: f64,
@@ -47,18 +47,22 @@ pub struct Record {
     pub bias: f64,
     /// Mean LDR-FLIP.
     pub flip: f64,
-    /// Relative to the folder of the run.
+    /// The picture, relative to the folder of the run.
     pub image: PathBuf,
 }
 
 impl Record {
-    /// Whether both are the same measurement, whatever was measured.
+    /// Whether this record is of the point (scene, config, budget, seed, identity).
     pub fn same_point(&self, other: (&str, &str, Budget, u64, &str)) -> bool {
         (self.scene.as_str(), self.config.as_str(), self.budget, self.seed, self.identity.as_str()) == other
     }
 }
 
-/// Records of former runs; a line that cannot be read (cut off by an interruption) is dropped.
+/// Records of earlier runs; none if there is no file. A line that cannot be parsed (cut off by an
+/// interruption) is dropped.
+///
+/// # Errors
+/// The file cannot be read.
 pub fn read(path: &Path) -> Result<Vec<Record>, BenchError> {
     match std::fs::read_to_string(path) {
         Ok(text) => Ok(text.lines().filter_map(|l| serde_json::from_str(l).ok()).collect()),
@@ -67,7 +71,10 @@ pub fn read(path: &Path) -> Result<Vec<Record>, BenchError> {
     }
 }
 
-/// Adds a record at the end. A line that an interruption left open is closed first.
+/// Appends a record, after closing a line that an interruption left open.
+///
+/// # Errors
+/// The file cannot be written.
 pub fn append(path: &Path, record: &Record) -> Result<(), BenchError> {
     let io = |source| BenchError::Io { path: path.to_path_buf(), source };
     let open = std::fs::read(path).is_ok_and(|b| b.last().is_some_and(|c| *c != b'\n'));
@@ -77,7 +84,7 @@ pub fn append(path: &Path, record: &Record) -> Result<(), BenchError> {
     file.write_all(format!("{}{json}\n", if open { "\n" } else { "" }).as_bytes()).map_err(io)
 }
 
-/// FNV-1a over parts, as hexadecimal; parts are kept apart by their lengths.
+/// FNV-1a over the parts and their lengths, as hexadecimal.
 pub fn fingerprint<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325u64;
     let mut feed = |bytes: &[u8]| {

@@ -1,82 +1,32 @@
-//! Measures every point that is not in the folder yet, then writes tables and the page.
+//! `caustica bench SCENE...`: measures every point that is not in the folder yet, then writes tables and the
+//! page.
 
 use super::analysis::{Analysis, SceneResult, Skipped};
+use super::args::BenchArgs;
 use super::config::Config;
+use super::error::BenchError;
+use super::judge::{Judged, judge, load_sized};
 use super::machine::Machine;
 use super::record::{self, Budget, Record};
 use super::renderers::{Job, Made, Programs};
-use super::{BenchArgs, BenchError, page, table};
-use crate::compare::{CompareError, CompareOptions, Mask, compare, load};
+use super::{files, page, table};
+use crate::compare::{Mask, load};
 use crate::pixels::Pixels;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What a record says of a picture.
-#[derive(Clone, Copy, Debug)]
-pub struct Judged {
-    pub rmse: f64,
-    pub relmse: f64,
-    pub bias: f64,
-    pub flip: f64,
-}
-
-/// Judges a picture; both have one size, which the caller checks.
-pub fn judge(image: &Pixels, reference: &Pixels) -> Judged {
-    let options = CompareOptions { hdr: None, ..CompareOptions::default() };
-    let c = compare(image, reference, None, &options).comparison;
-    Judged {
-        rmse: c.errors.rmse_all,
-        relmse: c.errors.relmse,
-        bias: c.bias.relative_all,
-        flip: c.flip_ldr.stats.mean,
-    }
-}
-
-/// Reads a picture that must have a given size.
-pub fn load_sized(path: &Path, reference: &Path, size: [usize; 2]) -> Result<Pixels, BenchError> {
-    let pixels = load(path, None)?.pixels;
-    if [pixels.width, pixels.height] != size {
-        return Err(BenchError::Image(CompareError::Size {
-            path: path.to_path_buf(),
-            size: [pixels.width, pixels.height],
-            reference: reference.to_path_buf(),
-            reference_size: size,
-        }));
-    }
-    Ok(pixels)
-}
-
-/// A file of the run's folder, written.
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), BenchError> {
-    caustica_formats::image::atomic_write(path, bytes)
-        .map_err(|source| BenchError::Io { path: path.to_path_buf(), source })
-}
-
-/// Creates a folder and those above it.
-pub fn make_folder(path: &Path) -> Result<(), BenchError> {
-    std::fs::create_dir_all(path).map_err(|source| BenchError::Io { path: path.to_path_buf(), source })
-}
-
-/// The whole of `caustica bench SCENE...`; `args` are resolved.
+/// Runs the benchmark; `args` are resolved.
+///
+/// # Errors
+/// A file cannot be read or written, a configuration is unknown, or no render succeeded.
 pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(), BenchError> {
     let machine = Machine::here(args.threads);
     let mut programs = Programs::new(args, caustica);
-    make_folder(&args.output.join("images"))?;
-    let mut configs = Vec::new();
-    let mut skipped = Vec::new();
-    for name in &args.configs {
-        let config = Config::parse(name)?;
-        match programs.missing(&config, out)? {
-            None => configs.push(config),
-            Some(reason) => {
-                writeln!(out, "skipped {name}: {reason}")?;
-                skipped.push(Skipped { config: name.clone(), reason });
-            }
-        }
-    }
+    files::make_folder(&args.output.join("images"))?;
+    let (configs, skipped) = available(args, &mut programs, out)?;
     let mut analysis = Analysis { machine, scenes: Vec::new(), skipped };
     let mut all = Vec::new();
-    let mut pages = Vec::new();
+    let mut truths = Vec::new();
     for (scene, reference) in args.scenes.iter().zip(&args.references) {
         let mut truth = load(reference, None)?.pixels;
         let mask = Mask::beside(reference, &truth)?;
@@ -94,19 +44,52 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
         let left_out = mask.as_ref().map_or(0, Mask::left_out);
         analysis.scenes.push(SceneResult { left_out, ..result });
         all.extend(records);
-        pages.push(truth);
+        truths.push(truth);
     }
-    table::write(&analysis, out)?;
-    let json = serde_json::to_vec_pretty(&analysis)
-        .map_err(|source| BenchError::Json { path: args.output.join("bench.json"), source })?;
-    write_file(&args.output.join("bench.json"), &json)?;
-    write_file(&args.output.join("bench.csv"), table::csv(&all).as_bytes())?;
-    let html = page::render(&analysis, &pages, &args.output)?;
-    write_file(&args.output.join("bench.html"), html.as_bytes())?;
-    writeln!(out, "\nwrote {}", args.output.join("bench.html").display())?;
+    write(&analysis, &all, &truths, &args.output, out)?;
     if all.is_empty() { Err(BenchError::Nothing) } else { Ok(()) }
 }
 
+/// The configurations that can be measured here, and those that cannot.
+fn available(
+    args: &BenchArgs,
+    programs: &mut Programs,
+    out: &mut dyn Write,
+) -> Result<(Vec<Config>, Vec<Skipped>), BenchError> {
+    let (mut configs, mut skipped) = (Vec::new(), Vec::new());
+    for name in &args.configs {
+        let config = Config::parse(name)?;
+        match programs.missing(&config, out)? {
+            None => configs.push(config),
+            Some(reason) => {
+                writeln!(out, "skipped {name}: {reason}")?;
+                skipped.push(Skipped { config: name.clone(), reason });
+            }
+        }
+    }
+    Ok((configs, skipped))
+}
+
+/// Writes the tables, JSON, CSV and the page.
+fn write(
+    analysis: &Analysis,
+    records: &[Record],
+    truths: &[Pixels],
+    folder: &Path,
+    out: &mut dyn Write,
+) -> Result<(), BenchError> {
+    table::write(analysis, out)?;
+    let json = serde_json::to_vec_pretty(analysis)
+        .map_err(|source| BenchError::Json { path: folder.join("bench.json"), source })?;
+    files::write(&folder.join("bench.json"), &json)?;
+    files::write(&folder.join("bench.csv"), table::csv(records).as_bytes())?;
+    let html = page::render(analysis, truths, folder)?;
+    files::write(&folder.join("bench.html"), html.as_bytes())?;
+    writeln!(out, "\nwrote {}", folder.join("bench.html").display())?;
+    Ok(())
+}
+
+/// One scene of a run.
 struct SceneRun<'a> {
     args: &'a BenchArgs,
     programs: &'a Programs,
@@ -122,16 +105,15 @@ impl SceneRun<'_> {
         self.scene.file_stem().map_or_else(|| "scene".to_owned(), |s| s.to_string_lossy().into_owned())
     }
 
-    /// Everything besides configuration, budget and seed that decides a record.
+    /// Fingerprint of everything but configuration, budget and seed that decides a record.
     fn identity(&self) -> Result<String, BenchError> {
-        let read =
-            |p: &Path| std::fs::read(p).map_err(|source| BenchError::Io { path: p.to_path_buf(), source });
-        let (scene, reference) = (read(self.scene)?, read(self.reference)?);
+        let (scene, reference) = (files::read(self.scene)?, files::read(self.reference)?);
         let rest = format!("{:?} {:?} {:?}", self.args.max_depth, self.args.threads, self.mask);
         Ok(record::fingerprint([scene.as_slice(), &reference, rest.as_bytes()]))
     }
 
-    /// Records of all points, from the folder or made now. A renderer that fails is skipped from there on.
+    /// The records of all points, from the folder or measured now. After a failure, the rest of a
+    /// configuration is skipped.
     fn measure(
         &self,
         configs: &[Config],
@@ -143,43 +125,44 @@ impl SceneRun<'_> {
         let known = record::read(&log)?;
         let mut records = Vec::new();
         let mut failed: Vec<&str> = Vec::new();
-        // Seeds outermost and configurations innermost: a load that comes and goes meets them all alike.
-        for seed in 0..self.args.seeds {
-            for budget in self.args.points() {
-                for config in configs {
-                    let point = (name.as_str(), config.name.as_str(), budget, seed, identity.as_str());
-                    if let Some(done) = known.iter().find(|r| r.same_point(point)) {
-                        records.push(done.clone());
-                        continue;
-                    }
-                    if failed.contains(&config.name.as_str()) {
-                        continue;
-                    }
-                    match self.point(config, budget, seed, &identity) {
-                        Ok(record) => {
-                            writeln!(
-                                out,
-                                "{name} {} {budget} seed {seed}: {:.2} s, RMSE {:.5}, FLIP {:.4}",
-                                config.name, record.seconds, record.rmse, record.flip
-                            )?;
-                            out.flush()?;
-                            record::append(&log, &record)?;
-                            records.push(record);
-                        }
-                        Err(e @ (BenchError::Render { .. } | BenchError::Start { .. })) => {
-                            writeln!(out, "{name} {}: {e}", config.name)?;
-                            failed.push(&config.name);
-                            skipped.push(Skipped {
-                                config: format!("{} on {name}", config.name),
-                                reason: e.to_string(),
-                            });
-                        }
-                        Err(other) => return Err(other),
-                    }
+        for (seed, budget, config) in self.points(configs) {
+            let point = (name.as_str(), config.name.as_str(), budget, seed, identity.as_str());
+            if let Some(done) = known.iter().find(|r| r.same_point(point)) {
+                records.push(done.clone());
+                continue;
+            }
+            if failed.contains(&config.name.as_str()) {
+                continue;
+            }
+            match self.point(config, budget, seed, &identity) {
+                Ok(record) => {
+                    writeln!(
+                        out,
+                        "{name} {} {budget} seed {seed}: {:.2} s, RMSE {:.5}, FLIP {:.4}",
+                        config.name, record.seconds, record.rmse, record.flip
+                    )?;
+                    out.flush()?;
+                    record::append(&log, &record)?;
+                    records.push(record);
                 }
+                Err(e @ (BenchError::Render { .. } | BenchError::Start { .. })) => {
+                    writeln!(out, "{name} {}: {e}", config.name)?;
+                    failed.push(&config.name);
+                    let config = format!("{} on {name}", config.name);
+                    skipped.push(Skipped { config, reason: e.to_string() });
+                }
+                Err(other) => return Err(other),
             }
         }
         Ok(records)
+    }
+
+    /// All points in the order in which they are measured: seeds outermost and configurations innermost, so
+    /// that a load on the machine that comes and goes affects all of them alike.
+    fn points<'a>(&self, configs: &'a [Config]) -> Vec<(u64, Budget, &'a Config)> {
+        let budgets = self.args.points();
+        let of_seed = |seed| budgets.iter().flat_map(move |b| configs.iter().map(move |c| (seed, *b, c)));
+        (0..self.args.seeds).flat_map(of_seed).collect()
     }
 
     fn point(

@@ -1,8 +1,8 @@
-//! Medians, slopes, the time to an error, and how sure one can be of them.
+//! Medians, slopes, the time to reach an error, and their uncertainty.
 
 use serde::Serialize;
 
-/// The middle value and the range between the quarters.
+/// The median and the quartiles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
     pub median: f64,
@@ -11,7 +11,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Median and quartiles; zeros for no values.
+    /// The spread of some values; zeros if there are none.
     pub fn of(values: &[f64]) -> Self {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -19,7 +19,7 @@ impl Spread {
     }
 }
 
-/// Linear interpolation between sorted values; 0 for none.
+/// Quantile of sorted values by linear interpolation; 0 if there are none.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return 0.0 };
     let place = share.clamp(0.0, 1.0) * last as f64;
@@ -33,11 +33,11 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
 pub struct PowerLaw {
     pub slope: f64,
     pub scale: f64,
-    /// Standard error of the slope; none for fewer than three points.
+    /// Standard error of the slope; `None` for fewer than three points.
     pub slope_error: Option<f64>,
 }
 
-/// Least squares on logarithms; none without two different positive x, or with non-positive values.
+/// Least squares on logarithms; `None` without two different x, or if a value is not positive.
 pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     if points.iter().any(|(x, y)| *x <= 0.0 || *y <= 0.0) {
         return None;
@@ -65,9 +65,9 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
 pub enum Reach {
     /// Interpolated between two budgets.
     At(f64),
-    /// The cheapest budget is already better.
+    /// Before this time: the smallest budget is already better.
     Before(f64),
-    /// The dearest budget is not good enough.
+    /// After this time: the largest budget is not good enough.
     After(f64),
 }
 
@@ -80,8 +80,8 @@ impl Reach {
     }
 }
 
-/// First time at which the polyline through (seconds, error), straight in logarithms and sorted by time,
-/// is at or below `error`. None without points.
+/// The first time at which a curve is at or below `error`. The curve holds points (seconds, error) sorted by
+/// time and is interpolated linearly in logarithms. `None` without points.
 pub fn time_to_error(curve: &[(f64, f64)], error: f64) -> Option<Reach> {
     let first = curve.first()?;
     if first.1 <= error {
@@ -102,7 +102,7 @@ pub fn time_to_error(curve: &[(f64, f64)], error: f64) -> Option<Reach> {
 /// Measurements of one configuration: for each budget the (seconds, error) of its seeds.
 pub type Curve = Vec<Vec<(f64, f64)>>;
 
-/// Medians of each budget, by time.
+/// The medians (seconds, error) of each budget, sorted by time.
 pub fn medians(curve: &Curve) -> Vec<(f64, f64)> {
     let median = |points: &[(f64, f64)], f: fn(&(f64, f64)) -> f64| {
         Spread::of(&points.iter().map(f).collect::<Vec<_>>()).median
@@ -113,21 +113,21 @@ pub fn medians(curve: &Curve) -> Vec<(f64, f64)> {
     out
 }
 
-/// How many times longer `curve` takes than `base` to an error: estimate and 95 % interval.
+/// How many times as long one curve takes as another to reach an error: estimate and 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ratio {
     pub value: f64,
     pub low: f64,
     pub high: f64,
-    /// One of the times is a bound only, or some resamples did not reach the error.
+    /// Whether a time is only a bound, in the estimate or in a resample.
     pub bound: bool,
 }
 
-/// Resamples of a bootstrap.
+/// Resamples of the bootstrap.
 const RESAMPLES: usize = 1000;
 
-/// Ratio of times to `error`, with the interval of a bootstrap that draws seeds with replacement
-/// within every budget. None where either curve is empty.
+/// The ratio of the times to `error`. The interval is that of a bootstrap, which draws seeds with replacement
+/// in each budget. `None` if either curve is empty.
 pub fn time_ratio(curve: &Curve, base: &Curve, error: f64) -> Option<Ratio> {
     let reach = |c: &Curve| time_to_error(&medians(c), error);
     let (a, b) = (reach(curve)?, reach(base)?);
@@ -158,7 +158,7 @@ fn resample(curve: &Curve, random: &mut Random) -> Curve {
     curve.iter().map(|points| draw(points, random)).collect()
 }
 
-/// SplitMix64: the same resamples in every run.
+/// SplitMix64 with a fixed seed: every run draws the same resamples.
 struct Random(u64);
 
 impl Random {
@@ -171,9 +171,9 @@ impl Random {
     }
 }
 
-/// An error that lies inside every curve, where there is one: halfway (in logarithms) between the best
-/// that all reach and the worst that all start from. Without one, the best that all reach. Curves that never
-/// reach what the first begins with (of a renderer that does not see all light) have no say.
+/// An error inside every curve if there is one: halfway (in logarithms) between the least error that all
+/// reach and the greatest that all start above. Otherwise the least error that all reach. A curve that never
+/// gets below the start of the first, because its renderer misses some light, is left out.
 pub fn common_error(curves: &[Vec<(f64, f64)>]) -> Option<f64> {
     let ends = |c: &Vec<(f64, f64)>| {
         let best = c.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
@@ -235,8 +235,8 @@ mod tests {
     }
 
     #[test]
-    fn the_ratio_holds_the_truth_between_its_ends() {
-        // Curve a takes 4 times as long as b to any error; both are disturbed.
+    fn the_interval_holds_the_true_ratio() {
+        // The one curve takes 4 times as long as the other to any error; both are noisy.
         let noise = [0.93, 1.02, 1.06, 0.98, 1.01];
         let curve = |factor: f64| -> Curve {
             let budgets = [1.0, 2.0, 4.0, 8.0];

@@ -1,4 +1,4 @@
-//! Tables: for the terminal, and as CSV.
+//! Results as text for the terminal, and as CSV.
 
 use super::analysis::{Analysis, Row};
 use super::record::{Budget, Record};
@@ -6,7 +6,10 @@ use super::statistics::{Ratio, Reach};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// Tables of every scene, the machine first.
+/// Writes the machine and the tables of every scene.
+///
+/// # Errors
+/// `out` cannot be written.
 pub fn write(analysis: &Analysis, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "machine: {}", analysis.machine.line())?;
     for scene in &analysis.scenes {
@@ -76,7 +79,7 @@ pub fn write(analysis: &Analysis, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// "3.2 s", "< 1 s" or "> 8 s".
+/// A time like "3.20 s", "< 1.00 s" or "> 8.00 s".
 pub fn reach(reach: Option<Reach>) -> String {
     match reach {
         Some(Reach::At(t)) => format!("{t:.2} s"),
@@ -86,7 +89,7 @@ pub fn reach(reach: Option<Reach>) -> String {
     }
 }
 
-/// "4.1 (3.8 to 4.5)"; bounds are marked.
+/// A ratio like "4.10 (3.80 to 4.50)"; bounds are marked.
 pub fn ratio(ratio: Option<Ratio>) -> String {
     match ratio {
         Some(r) => {
@@ -97,7 +100,7 @@ pub fn ratio(ratio: Option<Ratio>) -> String {
     }
 }
 
-/// "RMSE ~ t^-0.48 ± 0.02".
+/// A slope like "RMSE ~ t^-0.48 ± 0.02".
 pub fn slope(row: &Row) -> String {
     row.rmse_slope.map_or_else(String::new, |law| {
         let error = law.slope_error.map_or_else(String::new, |e| format!(" ± {e:.2}"));
@@ -105,7 +108,7 @@ pub fn slope(row: &Row) -> String {
     })
 }
 
-/// Every record, a line each, with a header; fields with commas or quotes are quoted (RFC 4180).
+/// A header and one line per record; fields with commas or quotes are quoted (RFC 4180).
 pub fn csv(records: &[Record]) -> String {
     let mut out = String::from(
         "scene,config,budget,unit,seed,seconds,cpu_seconds,peak_memory_bytes,passes,rmse,relmse,bias,flip,image\n",

@@ -1,11 +1,14 @@
-//! Pictures as PNGs of at most a given side.
+//! Pictures as small PNGs.
 
-use super::BenchError;
+use super::error::BenchError;
+use crate::html::base64;
 use crate::pixels::{Pixels, linear_to_srgb};
-use crate::report::base64;
 use caustica_formats::image::encode_png;
 
-/// sRGB PNG of means of square blocks, the longer side at most `side` pixels.
+/// An sRGB PNG whose longer side is at most `side` pixels; each is the mean of a square block.
+///
+/// # Errors
+/// The PNG cannot be encoded.
 pub fn png(pixels: &Pixels, side: usize) -> Result<Vec<u8>, BenchError> {
     let block = pixels.width.max(pixels.height).div_ceil(side.max(1)).max(1);
     let (width, height) = (pixels.width.div_ceil(block), pixels.height.div_ceil(block));
@@ -27,7 +30,10 @@ pub fn png(pixels: &Pixels, side: usize) -> Result<Vec<u8>, BenchError> {
     encode_png(width, height, &bytes).map_err(|e| BenchError::Usage(format!("cannot encode a PNG: {e}")))
 }
 
-/// The same as the source of an `img` element.
+/// The same PNG as the source of an `img` element.
+///
+/// # Errors
+/// The PNG cannot be encoded.
 pub fn data_uri(pixels: &Pixels, side: usize) -> Result<String, BenchError> {
-    Ok(format!("data:image/png;base64,{}", base64::encode(&png(pixels, side)?)))
+    Ok(format!("data:image/png;base64,{}", base64(&png(pixels, side)?)))
 }

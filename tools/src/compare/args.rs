@@ -1,4 +1,5 @@
-use super::{CompareOptions, Thresholds};
+use super::check::Thresholds;
+use super::comparison::CompareOptions;
 use crate::flip::{DEFAULT_PPD, Tonemapper};
 use crate::metrics::{VarianceKind, ZTestOptions};
 use clap::{Args, ValueEnum};
@@ -6,20 +7,20 @@ use std::path::PathBuf;
 
 /// Arguments of `caustica compare`.
 ///
-/// Exit status: 0 every threshold holds, 1 one falls short, 2 something could not be compared.
+/// Exit status: 0 if every threshold holds, 1 if one does not, 2 if something could not be compared.
 #[derive(Args, Clone, Debug)]
 pub struct CompareArgs {
-    /// Image, or a folder of images
+    /// Image, or folder of images
     pub image: PathBuf,
-    /// Reference, or a folder of references; partners agree in path up to extension and `.ref`
+    /// Reference, or folder of references; image and reference have the same path up to extension and `.ref`
     pub reference: PathBuf,
-    /// Layer of the image and of the reference (`NAME.R` ...) instead of plain R G B
+    /// Compare this layer (channels `NAME.R` ...) instead of R G B
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
-    /// Layer of the reference, where it differs
+    /// Layer of the reference, if it has another name
     #[arg(long, value_name = "NAME")]
     pub reference_layer: Option<String>,
-    /// Which pixels count: those above one half [default: `X.mask.exr` beside reference `X.exr`]
+    /// Mask: pixels above one half count [default: `X.mask.exr` beside reference `X.exr`]
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
     /// Variance image for the z-test [default: `X.var.exr` or `X_var.exr` beside reference `X.exr`]
@@ -28,10 +29,10 @@ pub struct CompareArgs {
     /// What the variance image holds [default: `sample` for `*_var.*`, else `mean`]
     #[arg(long, value_name = "KIND")]
     pub variance_of: Option<VarianceOf>,
-    /// Samples a pixel of the image, for the z-test
+    /// Samples per pixel of the image, for the z-test
     #[arg(long, value_name = "N")]
     pub spp: Option<f64>,
-    /// Samples a pixel of the reference: with --spp, the image's own noise enters the z-test
+    /// Samples per pixel of the reference: with --spp, the z-test includes the noise of the image
     #[arg(long, value_name = "N")]
     pub reference_spp: Option<f64>,
     /// Limit of the mean LDR-FLIP
@@ -52,7 +53,7 @@ pub struct CompareArgs {
     /// The z-test must accept
     #[arg(long)]
     pub z_test: bool,
-    /// Stops by which both pictures are exposed for LDR-FLIP
+    /// Exposure in stops of both pictures for LDR-FLIP
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f64,
     /// Pixels per degree for FLIP, from 1 to 10000
@@ -61,19 +62,19 @@ pub struct CompareArgs {
     /// Tonemapper of HDR-FLIP
     #[arg(long, value_name = "NAME", default_value = "aces")]
     pub tonemapper: Tonemapper,
-    /// Leave out HDR-FLIP, the slowest metric
+    /// Skip HDR-FLIP, the slowest metric
     #[arg(long)]
     pub no_hdr: bool,
     /// Signal of PSNR
     #[arg(long, value_name = "PEAK", default_value_t = 1.0)]
     pub psnr_peak: f64,
-    /// JSON instead of the table, or into FILE
+    /// Print JSON instead of the table, or write it to FILE
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub json: Option<Option<PathBuf>>,
-    /// One self-contained HTML page of all comparisons
+    /// Write one self-contained HTML page of all comparisons
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// LDR-FLIP map: magma colours (.png), or values (.pfm, .exr); a folder for folders
+    /// Write the LDR-FLIP map: magma colours (.png), or values (.pfm, .exr); for folders, a folder
     #[arg(long, value_name = "FILE")]
     pub error_map: Option<PathBuf>,
 }
@@ -96,14 +97,14 @@ impl From<VarianceOf> for VarianceKind {
     }
 }
 
-/// FLIP's filters reach a seventh of a degree: with more pixels they take minutes and memory.
+/// FLIP's filters reach a seventh of a degree: more pixels per degree would take minutes and much memory.
 fn pixels_per_degree(text: &str) -> Result<f64, String> {
     let ppd = text.parse().ok().filter(|ppd| (1.0..=1e4).contains(ppd));
     ppd.ok_or_else(|| "expected a number from 1 to 10000".to_owned())
 }
 
 impl CompareArgs {
-    /// The arguments of comparing two paths with everything at its default.
+    /// The arguments for two paths, everything else at its default.
     pub fn new(image: impl Into<PathBuf>, reference: impl Into<PathBuf>) -> Self {
         Self {
             image: image.into(),
@@ -132,8 +133,8 @@ impl CompareArgs {
         }
     }
 
-    /// The part of the arguments that concerns one comparison.
-    pub fn options(&self) -> CompareOptions {
+    /// The options of each comparison.
+    pub(super) fn options(&self) -> CompareOptions {
         CompareOptions {
             ppd: self.ppd,
             exposure: self.exposure,

@@ -1,7 +1,9 @@
-use super::Comparison;
+//! Thresholds, and whether a comparison keeps them.
+
+use crate::metrics::{Bias, Errors, ZTest};
 use serde::Serialize;
 
-/// Limits that a comparison must keep; none is no limit.
+/// Limits of a comparison; `None` is no limit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Thresholds {
     /// Mean LDR-FLIP.
@@ -13,31 +15,36 @@ pub struct Thresholds {
     pub relmse: Option<f64>,
     /// Largest magnitude of the relative bias over the channels.
     pub bias: Option<f64>,
-    /// The z-test must accept.
+    /// Whether the z-test must accept.
     pub z_test: bool,
 }
 
-/// One limit and what was measured.
+/// One limit and the measured value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     pub name: &'static str,
     pub value: f64,
     pub limit: f64,
-    /// `value ≤ limit`; for the z-test, whose value is the accepted share, `≥`.
+    /// `value ≤ limit`; for the z-test, whose value is the accepted share, `value ≥ limit`.
     pub holds: bool,
 }
 
 impl Thresholds {
-    /// Every limit that is set, in the order of the fields. A z-test that could not be made and a
-    /// HDR-FLIP that was not asked for do not hold.
-    pub fn check(&self, c: &Comparison) -> Vec<Check> {
-        let hdr = c.flip_hdr.as_ref().map_or(f64::INFINITY, |h| h.stats.mean);
+    /// Checks every limit that is set, in the order of the fields. `flip` holds the means of LDR-FLIP and
+    /// HDR-FLIP. A limit on something that was not computed does not hold.
+    pub fn check(
+        &self,
+        bias: &Bias,
+        errors: &Errors,
+        flip: (f64, Option<f64>),
+        z_test: Option<&ZTest>,
+    ) -> Vec<Check> {
         let mut checks: Vec<Check> = [
-            ("flip", self.flip, c.flip_ldr.stats.mean),
-            ("hdr-flip", self.hdr_flip, hdr),
-            ("rmse", self.rmse, c.errors.rmse_all),
-            ("relmse", self.relmse, c.errors.relmse),
-            ("bias", self.bias, c.bias.worst()),
+            ("flip", self.flip, flip.0),
+            ("hdr-flip", self.hdr_flip, flip.1.unwrap_or(f64::INFINITY)),
+            ("rmse", self.rmse, errors.rmse_all),
+            ("relmse", self.relmse, errors.relmse),
+            ("bias", self.bias, bias.worst()),
         ]
         .into_iter()
         .filter_map(|(name, limit, value)| {
@@ -45,8 +52,7 @@ impl Thresholds {
         })
         .collect();
         if self.z_test {
-            let (value, limit) =
-                c.z_test.as_ref().map_or((0.0, 1.0), |z| (z.accepted_share, z.required_share));
+            let (value, limit) = z_test.map_or((0.0, 1.0), |z| (z.accepted_share, z.required_share));
             checks.push(Check { name: "z-test", value, limit, holds: value >= limit });
         }
         checks

@@ -5,34 +5,101 @@ use thiserror::Error;
 /// Why two pictures could not be compared.
 #[derive(Debug, Error)]
 pub enum CompareError {
+    /// A file is not a picture, or a picture could not be encoded.
     #[error("{}: {source}", path.display())]
-    Read { path: PathBuf, source: ImageError },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the reader says.
+        source: ImageError,
+    },
+    /// A file could not be read or written.
     #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: std::io::Error },
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A picture lacks the channels asked for.
     #[error("{}: no channels {wanted}; the file has {found}", path.display())]
-    MissingChannels { path: PathBuf, wanted: String, found: String },
+    MissingChannels {
+        /// The picture.
+        path: PathBuf,
+        /// The channels asked for.
+        wanted: String,
+        /// The channels it has.
+        found: String,
+    },
+    /// A picture holds NaN or infinities.
     #[error(
-        "{}: {count} of its values are not finite; the first is {value} in channel {channel} at column {x}, \
-         row {y}",
+        "{}: {count} values are not finite; the first is {value} in channel {channel} at column {x}, row {y}",
         path.display()
     )]
-    NotFinite { path: PathBuf, count: usize, value: f32, channel: char, x: usize, y: usize },
+    NotFinite {
+        /// The picture.
+        path: PathBuf,
+        /// Number of values that are not finite.
+        count: usize,
+        /// The first of them.
+        value: f32,
+        /// Its channel: R, G or B.
+        channel: char,
+        /// Its column.
+        x: usize,
+        /// Its row.
+        y: usize,
+    },
+    /// Two pictures differ in size.
     #[error(
         "different sizes: {} has {}x{} pixels, {} has {}x{}",
         path.display(), size[0], size[1], reference.display(), reference_size[0], reference_size[1]
     )]
-    Size { path: PathBuf, size: [usize; 2], reference: PathBuf, reference_size: [usize; 2] },
+    Size {
+        /// The one picture.
+        path: PathBuf,
+        /// Its width and height.
+        size: [usize; 2],
+        /// The other picture.
+        reference: PathBuf,
+        /// Its width and height.
+        reference_size: [usize; 2],
+    },
+    /// A z-test was asked for without a variance image.
     #[error("no variance image beside {}: give one with --variance FILE", reference.display())]
-    NoVariance { reference: PathBuf },
+    NoVariance {
+        /// The reference.
+        reference: PathBuf,
+    },
+    /// The variance of one sample says nothing without the number of samples.
     #[error(
-        "{} holds the variance of one sample: give the samples a pixel of the image with --spp N",
+        "{} holds the variance of one sample: give the sample count of the image with --spp N",
         path.display()
     )]
-    NoSamples { path: PathBuf },
+    NoSamples {
+        /// The variance image.
+        path: PathBuf,
+    },
+    /// A folder is compared with a file.
     #[error("{} is a folder and {} is a file", folder.display(), file.display())]
-    FolderAgainstFile { folder: PathBuf, file: PathBuf },
+    FolderAgainstFile {
+        /// The folder.
+        folder: PathBuf,
+        /// The file.
+        file: PathBuf,
+    },
+    /// A folder has no image for a reference.
     #[error("{} has no image for {}", folder.display(), reference.display())]
-    NoImage { folder: PathBuf, reference: PathBuf },
+    NoImage {
+        /// The folder of images.
+        folder: PathBuf,
+        /// The reference.
+        reference: PathBuf,
+    },
+    /// A folder holds no reference.
     #[error("no reference image in {}", folder.display())]
-    NoReferences { folder: PathBuf },
+    NoReferences {
+        /// The folder.
+        folder: PathBuf,
+    },
 }

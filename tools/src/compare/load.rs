@@ -1,6 +1,6 @@
 //! Image files as linear RGB.
 
-use super::CompareError;
+use super::error::CompareError;
 use crate::pixels::{Pixels, srgb_to_linear};
 use caustica_formats::image::{self, Encoding, Image};
 use rayon::prelude::*;
@@ -9,13 +9,17 @@ use std::path::Path;
 /// A picture read from a file.
 #[derive(Debug)]
 pub struct Loaded {
+    /// Linear RGB.
     pub pixels: Pixels,
-    /// Whether the file held display values (PNG, JPEG), not radiance.
+    /// Whether the file held display values (PNG, JPEG …), which are decoded from sRGB, instead of radiance.
     pub display: bool,
 }
 
-/// Reads `path` as linear RGB. Without `layer` its plain `R G B`, or `Y` for all three, or its only
-/// channel; with it `layer.R` and so on. Other channels are ignored. Every value must be finite.
+/// Reads a picture as linear RGB: the channels `R G B`, else `Y` as gray, else the only channel. With `layer`
+/// these are `layer.R` and so on. Other channels are ignored.
+///
+/// # Errors
+/// The file cannot be read, is not a picture, lacks the channels, or holds a value that is not finite.
 pub fn load(path: &Path, layer: Option<&str>) -> Result<Loaded, CompareError> {
     let at = || path.to_path_buf();
     let bytes = std::fs::read(path).map_err(|source| CompareError::Io { path: at(), source })?;
@@ -32,7 +36,7 @@ pub fn load(path: &Path, layer: Option<&str>) -> Result<Loaded, CompareError> {
     Ok(Loaded { pixels, display })
 }
 
-/// Positions of red, green and blue, plain or in a layer.
+/// Indices of the red, green and blue channel, of a layer or of none.
 fn select(image: &Image, layer: Option<&str>) -> Option<[usize; 3]> {
     let find = |name: &str| image.channels.iter().position(|c| c == name);
     let Some(layer) = layer else {
@@ -67,7 +71,8 @@ fn check_finite(pixels: &Pixels, path: &Path) -> Result<(), CompareError> {
         return Ok(());
     };
     let pixel = pixels.rgb[first];
-    let channel = pixel.iter().position(|v| !v.is_finite()).expect("the pixel has such a value");
+    let channel =
+        pixel.iter().position(|v| !v.is_finite()).expect("the pixel has a value that is not finite");
     Err(CompareError::NotFinite {
         path: path.to_path_buf(),
         count,
@@ -113,7 +118,7 @@ mod tests {
         p.rgb[9][0] = f32::NEG_INFINITY;
         assert_eq!(
             check_finite(&p, Path::new("a.exr")).unwrap_err().to_string(),
-            "a.exr: 3 of its values are not finite; the first is NaN in channel G at column 2, row 1"
+            "a.exr: 3 values are not finite; the first is NaN in channel G at column 2, row 1"
         );
     }
 }

@@ -1,6 +1,7 @@
-//! Pixels that a reference leaves out.
+//! Masks: pixels of a reference that do not count.
 
-use super::{CompareError, load};
+use super::error::CompareError;
+use super::load::load;
 use crate::pixels::Pixels;
 use std::path::{Path, PathBuf};
 
@@ -11,10 +12,11 @@ pub struct Mask {
 }
 
 impl Mask {
-    /// The mask `X.mask.exr` beside the reference `X.exr`, of the reference's size; none without one.
+    /// The mask `X.mask.exr` beside the reference `X.exr`; `None` if there is no such file. `size` is the
+    /// reference.
     ///
     /// # Errors
-    /// A mask that cannot be read, or of another size.
+    /// The mask cannot be read, or has another size than the reference.
     pub fn beside(reference: &Path, size: &Pixels) -> Result<Option<Self>, CompareError> {
         match path(reference).filter(|p| p.is_file()) {
             Some(path) => Self::read(&path, reference, size).map(Some),
@@ -22,8 +24,10 @@ impl Mask {
         }
     }
 
+    /// Reads the mask of a reference; `size` is the reference.
+    ///
     /// # Errors
-    /// A mask that cannot be read, or of another size than the reference.
+    /// The mask cannot be read, or has another size than the reference.
     pub fn read(path: &Path, reference: &Path, size: &Pixels) -> Result<Self, CompareError> {
         let mask = load(path, None)?.pixels;
         if !mask.same_size(size) {
@@ -37,7 +41,7 @@ impl Mask {
         Ok(Self { counts: mask.rgb.iter().map(|p| p[0] > 0.5).collect() })
     }
 
-    /// Makes black what does not count.
+    /// Makes the pixels black that do not count.
     pub fn apply(&self, pixels: &mut Pixels) {
         for (pixel, counts) in pixels.rgb.iter_mut().zip(&self.counts) {
             if !counts {
@@ -52,8 +56,8 @@ impl Mask {
     }
 }
 
-/// Where the mask of a reference would be.
-pub fn path(reference: &Path) -> Option<PathBuf> {
+/// The file name that a mask of this reference has.
+fn path(reference: &Path) -> Option<PathBuf> {
     let name = format!("{}.mask.{}", reference.file_stem()?.to_str()?, reference.extension()?.to_str()?);
     Some(reference.with_file_name(name))
 }

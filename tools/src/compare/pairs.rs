@@ -1,26 +1,26 @@
-//! Which file is compared with which, and where variances are.
+//! Which file is compared with which, and where variance images are.
 
-use super::CompareError;
+use super::error::CompareError;
 use crate::metrics::VarianceKind;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Extensions of images that are looked for in folders.
+/// Extensions of images in folders. Of files that differ in the extension only, the first one here is taken.
 const EXTENSIONS: [&str; 9] = ["exr", "pfm", "hdr", "png", "jpg", "jpeg", "tga", "bmp", "rgbe"];
 
-/// Ends of the names of images that say something about a reference.
+/// Suffixes of files that belong to a reference and are not compared themselves.
 const COMPANIONS: [&str; 4] = [".var", "_var", ".mask", ".density"];
 
 /// An image and its reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
-    /// Path below both folders, without extension and mark; the file's name for two files.
+    /// Path below the folders, without extension and suffix; for two files the name of the image.
     pub name: String,
     pub image: PathBuf,
     pub reference: PathBuf,
 }
 
-/// Pairs of two folders, and what has no partner.
+/// The pairs of two folders, and what has no partner.
 #[derive(Debug, Default)]
 pub struct Pairs {
     pub pairs: Vec<Pair>,
@@ -30,8 +30,11 @@ pub struct Pairs {
     pub extra: Vec<PathBuf>,
 }
 
-/// Images below two folders belong together when their paths agree up to extension and a mark of
-/// references (`.ref`, `_ref`, `_ref_rgb`). Variances and masks are no partners.
+/// Finds the pairs of two folders: images whose paths agree up to the extension and a suffix of references
+/// (`.ref`, `_ref`, `_ref_rgb`). Variance images and masks are left out.
+///
+/// # Errors
+/// A folder cannot be read.
 pub fn in_folders(images: &Path, references: &Path) -> Result<Pairs, CompareError> {
     let mut found = list(images)?;
     let mut pairs = Pairs::default();
@@ -55,7 +58,6 @@ fn list(folder: &Path) -> Result<BTreeMap<String, PathBuf>, CompareError> {
             if path.is_dir() {
                 folders.push(path);
             } else if let Some(name) = partner_name(path.strip_prefix(folder).unwrap_or(&path)) {
-                // Of files that differ in the extension only, the first in this order is meant.
                 let rank = |p: &Path| EXTENSIONS.iter().position(|e| Some(*e) == extension(p).as_deref());
                 let best = names.entry(name).or_insert_with(|| path.clone());
                 if rank(&path) < rank(best) {
@@ -71,29 +73,30 @@ fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-/// The path without what may differ between an image and its reference; none for other files.
+/// The part of the path that an image and its reference share; `None` for other files.
 fn partner_name(path: &Path) -> Option<String> {
     EXTENSIONS.contains(&extension(path)?.as_str()).then_some(())?;
     let stem = path.with_extension("").to_string_lossy().replace('\\', "/");
     if COMPANIONS.iter().any(|c| stem.ends_with(c)) {
         return None;
     }
-    let mark = [".ref", "_ref_rgb", "_ref"].into_iter().find_map(|m| stem.strip_suffix(m));
-    Some(mark.unwrap_or(&stem).to_string())
+    let shared = [".ref", "_ref_rgb", "_ref"].into_iter().find_map(|suffix| stem.strip_suffix(suffix));
+    Some(shared.unwrap_or(&stem).to_string())
 }
 
 /// The variance image beside a reference: `x.ref.exr` has `x.ref.var.exr` (variance of the mean),
 /// `x_ref_rgb.exr` has `x_ref_rgb_var.exr` (Mitsuba's tests: variance of one sample).
 pub fn variance_beside(reference: &Path) -> Option<(PathBuf, VarianceKind)> {
     let extension = reference.extension()?.to_str()?;
-    [".var", "_var"].into_iter().find_map(|mark| {
-        let name = format!("{}{mark}.{extension}", reference.file_stem()?.to_str()?);
+    [".var", "_var"].into_iter().find_map(|suffix| {
+        let name = format!("{}{suffix}.{extension}", reference.file_stem()?.to_str()?);
         let path = reference.with_file_name(name);
         path.is_file().then(|| (path.clone(), variance_kind(&path)))
     })
 }
 
-/// What a variance file holds, by its name: `_var` is Mitsuba's, anything else a variance of means.
+/// What a variance file holds, by its name: Mitsuba's `_var` the variance of a sample, any other that of the
+/// mean.
 pub fn variance_kind(path: &Path) -> VarianceKind {
     let stem = path.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
     if stem.ends_with("_var") { VarianceKind::OfSample } else { VarianceKind::OfMean }

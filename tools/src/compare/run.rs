@@ -1,68 +1,30 @@
 //! `caustica compare`: reads what the arguments name, compares, writes.
 
+use super::args::CompareArgs;
+use super::comparison::{Compared, Comparison, compare};
+use super::error::CompareError;
+use super::error_map;
+use super::load::load;
+use super::mask::Mask;
+use super::page::Page;
 use super::pairs::{self, Pair};
-use super::{
-    CompareArgs, CompareError, Compared, Comparison, Mask, compare, errormap, load, write_rows, write_table,
-};
+use super::report::{Failure, Report, Status};
+use super::table::{write_rows, write_table};
 use crate::metrics::{Variance, VarianceKind};
 use crate::pixels::Pixels;
-use crate::report::Page;
 use caustica_formats::image::atomic_write;
-use serde::Serialize;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// How a run ended, as the exit status of a program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Status {
-    /// Every comparison was made and every threshold holds.
-    Holds = 0,
-    /// A threshold does not hold.
-    FallsShort = 1,
-    /// Something could not be compared or written.
-    CouldNotCompare = 2,
-}
-
-impl Status {
-    /// The exit status of a process: 0, 1 or 2.
-    pub fn code(self) -> u8 {
-        self as u8
-    }
-}
-
-impl From<Status> for std::process::ExitCode {
-    fn from(status: Status) -> Self {
-        status.code().into()
-    }
-}
-
-/// A pair that could not be compared.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Failure {
-    pub image: String,
-    pub reference: String,
-    pub error: String,
-}
-
-/// Everything a run found: the JSON of `--json`, and the data of the HTML page.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Report {
-    /// [`Status::code`].
-    pub status: u8,
-    pub comparisons: Vec<Comparison>,
-    pub failures: Vec<Failure>,
-    /// Images for which there was no reference.
-    pub unmatched: Vec<String>,
-}
-
-/// Runs the comparison and writes the table or the JSON to `out`. Errors of single pairs are part of
-/// the output; an error of `out` itself is not recoverable and ends as [`Status::CouldNotCompare`].
+/// Runs `caustica compare` and writes the table or the JSON to `out`. A pair that cannot be compared is part
+/// of the output. If `out` cannot be written, the status is [`Status::CouldNotCompare`], unless its reader
+/// closed it.
 pub fn run(args: &CompareArgs, out: &mut dyn Write) -> Status {
     let mut report = Report::default();
     let mut page = args.html.as_ref().map(|_| Page::default());
     let folder = args.image.is_dir() && args.reference.is_dir();
     if let Err(error) = compare_all(args, folder, &mut report, page.as_mut()) {
-        report.failures.push(failure(&args.image, &args.reference, &error));
+        report.failures.push(Failure::new(&args.image, &args.reference, &error));
     }
     let mut status = if !report.failures.is_empty() {
         Status::CouldNotCompare
@@ -72,24 +34,24 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write) -> Status {
         Status::FallsShort
     };
     report.status = status.code();
-    let mut written = |path: &Path, bytes: &[u8], report: &mut Report| {
+    let mut write = |path: &Path, bytes: &[u8], report: &mut Report| {
         if let Err(source) = atomic_write(path, bytes) {
             let error = CompareError::Io { path: path.to_path_buf(), source };
-            report.failures.push(failure(&args.image, &args.reference, &error));
+            report.failures.push(Failure::new(&args.image, &args.reference, &error));
             status = Status::CouldNotCompare;
             report.status = status.code();
         }
     };
     if let (Some(page), Some(path)) = (page, &args.html) {
         let page = page.render(&report);
-        written(path, page.as_bytes(), &mut report);
+        write(path, page.as_bytes(), &mut report);
     }
     if let Some(Some(path)) = &args.json {
         let json = to_json(&report);
-        written(path, json.as_bytes(), &mut report);
+        write(path, json.as_bytes(), &mut report);
     }
     match write_report(args, folder, &report, out) {
-        // Whoever reads may stop before the end.
+        // The reader may stop before the end.
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             let _closed = writeln!(io::stderr(), "error: cannot write to stdout: {e}");
             Status::CouldNotCompare
@@ -99,7 +61,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write) -> Status {
 }
 
 fn to_json(report: &Report) -> String {
-    serde_json::to_string_pretty(report).expect("plain numbers and texts")
+    serde_json::to_string_pretty(report).expect("a report holds only numbers and strings")
 }
 
 fn compare_all(
@@ -126,12 +88,12 @@ fn compare_all(
     for pair in &pairs.pairs {
         match compare_pair(args, folder, pair, page.as_deref_mut()) {
             Ok(comparison) => report.comparisons.push(comparison),
-            Err(error) => report.failures.push(failure(&pair.image, &pair.reference, &error)),
+            Err(error) => report.failures.push(Failure::new(&pair.image, &pair.reference, &error)),
         }
     }
     for reference in pairs.missing {
         let error = CompareError::NoImage { folder: args.image.clone(), reference: reference.clone() };
-        report.failures.push(failure(&args.image, &reference, &error));
+        report.failures.push(Failure::new(&args.image, &reference, &error));
     }
     report.unmatched = pairs.extra.iter().map(|p| p.display().to_string()).collect();
     Ok(())
@@ -155,9 +117,9 @@ fn compare_pair(
     let mut notes = Vec::new();
     if image.display && reference.display && options.thresholds.hdr_flip.is_none() && options.hdr.is_some() {
         options.hdr = None;
-        notes.push("both pictures hold display values: no HDR-FLIP".into());
+        notes.push("no HDR-FLIP: both pictures hold display values".into());
     } else if image.display != reference.display {
-        notes.push("one picture holds radiance, the other decoded display values in 0..1".into());
+        notes.push("one picture holds radiance, the other display values from 0 to 1".into());
     }
     let mask = match &args.mask {
         Some(path) => Some(Mask::read(path, &pair.reference, &reference.pixels)?),
@@ -167,9 +129,7 @@ fn compare_pair(
         mask.apply(&mut image.pixels);
         mask.apply(&mut reference.pixels);
         let (left_out, all) = (mask.left_out(), image.pixels.rgb.len());
-        notes.push(format!(
-            "{left_out} of {all} pixels do not count: the mask makes them black in both pictures"
-        ));
+        notes.push(format!("{left_out} of {all} pixels are masked out: they are black in both pictures"));
     }
     let variance = load_variance(args, pair, &image.pixels, &mut notes)?;
     let variance = variance.as_ref().map(|(pixels, kind)| Variance { pixels, kind: *kind });
@@ -179,7 +139,7 @@ fn compare_pair(
     compared.comparison.reference = pair.reference.display().to_string();
     compared.comparison.notes = notes;
     if let Some(path) = &args.error_map {
-        errormap::write(&map_path(path, folder, &pair.name), &compared.ldr)?;
+        error_map::write(&map_path(path, folder, &pair.name), &compared.ldr)?;
     }
     if let Some(page) = page {
         page.add(&compared, &image.pixels, &reference.pixels);
@@ -188,7 +148,7 @@ fn compare_pair(
     Ok(comparison)
 }
 
-/// Where the map of a pair goes: the path itself, or `folder/name.png`.
+/// The file of a pair's error map: the path itself, or `folder/name.png`.
 fn map_path(path: &Path, folder: bool, name: &str) -> PathBuf {
     if folder { path.join(format!("{name}.png")) } else { path.to_path_buf() }
 }
@@ -205,8 +165,8 @@ fn same_size(image: &Pixels, path: &Path, other: &Pixels, other_path: &Path) -> 
     })
 }
 
-/// The variance image given or found beside the reference; none leaves a note or, where the z-test
-/// is asked for, is an error.
+/// The variance image that was given, or found beside the reference. Without a usable one there is a note, or
+/// an error if the z-test was asked for.
 fn load_variance(
     args: &CompareArgs,
     pair: &Pair,
@@ -230,19 +190,13 @@ fn load_variance(
         return Ok(None);
     }
     if kind == VarianceKind::OfMean && (args.spp.is_none() || args.reference_spp.is_none()) {
-        notes.push("the z-test takes the image as free of noise (no --spp and --reference-spp)".into());
+        notes.push(
+            "the z-test takes the image as free of noise: --spp and --reference-spp are not given".into(),
+        );
     }
     let variance = load(&path, None)?.pixels;
     same_size(image, &pair.image, &variance, &path)?;
     Ok(Some((variance, kind)))
-}
-
-fn failure(image: &Path, reference: &Path, error: &CompareError) -> Failure {
-    Failure {
-        image: image.display().to_string(),
-        reference: reference.display().to_string(),
-        error: error.to_string(),
-    }
 }
 
 fn write_report(args: &CompareArgs, folder: bool, report: &Report, out: &mut dyn Write) -> io::Result<()> {

@@ -1,10 +1,14 @@
-//! A comparison as text for a person.
+//! Comparisons as text.
 
-use super::{Check, Comparison};
+use super::check::Check;
+use super::comparison::Comparison;
 use crate::flip::FlipStats;
 use std::io::{self, Write};
 
-/// One comparison in full.
+/// Writes one comparison in full.
+///
+/// # Errors
+/// `out` cannot be written.
 pub fn write_table(c: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "image      {}", c.image)?;
     writeln!(out, "reference  {}", c.reference)?;
@@ -20,7 +24,11 @@ pub fn write_table(c: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     row(out, "RMSE", c.errors.rmse, c.errors.rmse_all, |v| format!("{v:.6}"))?;
     writeln!(out)?;
     let e = &c.errors;
-    writeln!(out, "relMSE      {:>12.6}   without the worst 0.1 %: {:.6}", e.relmse, e.relmse_trimmed)?;
+    writeln!(
+        out,
+        "relMSE      {:>12.6}   without the worst 0.1 % of the pixels: {:.6}",
+        e.relmse, e.relmse_trimmed
+    )?;
     writeln!(out, "MAPE        {:>10.3} %", 100.0 * e.mape)?;
     match e.psnr {
         Some(psnr) => writeln!(out, "PSNR        {psnr:>9.2} dB   peak {}", e.psnr_peak)?,
@@ -42,8 +50,8 @@ pub fn write_table(c: &Comparison, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out)?;
         writeln!(
             out,
-            "z-test      {}: {:.4} % of the values accepted, {:.2} % needed; smallest p {:.2e}, alpha {:.2e}",
-            if z.accepted { "accepted" } else { "REFUSED" },
+            "z-test      {}: {:.4} % of the values accepted, {:.2} % required; smallest p {:.2e}, alpha {:.2e}",
+            if z.accepted { "accepted" } else { "REJECTED" },
             100.0 * z.accepted_share,
             100.0 * z.required_share,
             z.min_p,
@@ -65,7 +73,10 @@ pub fn write_table(c: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     c.checks.iter().try_for_each(|check| writeln!(out, "{}", check_line(check)))
 }
 
-/// Several comparisons, a line each.
+/// Writes one line per comparison, and one per threshold that does not hold.
+///
+/// # Errors
+/// `out` cannot be written.
 pub fn write_rows(comparisons: &[Comparison], out: &mut dyn Write) -> io::Result<()> {
     let wide = comparisons.iter().map(|c| c.name.chars().count()).max().unwrap_or(0).max(5);
     writeln!(
@@ -75,7 +86,7 @@ pub fn write_rows(comparisons: &[Comparison], out: &mut dyn Write) -> io::Result
     )?;
     for c in comparisons {
         let hdr = c.flip_hdr.as_ref().map_or("-".into(), |h| format!("{:.4}", h.stats.mean));
-        let z = c.z_test.as_ref().map_or("-", |z| if z.accepted { "accepted" } else { "refused" });
+        let z = c.z_test.as_ref().map_or("-", |z| if z.accepted { "accepted" } else { "rejected" });
         writeln!(
             out,
             "{:<wide$}{:>11.6}{:>11.6}{:>9.3} %{:>10.4}{hdr:>10}  {z}",

@@ -20,8 +20,9 @@ const INVERSE_WHITE: [f32; 3] = [1.052156925, 1.0, 0.918357670];
 
 /// Exponent that compresses colour differences.
 const Q_C: f32 = 0.7;
-/// Share of the largest difference below which errors are stretched, and where that share lands.
+/// Differences below this share of the largest one are stretched …
 const P_C: f32 = 0.4;
+/// … to this share of the range of errors.
 const P_T: f32 = 0.95;
 
 #[inline(always)]
@@ -33,7 +34,7 @@ fn multiply(m: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// Linear RGB to the opponent space YCxCz (linearised CIELAB), where the eye's filters act.
+/// Linear RGB to the opponent space YCxCz (linearised CIELAB), in which the eye's filters are defined.
 #[inline(always)]
 pub fn rgb_to_ycxcz(rgb: [f32; 3]) -> [f32; 3] {
     let xyz = multiply(&RGB_TO_XYZ, rgb);
@@ -50,7 +51,7 @@ fn ycxcz_to_rgb(v: [f32; 3]) -> [f32; 3] {
     [rgb[0].clamp(0.0, 1.0), rgb[1].clamp(0.0, 1.0), rgb[2].clamp(0.0, 1.0)]
 }
 
-/// Linear RGB in [0, 1] to CIELAB with the Hunt effect: chroma weighs more in brighter colours.
+/// Linear RGB in [0, 1] to CIELAB with the Hunt effect: chroma counts more in brighter colours.
 #[inline(always)]
 fn rgb_to_hunt_lab(rgb: [f32; 3]) -> [f32; 3] {
     const DELTA: f32 = 6.0 / 29.0;
@@ -67,8 +68,8 @@ fn rgb_to_hunt_lab(rgb: [f32; 3]) -> [f32; 3] {
     [lightness, hunt * 500.0 * (x - y), hunt * 200.0 * (y - z)]
 }
 
-/// Cube root of a number in (0, 2): exponent divided by three, then two of Halley's steps (cubic
-/// convergence from 5 % to below one unit of f32). Branch-free, so that the compiler can vectorise.
+/// Cube root of a number in (0, 2): the exponent divided by three, then two steps of Halley's method (cubic
+/// convergence, from 5 % to below one unit of f32). Branch-free, so that the compiler can vectorise it.
 #[inline(always)]
 fn fast_cbrt(t: f32) -> f32 {
     let t = t.max(1e-9);
@@ -82,9 +83,9 @@ fn fast_cbrt(t: f32) -> f32 {
 
 /// `x^p` for x in [0, 1000] and p in [0, 1], relative error below 3e-6; 0^p is 0 except for p = 0.
 ///
-/// `2^(p log2 x)` with the logarithm as the series of `artanh` and the exponential as its Taylor
-/// polynomial, both on reduced arguments. Branch-free and wrapping, so that the compiler can vectorise
-/// it with overflow checks on, too.
+/// `2^(p log2 x)` with the logarithm as the series of `artanh` and the exponential as its Taylor polynomial,
+/// both on reduced arguments. Branch-free and wrapping, so that the compiler can vectorise it even with
+/// overflow checks.
 #[inline(always)]
 pub fn power(x: f32, p: f32) -> f32 {
     use std::f32::consts::{LN_2, SQRT_2};

@@ -1,4 +1,4 @@
-//! Which exposures HDR-FLIP looks at, and how a picture is tonemapped for them.
+//! The exposures of HDR-FLIP, and tonemapping.
 
 use crate::pixels::{Pixels, luminance};
 use serde::{Deserialize, Serialize};
@@ -36,8 +36,9 @@ impl Tonemapper {
         f64::max((-b + root) / (2.0 * a), (-b - root) / (2.0 * a))
     }
 
-    /// Linear radiance, already exposed, to display values in [0, 1].
-    pub fn apply(self, rgb: [f32; 3]) -> [f32; 3] {
+    /// Exposed linear radiance to display values in [0, 1].
+    #[cfg(test)]
+    fn apply(self, rgb: [f32; 3]) -> [f32; 3] {
         match self {
             Self::Reinhard => reinhard(rgb),
             Self::Aces | Self::Hable => rational(&self.coefficients(), rgb),
@@ -63,18 +64,21 @@ pub fn reinhard(rgb: [f32; 3]) -> [f32; 3] {
     [(r * scale).clamp(0.0, 1.0), (g * scale).clamp(0.0, 1.0), (b * scale).clamp(0.0, 1.0)]
 }
 
-/// Exposures in stops, evenly spaced from `start` to `stop`.
+/// Evenly spaced exposures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exposures {
+    /// The first, in stops.
     pub start: f64,
+    /// The last, in stops.
     pub stop: f64,
+    /// How many.
     pub count: usize,
 }
 
 impl Exposures {
-    /// The range of the 2021 paper, §3.2: from the exposure that puts the reference's brightest
-    /// luminance at 0.85 of the tonemapped range to the one that puts its median there, in steps of
-    /// about one stop. A reference without any light is looked at as it is.
+    /// The range of the 2021 paper, §3.2: from the exposure at which the reference's largest luminance is
+    /// tonemapped to 0.85, to the one at which its median is, in steps of about one stop. A black reference
+    /// has the single exposure 0.
     pub fn automatic(reference: &Pixels, tonemapper: Tonemapper) -> Self {
         let mut values: Vec<f32> = reference.rgb.iter().map(|p| luminance(p.map(|v| v.max(0.0)))).collect();
         let max = values.iter().copied().fold(0.0, f32::max);
@@ -85,12 +89,12 @@ impl Exposures {
         let (_, &mut median, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
         let white = tonemapper.inverse(0.85);
         let start = (white / f64::from(max)).log2();
-        // A picture that is mostly black has no median to expose for.
+        // The median of a picture that is mostly black is 0.
         let stop = (white / f64::from(median.max(f32::EPSILON))).log2().max(start);
         Self { start, stop, count: ((stop - start).ceil() as usize).max(2) }
     }
 
-    /// The exposures, first to last.
+    /// The exposures in stops, first to last.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         let step = (self.stop - self.start) / (self.count.max(2) - 1) as f64;
         (0..self.count).map(move |i| self.start + step * i as f64)

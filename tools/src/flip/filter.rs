@@ -2,8 +2,8 @@
 
 use super::kernel::Kernel;
 
-/// `out[x] = Σ k(i) · row[x + margin + i]`; `row` has at least `kernel.radius()` samples on both
-/// sides of the `out.len()` wanted ones, the first wanted one at `margin`.
+/// `out[x] = Σ k(i) · row[x + margin + i]`. `row` has at least `kernel.radius()` samples before `margin` and
+/// as many after the `out.len()` samples from there.
 #[inline(always)]
 pub fn along_row(out: &mut [f32], row: &[f32], margin: usize, kernel: &Kernel) {
     let n = out.len();
@@ -33,7 +33,7 @@ fn accumulate<'a>(out: &mut [f32], kernel: &Kernel, tap: impl Fn(usize, bool) ->
     }
 }
 
-/// Offsets that one sweep over the outputs adds, to spare memory traffic.
+/// Offsets added in one sweep over the outputs; several save memory traffic.
 const SWEEP: usize = 3;
 
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// A filter of odd length `2·radius + 1`; `half[i]` belongs to the offset ±i, `odd` filters have the
+/// A filter of length `2·radius + 1`. `half[i]` is the weight at the offsets ±i; `odd` filters have the
 /// opposite sign on the negative side.
 #[derive(Clone, Debug)]
 pub struct Kernel {
@@ -20,12 +20,12 @@ impl Kernel {
     }
 }
 
-/// All kernels for one number of pixels per degree.
+/// All kernels for a number of pixels per degree.
 ///
-/// Contrast sensitivity (2020, table 1): per opponent channel a sum of Gaussians
-/// `a √(π/b) exp(−π² x²/b)`, x in degrees; achromatic and red-green have one, blue-yellow two. A sum
-/// of two isotropic Gaussians is not separable, but each is: both are applied and weighted with the
-/// mass they have in the normalised two-dimensional filter.
+/// Contrast sensitivity (2020, table 1): per opponent channel a sum of Gaussians `a √(π/b) exp(−π² x²/b)`, x
+/// in degrees; achromatic and red-green have one, blue-yellow two. A sum of two isotropic Gaussians is not
+/// separable, but each one is: both are applied and weighted by their mass in the normalised two-dimensional
+/// filter.
 ///
 /// Features (2020, §4.2): first and second derivative of a Gaussian whose width makes the ring of
 /// the edge detector `w` = 0.082 degrees; positive and negative weights normalised to ±1.
@@ -70,18 +70,18 @@ impl Kernels {
         }
     }
 
-    /// Pixels a filter reaches beyond its centre.
+    /// Pixels that the widest filter reaches beyond its centre.
     pub fn reach(&self) -> usize {
         let widest = self.blue_yellow[0].radius().max(self.blue_yellow[1].radius());
         widest.max(self.achromatic.radius()).max(self.red_green.radius()).max(self.gauss.radius())
     }
 }
 
-/// A Gaussian of the contrast sensitivity, of mass 1 in one dimension, and its mass before that.
+/// A Gaussian of the contrast sensitivity, normalised to mass 1 in one dimension, and its mass before.
 fn sensitivity(b: f64, ppd: f64, radius: usize) -> (Kernel, f64) {
     let g = |i: usize| (-(PI * i as f64 / ppd).powi(2) / b).exp();
     let mass = 2.0 * (1..=radius).map(g).sum::<f64>() + 1.0;
-    // Weights below 1e-8 cannot be seen in f32: narrow Gaussians need not pay for the common radius.
+    // Weights below 1e-8 vanish in f32, so narrow Gaussians are cut short of the common radius.
     let used = (0..=radius).rev().find(|&i| g(i) > 1e-8).unwrap_or(0);
     (Kernel::even((0..=used).map(|i| g(i) / mass)), mass)
 }
@@ -91,14 +91,14 @@ fn normalised_gauss(g: &impl Fn(f64) -> f64, reach: usize) -> Kernel {
     Kernel::even((0..=reach).map(|i| g(i as f64) / mass))
 }
 
-/// `−x g(x)`, each side of mass ±1 (the sign of the derivative does not matter: magnitudes are used).
+/// `−x g(x)`, each side with mass ±1. The sign does not matter, because only magnitudes are used.
 fn edge(g: &impl Fn(f64) -> f64, reach: usize) -> Kernel {
     let weight = |i: usize| i as f64 * g(i as f64);
     let mass: f64 = (1..=reach).map(weight).sum();
     Kernel { odd: true, ..Kernel::even((0..=reach).map(|i| weight(i) / mass)) }
 }
 
-/// `(x²/σ² − 1) g(x)`, its positive and its negative weights of mass 1 each.
+/// `(x²/σ² − 1) g(x)`; the positive and the negative weights have mass 1 each.
 fn point(g: &impl Fn(f64) -> f64, deviation: f64, reach: usize) -> Kernel {
     let weight = |i: usize| ((i as f64 / deviation).powi(2) - 1.0) * g(i as f64);
     let (mut positive, mut negative) = (0.0, 0.0);

@@ -8,26 +8,29 @@ use rayon::prelude::*;
 /// FLIP per pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMap {
+    /// Columns.
     pub width: usize,
+    /// Rows.
     pub height: usize,
-    /// 0 (no difference is seen) to 1.
+    /// Row by row from the top, 0 (no visible difference) to 1.
     pub values: Vec<f32>,
 }
 
 /// HDR-FLIP per pixel: the largest LDR-FLIP over the exposures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HdrFlipMap {
+    /// The values.
     pub map: FlipMap,
-    /// Number of the exposure at which each pixel's value occurs (the first, when equal).
-    pub worst_exposure: Vec<u8>,
+    /// The exposures that were compared.
     pub exposures: Exposures,
+    /// The tonemapper that was used.
     pub tonemapper: Tonemapper,
 }
 
-/// LDR-FLIP of two images of the same size, `ppd` pixels per degree.
+/// LDR-FLIP of two images of the same size, seen at `ppd` pixels per degree.
 ///
-/// Defined for linear values of any range as: encode with the sRGB curve, clamp to [0, 1], compare
-/// as displayed. No quantisation to 8 bits takes place.
+/// Linear values of any range are encoded with the sRGB curve, clamped to [0, 1] and compared as a display
+/// shows them. They are not quantised to 8 bits.
 pub fn ldr(image: &Pixels, reference: &Pixels, ppd: f64) -> FlipMap {
     let evaluator = Evaluator::new(ppd);
     // FLIP starts by decoding sRGB; decode(clamp(encode(x))) is clamp(x).
@@ -45,7 +48,7 @@ pub fn ldr(image: &Pixels, reference: &Pixels, ppd: f64) -> FlipMap {
     FlipMap { width: image.width, height: image.height, values }
 }
 
-/// HDR-FLIP of two images of the same size; negative values count as black.
+/// HDR-FLIP of two images of the same size, seen at `ppd` pixels per degree. Negative values count as black.
 pub fn hdr(
     image: &Pixels,
     reference: &Pixels,
@@ -53,52 +56,48 @@ pub fn hdr(
     exposures: Exposures,
     tonemapper: Tonemapper,
 ) -> HdrFlipMap {
-    // One instance of the loops per kind of curve, so that they hold no choice.
-    let (map, worst_exposure) = match tonemapper {
+    // One instance of the loops per kind of curve, so that the inner loop has no branch.
+    let map = match tonemapper {
         Tonemapper::Reinhard => worst_of(image, reference, ppd, &exposures, reinhard),
         Tonemapper::Aces | Tonemapper::Hable => {
             let c = tonemapper.coefficients();
             worst_of(image, reference, ppd, &exposures, move |rgb| rational(&c, rgb))
         }
     };
-    HdrFlipMap { map, worst_exposure, exposures, tonemapper }
+    HdrFlipMap { map, exposures, tonemapper }
 }
 
-/// The largest LDR-FLIP over the exposures, and the number of the exposure where it occurs.
+/// The largest LDR-FLIP over the exposures.
 fn worst_of(
     image: &Pixels,
     reference: &Pixels,
     ppd: f64,
     exposures: &Exposures,
     curve: impl Fn([f32; 3]) -> [f32; 3] + Copy + Sync,
-) -> (FlipMap, Vec<u8>) {
+) -> FlipMap {
     let evaluator = Evaluator::new(ppd);
     let factors: Vec<f32> = exposures.values().map(|e| e.exp2() as f32).collect();
-    let mut both = vec![(0.0f32, 0u8); image.rgb.len()];
-    for_bands(image, &mut both, |band, rows, scratch| {
+    let mut values = vec![0.0f32; image.rgb.len()];
+    for_bands(image, &mut values, |band, rows, scratch| {
         tiles(image.width, |columns| {
-            for (number, &factor) in factors.iter().enumerate() {
+            for &factor in &factors {
                 let display = |[r, g, b]: [f32; 3]| {
                     curve([r.max(0.0) * factor, g.max(0.0) * factor, b.max(0.0) * factor])
                 };
                 let (pair, columns) = ([reference, image], columns.clone());
                 evaluator.tile(pair, columns, rows.clone(), display, scratch, |y, x, v| {
                     let start = (y - rows.start) * image.width + x;
-                    for (slot, &v) in band[start..start + v.len()].iter_mut().zip(v) {
-                        if v > slot.0 {
-                            *slot = (v, number.min(255) as u8);
-                        }
-                    }
+                    let largest = &mut band[start..start + v.len()];
+                    largest.iter_mut().zip(v).for_each(|(slot, &v)| *slot = slot.max(v));
                 });
             }
         });
     });
-    let (values, worst) = both.into_iter().unzip();
-    (FlipMap { width: image.width, height: image.height, values }, worst)
+    FlipMap { width: image.width, height: image.height, values }
 }
 
-/// Runs `work` for bands of rows in parallel. A pixel's value does not depend on its band, so the
-/// height may follow the number of threads.
+/// Runs `work` on bands of rows in parallel. A pixel's value does not depend on its band, so the height of
+/// bands may depend on the number of threads.
 fn for_bands<T: Send>(
     image: &Pixels,
     out: &mut [T],

@@ -5,15 +5,20 @@ use serde::{Deserialize, Serialize};
 /// Summary of a FLIP map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlipStats {
+    /// Mean over all pixels.
     pub mean: f64,
+    /// Half of the pixels are at or below.
     pub median: f64,
-    /// 95 % and 99 % of the pixels lie at or below.
+    /// 95 % of the pixels are at or below.
     pub p95: f64,
+    /// 99 % of the pixels are at or below.
     pub p99: f64,
+    /// The largest value.
     pub max: f64,
 }
 
 impl FlipStats {
+    /// The summary of a map; all zeros for an empty one.
     pub fn of(map: &FlipMap) -> Self {
         let n = map.values.len();
         if n == 0 {

@@ -1,4 +1,4 @@
-//! LDR-FLIP of one tile of a picture: what a thread computes at a time, in a few small planes.
+//! LDR-FLIP of one tile of a picture, which one thread computes in a few small planes.
 
 use super::color::{ColorScale, power, rgb_to_ycxcz};
 use super::filter::{along_column, along_row};
@@ -6,7 +6,7 @@ use super::kernel::{Kernel, Kernels};
 use crate::pixels::Pixels;
 use std::ops::Range;
 
-/// Columns of a tile; its planes stay in the second-level cache.
+/// Columns of a tile: its planes fit into the second-level cache.
 pub const TILE_WIDTH: usize = 192;
 
 /// Planes after the horizontal pass, in the order of [`Planes::horizontal`].
@@ -37,9 +37,9 @@ impl Evaluator {
         Self { kernels: Kernels::new(ppd), scale: ColorScale::new() }
     }
 
-    /// Writes LDR-FLIP of the tile's pixels, row by row through `put(y, x0, values)`. `display` turns
-    /// a linear pixel into what the display shows, linear in [0, 1]. Outside the picture its border
-    /// pixels repeat.
+    /// Computes LDR-FLIP of a tile's pixels and hands it over row by row, with `put(y, x0, values)`.
+    /// `display` turns a linear pixel into what the display shows, linear in [0, 1]. Outside of the picture
+    /// its border pixels repeat.
     pub fn tile(
         &self,
         images: [&Pixels; 2],
@@ -58,7 +58,7 @@ impl Evaluator {
         self.tile_generic(images, columns, rows, display, scratch, put);
     }
 
-    /// The same code compiled for 8 lanes. Not FMA: results are the same bits on every machine.
+    /// The same code compiled for 8 lanes. Without FMA, so that results are the same bits on every machine.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn tile_avx2(
@@ -94,7 +94,7 @@ impl Evaluator {
         }
     }
 
-    /// Colour conversion and filtering along rows, for the tile's rows and those its filters reach.
+    /// Converts colours and filters along rows, for the tile's rows and those its filters reach.
     #[inline(always)]
     fn horizontal(
         &self,
@@ -121,7 +121,7 @@ impl Evaluator {
             let right = left + inside.len();
             let [r, g, b] =
                 [&mut luma[left..right], &mut red_green[left..right], &mut blue_yellow[left..right]];
-            // Planes first: the arithmetic that follows becomes vectors only without interleaving.
+            // Into planes first: the compiler vectorises what follows only without interleaving.
             for (((r, g), b), rgb) in r.iter_mut().zip(&mut *g).zip(&mut *b).zip(&line[inside]) {
                 [*r, *g, *b] = *rgb;
             }
@@ -150,7 +150,7 @@ impl Evaluator {
         }
     }
 
-    /// Filtering along columns; leaves the filtered opponent colours and features of image `index`.
+    /// Filters along columns: the opponent colours and features of image `index`, left in `results`.
     #[inline(always)]
     fn vertical(&self, n: usize, rows: usize, index: usize, scratch: &mut Scratch) {
         let k = &self.kernels;
@@ -188,7 +188,7 @@ impl Evaluator {
         let count = scratch.results[0][0].len();
         scratch.distance.resize(count, 0.0);
         scratch.feature.resize(count, 0.0);
-        // Slices of one length, so that no index is checked and the loops become vectors.
+        // Slices of equal length, so that no index is checked and the loops can be vectorised.
         let [a, b] = scratch.results.each_ref().map(|r| r.each_ref().map(|plane| &plane[..count]));
         let distance = &mut scratch.distance[..count];
         let feature = &mut scratch.feature[..count];
@@ -196,7 +196,7 @@ impl Evaluator {
             distance[i] = ColorScale::distance([a[0][i], a[1][i], a[2][i]], [b[0][i], b[1][i], b[2][i]]);
         }
         for i in 0..count {
-            // Y of YCxCz to gray in [0, 1]; the filters have no mass, so the offset falls away.
+            // Y of YCxCz to gray in [0, 1]; the filters have no mass, so the offset cancels.
             let length = |x: f32, y: f32| (x * x + y * y).sqrt() * (1.0 / 116.0);
             let edges = (length(a[3][i], a[4][i]) - length(b[3][i], b[4][i])).abs();
             let points = (length(a[5][i], a[6][i]) - length(b[5][i], b[6][i])).abs();

@@ -2,7 +2,7 @@ use super::sum;
 use crate::pixels::Pixels;
 use serde::Serialize;
 
-/// Difference of the means of two images: what is left of an error when noise averages out.
+/// Difference of the means of two images: the error that remains when noise averages out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bias {
     /// Mean of the image per channel (R, G, B).
@@ -11,11 +11,11 @@ pub struct Bias {
     pub reference_mean: [f64; 3],
     /// `image_mean − reference_mean`.
     pub absolute: [f64; 3],
-    /// `absolute / reference_mean`; 0 where both means are 0, the absolute value where only the
-    /// reference's is.
+    /// `absolute / |reference_mean|`; the same as `absolute` where the reference's mean is 0.
     pub relative: [f64; 3],
-    /// The same over all channels together.
+    /// Mean of `absolute` over the channels.
     pub absolute_all: f64,
+    /// `absolute_all` over the mean of all channels of the reference.
     pub relative_all: f64,
 }
 

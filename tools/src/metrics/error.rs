@@ -5,13 +5,13 @@ use serde::Serialize;
 
 /// Added to the squared reference in relMSE (Rousselle et al. 2011, "Adaptive sampling and
 /// reconstruction using greedy error minimization", §5).
-pub const RELMSE_EPSILON: f64 = 0.01;
+const RELMSE_EPSILON: f64 = 0.01;
 /// Added to the reference's magnitude in MAPE.
-pub const MAPE_EPSILON: f64 = 0.01;
-/// Share of the pixels (those with the largest values) that trimmed relMSE leaves out.
-pub const TRIM: f64 = 0.001;
+const MAPE_EPSILON: f64 = 0.01;
+/// Share of the pixels, those with the largest errors, that trimmed relMSE leaves out.
+const TRIM: f64 = 0.001;
 
-/// Errors of single pixels, averaged over all pixels and channels.
+/// Per-pixel errors, averaged over all pixels and channels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Errors {
     /// `√mean((x − ref)²)` per channel (R, G, B).
@@ -20,18 +20,18 @@ pub struct Errors {
     pub rmse_all: f64,
     /// `mean((x − ref)² / (ref² + 0.01))` over pixels and channels.
     pub relmse: f64,
-    /// relMSE without the 0.1 % of the pixels (at least none, rounded down) whose mean over the
-    /// channels is largest: the error without its fireflies.
+    /// relMSE without the 0.1 % of the pixels (rounded down) with the largest mean over the channels: the
+    /// error without fireflies.
     pub relmse_trimmed: f64,
     /// `mean(|x − ref| / (|ref| + 0.01))`.
     pub mape: f64,
-    /// `10 log10(peak² / MSE)` in dB over all channels; none for equal images.
+    /// `10 log10(peak² / MSE)` in dB over all channels; `None` for equal images.
     pub psnr: Option<f64>,
     /// The peak used for `psnr`.
     pub psnr_peak: f64,
 }
 
-/// Errors of `image` against `reference` (same size); `peak` is the signal of PSNR.
+/// Errors of `image` against `reference`, which has the same size; `peak` is the signal of PSNR.
 pub fn errors(image: &Pixels, reference: &Pixels, peak: f64) -> Errors {
     let n = image.rgb.len().max(1) as f64;
     let s = sum(image, reference, |x, r| {
@@ -58,7 +58,7 @@ pub fn errors(image: &Pixels, reference: &Pixels, peak: f64) -> Errors {
 }
 
 fn trimmed_relmse(image: &Pixels, reference: &Pixels) -> f64 {
-    // Double precision: the square of a single one may be beyond it.
+    // f64: the square of an f32 may overflow f32.
     let mut values: Vec<f64> = image
         .rgb
         .par_iter()

@@ -1,12 +1,12 @@
-//! Pixel metrics on linear RGB. Sums are f64 over fixed chunks, added in order, so that a result
-//! does not depend on the number of threads.
+//! Metrics of linear RGB pixels. Sums are f64 over fixed chunks that are added in order, so that no result
+//! depends on the number of threads.
 
 mod bias;
 mod error;
 mod ztest;
 
 pub use bias::{Bias, bias};
-pub use error::{Errors, MAPE_EPSILON, RELMSE_EPSILON, TRIM, errors};
+pub use error::{Errors, errors};
 pub use ztest::{Variance, VarianceKind, ZTest, ZTestOptions, z_test};
 
 use crate::pixels::Pixels;
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// Pixels in one chunk of a sum.
 const CHUNK: usize = 1 << 14;
 
-/// Sum over all pixels of the `N` values that `f` gives for (image, reference).
+/// Sums over all pixels of the `N` values that `f` returns for a pixel of the image and of the reference.
 fn sum<const N: usize>(
     image: &Pixels,
     reference: &Pixels,

@@ -6,8 +6,8 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VarianceKind {
-    /// Variance of one sample, as Mitsuba's `moment` integrator and the `*_ref_rgb_var.exr` of its
-    /// render tests give it; needs the number of samples of the tested image.
+    /// Variance of one sample, as in Mitsuba's `moment` integrator and the `*_ref_rgb_var.exr` of its render
+    /// tests. The test then needs the sample count of the tested image.
     OfSample,
     /// Variance of the pixel's mean, already divided by the number of samples.
     OfMean,
@@ -16,24 +16,27 @@ pub enum VarianceKind {
 /// A variance image and its meaning.
 #[derive(Clone, Copy, Debug)]
 pub struct Variance<'a> {
+    /// Variance per pixel and channel.
     pub pixels: &'a Pixels,
+    /// Variance of what.
     pub kind: VarianceKind,
 }
 
 /// Settings of the z-test; the defaults are those of Mitsuba's `test_renders.py`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ZTestOptions {
-    /// Probability of refusing one pixel somewhere in a correct image, before the correction.
+    /// Probability that any pixel of a correct image is rejected; the Šidák correction makes it that of one
+    /// pixel.
     pub significance: f64,
-    /// Share of (pixel, channel) pairs that must be accepted.
+    /// Share of all (pixel, channel) pairs that must be accepted.
     pub required_share: f64,
-    /// Samples a pixel of the tested image. With [`VarianceKind::OfSample`] the variance is divided
-    /// by it; with `OfMean` it is used together with `reference_samples`.
+    /// Samples per pixel of the tested image. [`VarianceKind::OfSample`] divides the variance by it; `OfMean`
+    /// uses it together with `reference_samples`.
     pub samples: Option<f64>,
-    /// Samples a pixel of the reference: with `OfMean` and `samples`, the tested image's own
-    /// variance is estimated as `variance · reference_samples / samples`.
+    /// Samples per pixel of the reference. With `OfMean` and `samples`, the variance of the tested image is
+    /// taken as `variance · reference_samples / samples`.
     pub reference_samples: Option<f64>,
-    /// Lower limit of the variance of one sample.
+    /// Lower bound of the variance of one sample.
     pub floor: f64,
 }
 
@@ -52,21 +55,21 @@ impl Default for ZTestOptions {
 /// Result of a z-test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ZTest {
-    /// Which variance was given.
+    /// What the variance image held.
     pub variance: VarianceKind,
     /// Šidák-corrected significance of one pixel, `1 − (1 − significance)^(1/pixels)`.
     pub alpha: f64,
     /// Share of (pixel, channel) pairs whose p-value is above `alpha`.
     pub accepted_share: f64,
-    /// What `accepted_share` had to reach.
+    /// The least `accepted_share` that passes.
     pub required_share: f64,
-    /// Whether it did.
+    /// Whether the image passes.
     pub accepted: bool,
     /// The smallest p-value.
     pub min_p: f64,
     /// Share of the pixels whose channels all lie within 4.5 standard deviations.
     pub within_4_5_sigma: f64,
-    /// Mean of z², 1 for an unbiased image whose variance is the one stated.
+    /// Mean of z²: 1 for an unbiased image with the stated variance.
     pub mean_z2: f64,
 }
 
@@ -76,11 +79,11 @@ pub struct ZTest {
 /// With [`VarianceKind::OfSample`] this is the test of Mitsuba 3's `test_renders.py`: all three
 /// images are converted to CIE XYZ, `z = |x − ref| · √(samples / max(variance, 1e-4))`,
 /// `p = 2 (1 − Φ(z))`, and 99.75 % of the p-values must exceed the Šidák-corrected 0.01.
-/// Returns none if `options.samples` is missing, without which z has no scale.
+/// Returns `None` if `options.samples` is missing, because z then has no scale.
 ///
 /// With [`VarianceKind::OfMean`] the channels stay RGB. The variance of the difference is that of
 /// the reference plus, if both sample counts are known, `variance · reference_samples / samples`
-/// for the tested image; without them the tested image counts as exact.
+/// for the tested image; otherwise the tested image is taken as exact.
 pub fn z_test(
     image: &Pixels,
     reference: &Pixels,
@@ -95,7 +98,7 @@ pub fn z_test(
         VarianceKind::OfMean => {
             let reference = options.reference_samples;
             let ratio = reference.zip(options.samples).map_or(0.0, |(r, n)| r / n);
-            // Without a count the floor is that of the 1e6 samples of a good reference.
+            // Without a count, a good reference's 1e6 samples are assumed.
             let floor = options.floor / reference.unwrap_or(1e6);
             Box::new(move |v| v.max(floor) * (1.0 + ratio))
         }

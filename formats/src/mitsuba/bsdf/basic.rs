@@ -1,6 +1,6 @@
 //! Models that all versions have.
 
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::Diagnostic;
 use crate::ir::{
     BsdfKind, Color, ColorInput, ColorSlot, Conductor, ConductorMaterial, Dielectric, Ior, Microfacet,
     MicrofacetDistribution, Plastic, RoughnessRemap, Shadowing,
@@ -82,12 +82,11 @@ pub(super) fn conductor<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> C
             Some((name, span)) => {
                 if conductor_names().all(|known| known != name) {
                     let known: Vec<String> = conductor_names().collect();
-                    let text = format!("no metal is called `{name}`");
+                    let text = format!("no metal named `{name}`");
                     let problem = Diagnostic::error(text, Some(span));
-                    props.problems.push(match nearest(name, known.iter().map(String::as_str)) {
-                        Some(known) => problem.help(format!("did you mean `{known}`?")),
-                        None => problem.help("the usual ones: Ag, Al, Au, Cr, Cu, W; `none` is a mirror"),
-                    });
+                    props.problems.push(problem.suggest_or(name, known.iter().map(String::as_str), || {
+                        "the usual ones: Ag, Al, Au, Cr, Cu, W; `none` is a mirror".to_owned()
+                    }));
                 }
                 ConductorMaterial::Named { name: name.to_owned(), ext_eta }
             }

@@ -6,10 +6,10 @@ mod principled;
 mod wrappers;
 
 use super::object::{Class, ObjectIndex};
-use super::plugin::{Plugin, read, unsupported};
 use super::props::Props;
 use super::reader::Reader;
 use crate::ir::{Bsdf, BsdfKind, Color, ColorInput, ColorSlot, Id};
+use crate::plugin::{Plugin, read, unsupported};
 
 type ReadBsdf = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<BsdfKind>;
 
@@ -53,7 +53,7 @@ pub(super) const BSDFS: &[Plugin<ReadBsdf>] = &[
 const HALF: ColorInput = ColorInput::Color(Color::Gray(0.5));
 
 impl<'a> Reader<'a> {
-    /// The BSDF at `index`. A diffuse gray or a nested one stands for what could not be read.
+    /// The BSDF at `index`. A diffuse gray, or the nested BSDF, replaces one that could not be read.
     pub fn bsdf(&mut self, index: ObjectIndex) -> Id<Bsdf> {
         if let Some(id) = self.bsdfs.get(&index) {
             return *id;

@@ -4,7 +4,7 @@ use crate::ir::{BsdfKind, ColorSlot, Principled, PrincipledIndex, PrincipledThin
 use crate::mitsuba::props::Props;
 use crate::mitsuba::reader::Reader;
 
-/// How Mitsuba distributes its samples: no matter for the picture.
+/// Parameters of Mitsuba's importance sampling: they do not change the expected image.
 const SAMPLING: [&str; 4] = [
     "diffuse_reflectance_sampling_rate",
     "main_specular_sampling_rate",
@@ -17,7 +17,7 @@ pub(super) fn principled<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> 
     props.exclusive("eta", "specular");
     let (eta, specular) = (props.optional_float("eta"), props.optional_float("specular"));
     let index = match eta {
-        // 1 would neither reflect nor refract; Mitsuba moves it, and a specular of 0, a little.
+        // An index of 1 would neither reflect nor refract; Mitsuba moves it slightly, as it does a specular of 0.
         Some(eta) => PrincipledIndex::Eta(if eta == 1.0 { 1.001 } else { eta }),
         None => PrincipledIndex::Specular(specular.map_or(0.5, |s| if s == 0.0 { 1e-3 } else { s })),
     };

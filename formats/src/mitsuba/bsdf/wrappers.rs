@@ -2,8 +2,8 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
-    Bitmap, Bsdf, BsdfKind, Color, ColorInput, FloatInput, Id, Mapping, PerturbedShading, Texture,
-    TextureEncoding, TextureKind, Transform,
+    Bitmap, BsdfKind, Color, ColorInput, FloatInput, Id, Mapping, PerturbedShading, Texture, TextureEncoding,
+    TextureKind, Transform,
 };
 use crate::mitsuba::number;
 use crate::mitsuba::object::Class;
@@ -20,45 +20,13 @@ pub(super) fn two_sided<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> O
     let back = props.child(Class::Bsdf);
     let mut side = |nested: Nested| {
         let id = reader.bsdf(nested.index);
-        if !allowed && transmits(reader, id) {
+        if !allowed && reader.query.bsdf(&reader.scene.bsdfs, id).transmits {
             let text = "twosided takes only materials that let no light through";
             reader.problems.push(Diagnostic::error(text, Some(nested.span)));
         }
         id
     };
     Some(BsdfKind::TwoSided { front: side(front), back: back.map(side) })
-}
-
-fn transmits(reader: &Reader<'_>, id: Id<Bsdf>) -> bool {
-    let zero = |input: &FloatInput| matches!(input, FloatInput::Value(v) if *v == 0.0);
-    match &reader.scene.bsdfs[id].kind {
-        BsdfKind::Dielectric(_)
-        | BsdfKind::ThinDielectric(_)
-        | BsdfKind::RoughDielectric { .. }
-        | BsdfKind::Mask { .. }
-        | BsdfKind::PrincipledThin(_)
-        | BsdfKind::DiffuseTransmission { .. }
-        | BsdfKind::Null => true,
-        BsdfKind::Principled(p) => !zero(&p.spec_trans),
-        BsdfKind::BumpMap { nested, .. }
-        | BsdfKind::NormalMap { nested, .. }
-        | BsdfKind::Coating { nested, .. } => transmits(reader, *nested),
-        BsdfKind::Blend { first, second, .. } => transmits(reader, *first) || transmits(reader, *second),
-        BsdfKind::Mixture { parts } => parts.iter().any(|(_, part)| transmits(reader, *part)),
-        BsdfKind::TwoSided { front, back } => {
-            transmits(reader, *front) || back.is_some_and(|b| transmits(reader, b))
-        }
-        BsdfKind::Diffuse { .. }
-        | BsdfKind::Conductor(_)
-        | BsdfKind::RoughConductor { .. }
-        | BsdfKind::Plastic(_)
-        | BsdfKind::RoughPlastic { .. }
-        | BsdfKind::RoughDiffuse { .. }
-        | BsdfKind::Phong { .. }
-        | BsdfKind::Ward { .. }
-        | BsdfKind::CoatedDiffuse { .. }
-        | BsdfKind::CoatedConductor { .. } => false,
-    }
 }
 
 pub(super) fn mask<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
@@ -70,7 +38,7 @@ pub(super) fn mask<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option
     Some(BsdfKind::Mask { opacity, nested: reader.bsdf(nested.index) })
 }
 
-/// The flags of Mitsuba 3, which also renders files of version 2 so; 0.6 does neither.
+/// The flags of Mitsuba 3, which also apply to files of version 2; 0.6 has neither.
 fn perturbed<'a>(reader: &Reader<'a>, props: &mut Props<'a>) -> PerturbedShading {
     let new = reader.dialect != Dialect::Old;
     PerturbedShading {

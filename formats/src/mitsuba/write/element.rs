@@ -52,6 +52,15 @@ impl Element {
         self
     }
 
+    /// Whether it has at most `limit` elements, itself included.
+    pub fn is_within(&self, limit: usize) -> bool {
+        self.left_of(limit).is_some()
+    }
+
+    fn left_of(&self, limit: usize) -> Option<usize> {
+        self.children.iter().try_fold(limit.checked_sub(1)?, |left, child| child.left_of(left))
+    }
+
     pub fn string(self, name: &str, value: &str) -> Self {
         self.scalar("string", name, value)
     }

@@ -10,6 +10,7 @@ use crate::ir::{
 use crate::write::WriteError;
 
 impl Writer<'_, '_> {
+    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
     pub fn emitter(&mut self, e: &Emitter) -> Result<Option<Element>, WriteError> {
         let origin = e.origin;
         let plugin = |name: &str| Element::plugin("emitter", name).id(e.name.as_deref());
@@ -21,8 +22,8 @@ impl Writer<'_, '_> {
                 if *falloff == SpotFalloff::Smoothstep {
                     self.out.lose(
                         origin,
-                        "a spot that falls off by a smooth step of the cosine",
-                        "one that falls off linearly in the angle",
+                        "a spot with smoothstep falloff in the cosine",
+                        "linear falloff in the angle",
                     );
                 }
                 let texture = texture.map(|id| self.texture("texture", id)).transpose()?;
@@ -61,41 +62,44 @@ impl Writer<'_, '_> {
             }
             EmitterKind::Projection { to_world, image, fov: angle, power } => {
                 self.power(*power, origin);
-                let tangent = (angle.to_radians() / 2.0).tan();
-                let name = self.out.slide_irradiance(image, tangent)?;
-                let texture = Element::plugin("texture", "bitmap")
-                    .with("name", "irradiance")
-                    .string("filename", &name)
-                    .boolean_unless("raw", true, false);
-                // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
-                let scale = image.scale * self.light / std::f64::consts::PI;
-                fov(
-                    plugin("projector").transform("to_world", to_world),
-                    Fov::Degrees(*angle),
-                    FovAxis::Smaller,
-                )
-                .child(texture)
-                .float("scale", scale)
+                self.projection(plugin("projector").transform("to_world", to_world), image, *angle)?
             }
             EmitterKind::Goniometric { to_world, intensity, image, power } => {
                 let mut factor = 1.0;
                 if let Some(image) = image {
-                    self.out.lose(
-                        origin,
-                        "an intensity that depends on the direction",
-                        "its mean everywhere",
-                    );
+                    let what = "an intensity that depends on the direction";
+                    self.out.lose(origin, what, "its mean everywhere");
                     factor = image.scale * self.out.mean_light(image)?;
                 }
                 self.power(*power, origin);
-                plugin("point").triple("point", "position", to_world.point([0.0; 3])).child(self.light(
-                    "intensity",
-                    intensity,
-                    factor,
-                    origin,
-                ))
+                let element = plugin("point").triple("point", "position", to_world.point([0.0; 3]));
+                element.child(self.light("intensity", intensity, factor, origin))
             }
+            other => return Ok(self.lost_light(other, origin)),
         }))
+    }
+
+    /// Reports a kind that [`Self::emitter`] does not handle.
+    fn lost_light(&mut self, kind: &EmitterKind, origin: Origin) -> Option<Element> {
+        self.out.lose(origin, format!("a `{}` light", kind.name()), "no light");
+        None
+    }
+
+    fn projection(
+        &mut self,
+        element: Element,
+        image: &LightImage,
+        angle: f64,
+    ) -> Result<Element, WriteError> {
+        let tangent = (angle.to_radians() / 2.0).tan();
+        let name = self.out.slide_irradiance(image, tangent)?;
+        let texture = Element::plugin("texture", "bitmap")
+            .with("name", "irradiance")
+            .string("filename", &name)
+            .boolean_unless("raw", true, false);
+        // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
+        let scale = image.scale * self.light / std::f64::consts::PI;
+        Ok(fov(element, Fov::Degrees(angle), FovAxis::Smaller).child(texture).float("scale", scale))
     }
 
     fn power(&mut self, power: Option<f64>, origin: Origin) {

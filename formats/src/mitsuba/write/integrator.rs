@@ -1,4 +1,4 @@
-//! The integrator: of what Mitsuba 3 has, what the scene asks for.
+//! The integrator, where Mitsuba 3 has the one the scene asks for.
 
 use super::Writer;
 use super::element::{Element, number};

@@ -1,4 +1,4 @@
-//! The scene as a Mitsuba 3 file: one file per concept, as the readers beside them.
+//! The scene as a Mitsuba 3 file: one module per concept, as for reading.
 //!
 //! Objects that have a name, or that several others refer to, stand at the top level with an id;
 //! the rest is nested where it is used.
@@ -9,32 +9,45 @@ mod element;
 mod emitter;
 mod film;
 mod integrator;
+mod interface;
 mod sensor;
 mod shape;
 mod substitute;
 mod texture;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use element::{Element, print};
+use texture::Said;
 
-use crate::ir::{Origin, Scene, Uses};
+use crate::ir::{Id, Origin, Query, Scene, Texture, Uses};
 use crate::write::{Output, WriteError};
 
-/// What the written files claim to be.
+/// Version of the written files.
 const VERSION: &str = "3.0.0";
 
 pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
     let scene = output.scene;
     let ids = Ids::new(scene);
     let film = scene.sensors.get(scene.default_sensor).map(|sensor| sensor.film.imaging_ratio);
-    Writer { out: output, scene, ids, light: film.unwrap_or(1.0) }.document()
+    Writer {
+        out: output,
+        scene,
+        ids,
+        query: Query::default(),
+        said: HashMap::new(),
+        light: film.unwrap_or(1.0),
+    }
+    .document()
 }
 
 struct Writer<'o, 'a> {
     out: &'o mut Output<'a>,
     scene: &'a Scene,
     ids: Ids,
+    query: Query,
+    /// Textures that were written, by the bits of their factor.
+    said: HashMap<(Id<Texture>, [u64; 3]), Said>,
     /// Factor on all light, in place of the film's imaging ratio.
     light: f64,
 }
@@ -58,12 +71,11 @@ impl Ids {
         ids.taken.extend(scene.emitters.iter().filter_map(|emitter| emitter.name.clone()));
         let shared = |name: &Option<String>, uses: usize| name.is_some() || uses > 1;
         for (id, bsdf) in scene.bsdfs.iter() {
-            let id = shared(&bsdf.name, uses.bsdfs[id.index()]).then(|| ids.free(&bsdf.name, "material"));
+            let id = shared(&bsdf.name, uses.count(id)).then(|| ids.free(&bsdf.name, "material"));
             ids.bsdfs.push(id);
         }
         for (id, texture) in scene.textures.iter() {
-            let id =
-                shared(&texture.name, uses.textures[id.index()]).then(|| ids.free(&texture.name, "texture"));
+            let id = shared(&texture.name, uses.count(id)).then(|| ids.free(&texture.name, "texture"));
             ids.textures.push(id);
         }
         for (_, group) in scene.groups.iter() {
@@ -133,7 +145,7 @@ impl<'a> Writer<'_, 'a> {
         Ok(print(&root))
     }
 
-    /// What `make` makes, with comments on where it comes from and what it does not say.
+    /// The element from `make`, with comments about its source and losses.
     fn commented(
         &mut self,
         origin: Origin,

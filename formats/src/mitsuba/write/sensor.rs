@@ -79,7 +79,7 @@ impl Writer<'_, '_> {
     fn windowed(&mut self, s: &Sensor, angle: Fov, [x0, x1, y0, y1]: [f64; 4], aspect: f64) -> Fov {
         self.check_aspect(s, (x1 - x0) / (y1 - y0), aspect);
         if (x0 + x1).abs() > 1e-9 || (y0 + y1).abs() > 1e-9 {
-            self.out.lose(s.origin, "a screen window off the middle", "one of the same size in the middle");
+            self.out.lose(s.origin, "an off-centre screen window", "a centred one of the same size");
         }
         match angle {
             Fov::Degrees(degrees) => {

@@ -5,7 +5,7 @@ use super::element::Element;
 use super::substitute;
 use crate::ir::{
     AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
-    ShapeGroup, ShapeKind, Transform, uses_textures,
+    ShapeGroup, ShapeKind, Transform,
 };
 use crate::write::WriteError;
 
@@ -18,7 +18,7 @@ impl Writer<'_, '_> {
                 self.out.lose(
                     emission.origin,
                     "light from a shape of a group",
-                    "a shape that does not shine",
+                    "a shape that does not emit light",
                 );
                 let dark = Shape { emission: None, ..shape.clone() };
                 element = element.children(self.shape(&dark)?);
@@ -29,6 +29,7 @@ impl Writer<'_, '_> {
         Ok(Some(element))
     }
 
+    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
     pub fn shape(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
         let plugin = |name: &str| Element::plugin("shape", name).id(shape.name.as_deref());
         let label = shape.name.as_deref().unwrap_or("mesh");
@@ -63,6 +64,10 @@ impl Writer<'_, '_> {
                 let id = self.ids.groups[group.index()].clone().unwrap_or_default();
                 plugin("instance").child(Element::new("ref").with("id", id))
             }
+            other => {
+                self.out.lose(shape.origin, format!("a shape of kind `{}`", other.name()), "no shape");
+                return Ok(None);
+            }
         };
         // Mitsuba's side of a mirrored mesh is that of its mirrored winding, pbrt's is not.
         let by_object = match &shape.kind {
@@ -73,7 +78,7 @@ impl Writer<'_, '_> {
         let mut flip = shape.flip_normals ^ (by_object && shape.to_world.determinant3() < 0.0);
         let mut to_world = shape.to_world;
         if matches!(&shape.kind, ShapeKind::Partial(quadric) if whole_sphere(quadric).is_some())
-            && uses_textures(self.scene, shape)
+            && self.query.textured(&self.scene.bsdfs, shape)
         {
             // pbrt's v runs from −Z upwards, Mitsuba's from +Z downwards; mirroring turns the normals.
             to_world = to_world.after(&Transform::scale([1.0, 1.0, -1.0]));
@@ -98,7 +103,7 @@ impl Writer<'_, '_> {
             self.out.lose(
                 shape.origin,
                 "the opacity of a lamp",
-                "a mask on its material; it shines everywhere",
+                "a mask on its material; it emits everywhere",
             );
         }
         // What a shape without material has.
@@ -146,7 +151,7 @@ impl Writer<'_, '_> {
         .boolean_unless("face_normals", flat, false))
     }
 
-    /// Whole spheres and cylinders as such, the rest tessellated.
+    /// Whole spheres and cylinders stay analytic; other quadrics are tessellated.
     fn quadric(
         &mut self,
         shape: &Shape,
@@ -164,7 +169,7 @@ impl Writer<'_, '_> {
                     .float_unless("radius", radius, 1.0))
             }
             _ => {
-                self.out.lose(shape.origin, "a part of a quadric", "a mesh of 64 steps around");
+                self.out.lose(shape.origin, "a partial quadric", "a mesh of 64 segments around");
                 let name = self.out.make_quadric_ply(quadric, shape.name.as_deref().unwrap_or("quadric"))?;
                 Ok(plugin("ply").string("filename", &name))
             }
@@ -173,7 +178,7 @@ impl Writer<'_, '_> {
 
     fn emission(&mut self, e: &AreaEmission) -> Result<Element, WriteError> {
         if e.two_sided {
-            self.out.lose(e.origin, "a lamp that shines on both sides", "the side of its normal only");
+            self.out.lose(e.origin, "a lamp that emits on both sides", "the side of its normal only");
         }
         if let Some(power) = e.power {
             self.out.lose(e.origin, format!("the power of a lamp, {power} W"), "its radiance as written");

@@ -1,9 +1,9 @@
-//! Models that Mitsuba 3 has not: the nearest it has, each with its loss.
+//! Models that Mitsuba 3 lacks: the closest it has, each with its loss.
 
 use super::Writer;
 use super::color::rgb_element;
 use super::element::Element;
-use crate::ir::{BsdfKind, Coat, Color, ColorInput, ColorSlot, FloatInput, Ior, Microfacet, Origin, Plastic};
+use crate::ir::{BsdfKind, Coat, Color, ColorInput, ColorSlot, Ior, Origin, Plastic};
 use crate::spectrum::luminance;
 use crate::write::WriteError;
 
@@ -65,7 +65,7 @@ impl Writer<'_, '_> {
                 };
                 self.coat(coat, origin);
                 let microfacet = self.single_alpha(&coat.microfacet, origin)?;
-                if is_smooth(&microfacet) {
+                if microfacet.is_smooth() {
                     return self.plastic(Element::plugin("bsdf", "plastic"), &plastic, origin);
                 }
                 let element = self.plastic(Element::plugin("bsdf", "roughplastic"), &plastic, origin)?;
@@ -74,14 +74,16 @@ impl Writer<'_, '_> {
             BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
                 self.out.lose(origin, "a coat over a metal (`coatedconductor`)", "the bare metal");
                 self.coat(coat, origin);
-                if is_smooth(microfacet) {
+                if microfacet.is_smooth() {
                     return self.conductor(Element::plugin("bsdf", "conductor"), conductor, origin);
                 }
                 let element = self.conductor(Element::plugin("bsdf", "roughconductor"), conductor, origin)?;
                 self.microfacet(element, microfacet, origin)
             }
-            // Every other kind has a plugin of its own.
-            _ => Ok(diffuse(0.5)),
+            other => {
+                self.out.lose(origin, format!("the `{}` model", other.name()), "diffuse gray 0.5");
+                Ok(diffuse(0.5))
+            }
         }
     }
 
@@ -180,8 +182,4 @@ impl Writer<'_, '_> {
 
 pub(super) fn diffuse(gray: f64) -> Element {
     Element::plugin("bsdf", "diffuse").float("reflectance", gray)
-}
-
-pub(super) fn is_smooth(m: &Microfacet) -> bool {
-    m.alpha_u == FloatInput::Value(0.0) && m.alpha_v == FloatInput::Value(0.0)
 }

@@ -10,14 +10,19 @@ use crate::ir::{
 use crate::spectrum::luminance;
 use crate::write::{Tone, WriteError};
 
-/// What the language makes of a texture.
-enum Said {
+/// Most elements of a texture that is copied to apply a factor. The copy includes everything it refers to, which may
+/// double at each level of a checkerboard.
+const LARGEST_COPY: usize = 1000;
+
+/// What is written for a texture.
+#[derive(Clone)]
+pub(super) enum Said {
     Plugin(Element),
     Constant([f64; 3]),
 }
 
 impl Writer<'_, '_> {
-    /// The texture at the top level, unless it is a mere colour.
+    /// The texture at the top level, unless it reduces to a colour.
     pub fn texture_definition(&mut self, id: Id<Texture>) -> Result<Option<Element>, WriteError> {
         Ok(match self.said(id, [1.0; 3])? {
             Said::Plugin(element) => Some(element.id(self.ids.textures[id.index()].as_deref())),
@@ -25,7 +30,7 @@ impl Writer<'_, '_> {
         })
     }
 
-    /// The texture as parameter `name`: a reference, or the thing itself.
+    /// The texture as parameter `name`: a reference where it is shared, otherwise the texture itself.
     pub fn texture(&mut self, name: &str, id: Id<Texture>) -> Result<Element, WriteError> {
         self.scaled_texture(name, id, 1.0)
     }
@@ -56,8 +61,18 @@ impl Writer<'_, '_> {
         })
     }
 
-    /// `factor` times the texture.
+    /// `factor` times the texture. Made once for each texture and factor, however many refer to it.
     fn said(&mut self, id: Id<Texture>, factor: [f64; 3]) -> Result<Said, WriteError> {
+        let key = (id, factor.map(f64::to_bits));
+        if let Some(said) = self.said.get(&key) {
+            return Ok(said.clone());
+        }
+        let said = self.made(id, factor)?;
+        self.said.insert(key, said.clone());
+        Ok(said)
+    }
+
+    fn made(&mut self, id: Id<Texture>, factor: [f64; 3]) -> Result<Said, WriteError> {
         let scene = self.scene;
         let Texture { origin, kind, .. } = &scene.textures[id];
         let origin = *origin;
@@ -175,7 +190,11 @@ impl Writer<'_, '_> {
                         rgb_element(name, times(factor, rgb))
                     }
                     ColorInput::Texture(id) => match self.said(*id, factor)? {
-                        Said::Plugin(inner) => inner.with("name", name),
+                        Said::Plugin(inner) if inner.is_within(LARGEST_COPY) => inner.with("name", name),
+                        Said::Plugin(_) => {
+                            self.out.lose(origin, "a factor on a very large tree of textures", "gray 0.5");
+                            rgb_element(name, times(factor, [0.5; 3]))
+                        }
                         Said::Constant(rgb) => rgb_element(name, rgb),
                     },
                 })
@@ -189,7 +208,7 @@ impl Writer<'_, '_> {
         let extension = b.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let float_image = matches!(extension.as_str(), "exr" | "hdr" | "pfm" | "rgbe");
         let readable = match b.encoding {
-            // Mitsuba tells pictures by their first bytes, and these have none of their own.
+            // Mitsuba recognises images by their first bytes, and TGA has no magic number.
             _ if extension == "tga" => false,
             TextureEncoding::Auto | TextureEncoding::Linear => true,
             TextureEncoding::Srgb => !float_image,
@@ -206,7 +225,7 @@ impl Writer<'_, '_> {
             TextureFilter::Nearest => Some("nearest"),
         };
         if b.wrap_u != b.wrap_v {
-            self.out.lose(origin, "wrap modes that differ between u and v", "the one of u");
+            self.out.lose(origin, "wrap modes that differ between u and v", "the mode of u");
         }
         let wrap = match b.wrap_u {
             WrapMode::Repeat => None,
@@ -234,7 +253,7 @@ impl Writer<'_, '_> {
             Mapping::Spherical { .. } => "a spherical mapping",
             Mapping::Cylindrical { .. } => "a cylindrical mapping",
             Mapping::Planar { .. } => "a planar mapping",
-            Mapping::Solid { .. } => "a texture in space",
+            Mapping::Solid { .. } => "a texture in 3D space",
         };
         self.out.lose(origin, what, "the uv of the surface");
         Transform::IDENTITY

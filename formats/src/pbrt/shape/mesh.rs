@@ -63,7 +63,7 @@ pub(super) fn positions(p: &mut Params) -> Option<Vec<[f32; 3]>> {
     p.points("P", ParamType::Point3)
 }
 
-/// One item a vertex; dropped with a warning, as pbrt does, when the count is another.
+/// One item per vertex; dropped with a warning when the count differs, as in pbrt.
 fn per_vertex<const N: usize>(
     p: &mut Params,
     name: &'static str,
@@ -92,7 +92,7 @@ pub(super) fn checked(p: &mut Params, indices: &[i32], vertices: usize, corners:
     let whole = indices.len() / corners * corners;
     if whole != indices.len() {
         let text =
-            format!("{} indices are no multiple of {corners}; the last ones are dropped", indices.len());
+            format!("{} indices are not a multiple of {corners}; the last ones are dropped", indices.len());
         p.warn("indices", text);
     }
     Some(indices[..whole].iter().map(|i| i.cast_unsigned()).collect())

@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 use super::directive::{Directive, ParamType};
 use super::params::Params;
-use super::plugin::{Plugin, read, unsupported};
 use super::reader::{Named, Reader, text};
 use super::state::Graphics;
-use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup, ShapeKind,
 };
+use crate::plugin::{Plugin, read, unsupported};
 
 use ParamType as T;
 
@@ -37,9 +37,9 @@ pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
     unsupported("nurbs"),
 ];
 
-/// Subdivided so often, one triangle becomes 4^8.
+/// Most levels of subdivision: one triangle becomes 4^8.
 const MAX_LEVELS: u32 = 8;
-/// And all subdivided meshes of a scene together not larger than this: some 5 GB while they are made.
+/// Most triangles of all subdivided meshes of a scene together: about 5 GB while they are made.
 const MAX_TRIANGLES: u64 = 1 << 24;
 
 fn inline(mesh: InlineMesh) -> ShapeKind {
@@ -64,7 +64,7 @@ impl Reader<'_> {
         if self.open_group.is_some()
             && let Some(dark) = emission.take()
         {
-            let problem = Diagnostic::warning("shapes of an object do not shine in pbrt", origin.0);
+            let problem = Diagnostic::warning("shapes of an object do not emit light in pbrt", origin.0);
             let lamp = dark.origin.0.map(|span| (span, "by this light".to_owned()));
             self.problems.push(Diagnostic { labels: lamp.into_iter().collect(), ..problem });
         }
@@ -144,11 +144,10 @@ impl Reader<'_> {
         for (name, named) in &self.groups {
             let (Some(span), None) = (named.used, named.defined) else { continue };
             let defined = self.groups.iter().filter(|(_, named)| named.defined.is_some());
-            let problem = Diagnostic::error(format!("no object is called `{name}`"), Some(span));
-            self.problems.push(match nearest(name, defined.map(|(name, _)| name.as_str())) {
-                Some(known) => problem.help(format!("did you mean `{known}`?")),
-                None => problem.help("ObjectBegin defines one"),
-            });
+            let problem = Diagnostic::error(format!("no object named `{name}`"), Some(span));
+            self.problems.push(problem.suggest_or(name, defined.map(|(name, _)| name.as_str()), || {
+                "ObjectBegin defines one".to_owned()
+            }));
         }
     }
 }
@@ -157,7 +156,7 @@ fn ply(r: &mut Reader<'_>, p: &mut Params) -> Option<ShapeKind> {
     let path = r.asset(p, "filename", "mesh");
     p.ignore(&["edgelength"]);
     if p.has("displacement") {
-        r.unsupported("displacement of a plymesh", "the mesh stays as it is", p.span_of("displacement"));
+        r.unsupported("displacement of a plymesh", "the mesh is unchanged", p.span_of("displacement"));
         p.ignore(&["displacement"]);
     }
     Some(ShapeKind::Mesh(MeshFile {
@@ -173,7 +172,7 @@ fn ply(r: &mut Reader<'_>, p: &mut Params) -> Option<ShapeKind> {
 fn bilinear_mesh(r: &mut Reader<'_>, p: &mut Params) -> Option<InlineMesh> {
     if p.has("emissionfilename") {
         let span = p.span_of("emissionfilename");
-        r.unsupported("`emissionfilename`", "the light is the same everywhere on the patch", span);
+        r.unsupported("`emissionfilename`", "emission is constant over the patch", span);
         p.ignore(&["emissionfilename"]);
     }
     p.ignore(&["faceIndices"]);

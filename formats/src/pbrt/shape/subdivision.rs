@@ -42,7 +42,7 @@ struct Ring {
     boundary: bool,
 }
 
-/// The rings of all vertices; fails where the surface is no manifold.
+/// The rings of all vertices; fails where the surface is not a manifold.
 fn rings(count: usize, triangles: &[[u32; 3]]) -> Result<Vec<Ring>, String> {
     // Around each vertex the corner after it leads to the one before it.
     let mut steps: Vec<Vec<(u32, u32)>> = vec![Vec::new(); count];
@@ -83,7 +83,7 @@ fn ring(vertex: usize, steps: &[(u32, u32)]) -> Result<Ring, String> {
         }
     }
     if vertices.len() != steps.len() + usize::from(boundary) {
-        return Err(format!("the triangles around vertex {vertex} form no single fan"));
+        return Err(format!("the triangles around vertex {vertex} do not form a single fan"));
     }
     Ok(Ring { vertices, boundary })
 }

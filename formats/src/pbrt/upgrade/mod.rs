@@ -1,5 +1,5 @@
-//! pbrt-v3: what its names and types became in v4. A scene is refused with the new spelling of each
-//! construct, or read all the same when the options ask for it.
+//! pbrt-v3 to v4: a v3 scene is refused with the new spelling of each construct, or converted when the options ask
+//! for it.
 
 mod table;
 
@@ -40,7 +40,7 @@ impl Old {
         Self { lenient, found: Vec::new(), index: HashMap::new(), problems: Vec::new() }
     }
 
-    /// Notes that pbrt-v4 writes `now` for `what`.
+    /// Records that pbrt-v4 writes `now` for `what`.
     pub fn found(&mut self, span: Span, what: &str, now: &str) {
         if let Some(&known) = self.index.get(what) {
             self.found[known].more += 1;
@@ -69,8 +69,8 @@ impl Old {
             let problem = Diagnostic::error(text, Some(found.first));
             problems.push(match found.more {
                 0 => problem,
-                1 => problem.help("it stands in one more place"),
-                more => problem.help(format!("it stands in {more} more places")),
+                1 => problem.help("it occurs in one more place"),
+                more => problem.help(format!("it occurs in {more} more places")),
             });
         }
         problems
@@ -82,7 +82,7 @@ impl Old {
         }
     }
 
-    /// Brings a directive to pbrt-v4; `false` when nothing is left of it.
+    /// Converts a directive to pbrt-v4; `false` when nothing remains of it.
     pub fn directive(&mut self, d: &mut Directive) -> bool {
         match d.name.as_str() {
             "WorldEnd" => {
@@ -90,7 +90,7 @@ impl Old {
                 return false;
             }
             "Renderer" | "VolumeIntegrator" | "Volume" => {
-                self.found(d.span, &format!("`{}`", d.name), "nothing like it");
+                self.found(d.span, &format!("`{}`", d.name), "no equivalent");
                 self.lost(d.span, format!("`{}` of older versions is left out", d.name));
                 return false;
             }
@@ -169,11 +169,11 @@ impl Old {
                     (*now).clone_into(&mut d.params[index].name);
                 }
                 Change::Drop => {
-                    self.found(span, &what, "nothing like it");
+                    self.found(span, &what, "no equivalent");
                     d.params.retain(|p| p.name != *name);
                 }
                 Change::Lose(loss) => {
-                    self.found(span, &what, "nothing like it");
+                    self.found(span, &what, "no equivalent");
                     self.lost(span, format!("`{name}` is left out: {loss}"));
                     d.params.retain(|p| p.name != *name);
                 }

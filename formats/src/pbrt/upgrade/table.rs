@@ -2,14 +2,14 @@
 
 use super::super::directive::{Directive, Param, ParamType, Values};
 
-/// What becomes of a type of pbrt-v3; `from: ""` is any type of the class.
+/// The conversion of a type of pbrt-v3; `from: ""` is any type of the class.
 pub(super) struct Row {
     /// The directive.
     pub class: &'static str,
     pub noun: &'static str,
     pub from: &'static str,
     pub to: &'static str,
-    /// What the new type does otherwise; empty when it is the same thing.
+    /// How the new type differs; empty when it is the same.
     pub loss: &'static str,
     pub params: &'static [(&'static str, Change)],
     /// Defaults that v4 changed: one value is a float, three are rgb.
@@ -18,9 +18,9 @@ pub(super) struct Row {
 
 pub(super) enum Change {
     Rename(&'static str),
-    /// It does not matter.
+    /// It does not change the image.
     Drop,
-    /// It matters; what is missing then.
+    /// It changes the image; the text says what is lost.
     Lose(&'static str),
     /// How v4 says it, and the conversion of the parameter at an index.
     With(&'static str, fn(&mut Directive, usize)),
@@ -79,7 +79,7 @@ pub(super) const ROWS: &[Row] = &[
             ("Kd", Rename("reflectance")),
             ("Ks", Lose(NO_GLOSS)),
             ("Kr", Lose("there is no mirror in it")),
-            ("Kt", Lose("nothing shines through")),
+            ("Kt", Lose("nothing is transmitted")),
             ("opacity", Lose("the material is opaque")),
             ("index", Rename("eta")),
         ],
@@ -172,7 +172,7 @@ pub(super) const ROWS: &[Row] = &[
         ..becomes("Integrator", "integrator", "directlighting", "path")
     },
     Row {
-        loss: "all light is followed, not only that of mirrors",
+        loss: "all light paths are traced, not only mirror reflections",
         ..becomes("Integrator", "integrator", "whitted", "path")
     },
     becomes("Integrator", "integrator", "ao", "ambientocclusion"),

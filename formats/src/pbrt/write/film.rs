@@ -8,7 +8,7 @@ use crate::ir::{
 };
 use crate::write::number;
 
-/// pbrt counts bounces and knows no infinity; so many no path survives.
+/// For unlimited depth: pbrt has no infinity, and no path survives this many bounces.
 const UNLIMITED: i64 = 1_000_000;
 
 impl Writer<'_, '_> {

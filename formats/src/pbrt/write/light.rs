@@ -4,13 +4,18 @@ use super::Writer;
 use super::film::smaller_fov;
 use super::text::{Params, transform};
 use crate::ir::{
-    AreaEmission, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, LightImage, Mapping,
-    Origin, SpotFalloff, TextureEncoding, TextureFilter, TextureKind, Transform,
+    AreaEmission, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage,
+    Mapping, Origin, SpotFalloff, TextureEncoding, TextureFilter, TextureKind, Transform,
 };
 use crate::spectrum::luminance;
 use crate::write::WriteError;
 
+/// A goniometric light's pole is +Y of its own space, its picture's +Z.
+const POLE: Transform =
+    Transform([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]);
+
 impl Writer<'_, '_> {
+    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
     pub fn emitter(&mut self, e: &Emitter) -> Result<(), WriteError> {
         let origin = e.origin;
         let none = Params::default();
@@ -24,8 +29,8 @@ impl Writer<'_, '_> {
                 if *falloff == SpotFalloff::Linear {
                     self.out.lose(
                         origin,
-                        "a spot that falls off linearly in the angle",
-                        "one that falls off by a smooth step of the cosine",
+                        "a spot with linear falloff in the angle",
+                        "smoothstep falloff in the cosine",
                     );
                 }
                 if texture.is_some() {
@@ -52,46 +57,9 @@ impl Writer<'_, '_> {
                 ("infinite", *to_world, p)
             }
             EmitterKind::Projector { to_world, irradiance, scale, fov, fov_axis } => {
-                // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
-                let mut scale = scale * std::f64::consts::PI;
-                let (name, fov) = match irradiance {
-                    ColorInput::Color(color) => {
-                        let rgb = self.out.rgb(color, emission, origin);
-                        if rgb.iter().any(|v| *v != rgb[0]) {
-                            self.out.lose(
-                                origin,
-                                "the colour of a projector without picture",
-                                "its luminance",
-                            );
-                        }
-                        scale *= luminance(rgb);
-                        let fov = smaller_fov(*fov, *fov_axis, 1.0);
-                        (self.out.even_intensity(half_tangent(fov))?, fov)
-                    }
-                    ColorInput::Texture(id) => {
-                        let TextureKind::Bitmap(bitmap) = &self.scene.textures[*id].kind else {
-                            self.out.lose(origin, "a projector whose picture is not an image", "nothing");
-                            return Ok(());
-                        };
-                        if bitmap.mapping != Mapping::Uv(Transform::IDENTITY) {
-                            self.out.lose(
-                                origin,
-                                "the `to_uv` of a projector's picture",
-                                "the whole picture",
-                            );
-                        }
-                        if bitmap.filter == TextureFilter::Bilinear {
-                            self.out.lose(
-                                origin,
-                                "a projected picture that is smooth between its pixels",
-                                "one whose pixels show",
-                            );
-                        }
-                        let fov = smaller_fov(*fov, *fov_axis, self.out.aspect(&bitmap.path)?);
-                        (self.out.slide_intensity(bitmap, half_tangent(fov))?, fov)
-                    }
+                let Some(p) = self.projector(irradiance, *scale, (*fov, *fov_axis), origin)? else {
+                    return Ok(());
                 };
-                let p = none.string("filename", &name).float("fov", fov).float("scale", scale);
                 ("projection", to_world.after(&Transform::scale([-1.0, 1.0, 1.0])), p)
             }
             EmitterKind::Projection { to_world, image, fov, power } => {
@@ -110,28 +78,69 @@ impl Writer<'_, '_> {
                     let name = self.out.carry(&image.path, "textures");
                     p = p.string("filename", &name).float_unless("scale", image.scale, 1.0);
                 }
-                // The light's pole is +Y of its own space, the picture's +Z.
-                let swap = Transform([
-                    [1.0, 0.0, 0.0, 0.0],
-                    [0.0, 0.0, 1.0, 0.0],
-                    [0.0, 1.0, 0.0, 0.0],
-                    [0.0, 0.0, 0.0, 1.0],
-                ]);
-                ("goniometric", to_world.after(&swap), p.float_unless("power", power.unwrap_or(0.0), 0.0))
+                ("goniometric", to_world.after(&POLE), p.float_unless("power", power.unwrap_or(0.0), 0.0))
+            }
+            other => {
+                self.out.lose(origin, format!("a `{}` light", other.name()), "no light");
+                return Ok(());
             }
         };
+        self.light_source(name, &place, p, origin);
+        Ok(())
+    }
+
+    fn light_source(&mut self, name: &str, place: &Transform, p: Params, origin: Origin) {
         let mut text = String::new();
         self.place(&mut text, "", origin);
-        if place == Transform::IDENTITY {
+        if *place == Transform::IDENTITY {
             p.write(&mut text, "", "LightSource", &[name]);
         } else {
             text.push_str("AttributeBegin\n");
-            transform(&mut text, "\t", &place);
+            transform(&mut text, "\t", place);
             p.write(&mut text, "\t", "LightSource", &[name]);
             text.push_str("AttributeEnd\n");
         }
         self.body.push_str(&text);
-        Ok(())
+    }
+
+    /// The parameters of Mitsuba's projector as pbrt's; `None` after a loss.
+    fn projector(
+        &mut self,
+        irradiance: &ColorInput,
+        scale: f64,
+        (fov, axis): (Fov, FovAxis),
+        origin: Origin,
+    ) -> Result<Option<Params>, WriteError> {
+        // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
+        let mut scale = scale * std::f64::consts::PI;
+        let (name, fov) = match irradiance {
+            ColorInput::Color(color) => {
+                let rgb = self.out.rgb(color, ColorSlot::Emission, origin);
+                if rgb.iter().any(|v| *v != rgb[0]) {
+                    self.out.lose(origin, "the colour of a projector without picture", "its luminance");
+                }
+                scale *= luminance(rgb);
+                let fov = smaller_fov(fov, axis, 1.0);
+                (self.out.even_intensity(half_tangent(fov))?, fov)
+            }
+            ColorInput::Texture(id) => {
+                let TextureKind::Bitmap(bitmap) = &self.scene.textures[*id].kind else {
+                    self.out.lose(origin, "a projector whose picture is not an image", "nothing");
+                    return Ok(None);
+                };
+                if bitmap.mapping != Mapping::Uv(Transform::IDENTITY) {
+                    self.out.lose(origin, "the `to_uv` of a projector's picture", "the whole picture");
+                }
+                if bitmap.filter == TextureFilter::Bilinear {
+                    let what = "bilinear interpolation of a projected image";
+                    self.out.lose(origin, what, "nearest-pixel lookup");
+                }
+                let fov = smaller_fov(fov, axis, self.out.aspect(&bitmap.path)?);
+                (self.out.slide_intensity(bitmap, half_tangent(fov))?, fov)
+            }
+        };
+        let p = Params::default().string("filename", &name).float("fov", fov).float("scale", scale);
+        Ok(Some(p))
     }
 
     fn environment(
@@ -158,7 +167,7 @@ impl Writer<'_, '_> {
 
     pub fn emission(&mut self, text: &mut String, e: &AreaEmission) -> Result<(), WriteError> {
         if e.collimated {
-            self.out.lose(e.origin, "a lamp that shines along its normal only", "a diffuse lamp");
+            self.out.lose(e.origin, "a lamp that emits along its normal only", "a diffuse lamp");
         }
         let none = Params::default();
         let p = match &e.radiance {

@@ -42,13 +42,19 @@ impl Writer<'_, '_> {
         let (nested, one_sided) = match kind {
             BsdfKind::TwoSided { front, back } => {
                 if back.is_some_and(|back| back != *front) {
-                    self.out.lose(*origin, "a material of its own on the back", "that of the front");
+                    self.out.lose(
+                        *origin,
+                        "a different material on the back",
+                        "the front material on both sides",
+                    );
                 }
                 (*front, false)
             }
             _ => (id, true),
         };
-        if one_sided && reflects_only(&scene.bsdfs[nested].kind) {
+        // A mix has the sides of its parts.
+        let mix = matches!(scene.bsdfs[nested].kind, BsdfKind::Blend { .. });
+        if one_sided && !mix && self.query.bsdf(&scene.bsdfs, nested).opaque() {
             self.out.lose(*origin, "a surface that is black on its back", "the same material on both sides");
         }
         let Bsdf { kind, .. } = &scene.bsdfs[nested];
@@ -161,8 +167,8 @@ impl Writer<'_, '_> {
             ConductorMaterial::Mirror => {
                 self.out.lose(
                     origin,
-                    "a mirror that reflects the same at all angles",
-                    "a metal that reflects this much at normal incidence",
+                    "a mirror with the same reflectance at all angles",
+                    "a metal with this reflectance at normal incidence",
                 );
                 self.color_input(p, "reflectance", &c.specular_reflectance, Reflectance, origin)
             }
@@ -274,19 +280,4 @@ pub fn index(index: &Ior) -> f64 {
         Ior::Value(v) => *v,
         Ior::Named(name) => ior(name).unwrap_or(1.0),
     }
-}
-
-/// Whether what is written for it is two-sided in pbrt.
-fn reflects_only(kind: &BsdfKind) -> bool {
-    matches!(
-        kind,
-        BsdfKind::Diffuse { .. }
-            | BsdfKind::Conductor(_)
-            | BsdfKind::RoughConductor { .. }
-            | BsdfKind::Plastic(_)
-            | BsdfKind::RoughPlastic { .. }
-            | BsdfKind::RoughDiffuse { .. }
-            | BsdfKind::Phong { .. }
-            | BsdfKind::Ward { .. }
-    )
 }

@@ -1,4 +1,4 @@
-//! The scene as a pbrt-v4 file: one file per concept, as the readers beside them.
+//! The scene as a pbrt-v4 file: one module per concept, as for reading.
 //!
 //! Materials and textures are named and stand before the shapes that use them.
 
@@ -15,7 +15,7 @@ use std::fmt::Write;
 
 use text::Params;
 
-use crate::ir::{Bsdf, Color, ColorInput, ColorSlot, FloatInput, Id, Origin, Scene, Texture};
+use crate::ir::{Bsdf, Color, ColorInput, ColorSlot, FloatInput, Id, Origin, Query, Scene, Texture};
 use crate::write::{Output, WriteError};
 
 pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
@@ -28,6 +28,7 @@ pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
         materials: HashMap::new(),
         textures: HashMap::new(),
         taken: HashSet::new(),
+        query: Query::default(),
     }
     .document()
 }
@@ -42,6 +43,7 @@ struct Writer<'o, 'a> {
     /// By kind: colours, or numbers (`true`).
     textures: HashMap<(Id<Texture>, bool), String>,
     taken: HashSet<String>,
+    query: Query,
 }
 
 impl Writer<'_, '_> {

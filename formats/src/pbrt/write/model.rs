@@ -1,11 +1,12 @@
-//! Models that pbrt has not: the nearest it has, each with its loss.
+//! Models that pbrt lacks: the closest it has, each with its loss.
 
 use super::Writer;
 use super::material::{Said, index};
 use super::text::Params;
 use crate::ir::{
-    Bitmap, BsdfKind, ColorInput, ColorSlot, FloatInput, Microfacet, MicrofacetDistribution, Origin,
-    PerturbedShading, Plastic, PrincipledIndex, RoughnessRemap, Shadowing, TextureEncoding, TextureKind,
+    Bitmap, Bsdf, BsdfKind, ColorInput, ColorSlot, FloatInput, Id, Microfacet, MicrofacetDistribution,
+    Origin, PerturbedShading, Plastic, Principled, PrincipledIndex, RoughnessRemap, Shadowing,
+    TextureEncoding, TextureKind,
 };
 use crate::write::{Tone, WriteError};
 
@@ -33,21 +34,7 @@ impl Writer<'_, '_> {
                 }
             }
             BsdfKind::NormalMap { normals, shading, nested } => {
-                self.lose_shading(*shading, origin);
-                let (plugin, p) = self.said_of(*nested)?;
-                let bitmap = match normals {
-                    ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
-                        TextureKind::Bitmap(bitmap) => Some(bitmap),
-                        _ => None,
-                    },
-                    ColorInput::Color(_) => None,
-                };
-                let Some(bitmap) = bitmap.filter(|b| self.plain_normals(b)) else {
-                    self.out.lose(origin, "a normal map that is transformed or no picture", "no normal map");
-                    return Ok((plugin, p));
-                };
-                let name = self.out.carry(&bitmap.path, "textures");
-                Ok((plugin, p.string("normalmap", &name)))
+                self.normal_map(normals, *shading, *nested, origin)
             }
             BsdfKind::Mixture { parts } => {
                 self.out.lose(origin, "a mixture of materials by weights", "the heaviest of them");
@@ -57,28 +44,7 @@ impl Writer<'_, '_> {
                     None => Ok(("diffuse", Params::default().rgb("reflectance", [0.0; 3]))),
                 }
             }
-            BsdfKind::Principled(p) => {
-                let metal = matches!(p.metallic, FloatInput::Value(m) if m > 0.5);
-                let glass = matches!(p.spec_trans, FloatInput::Value(t) if t > 0.5);
-                let eta = match p.index {
-                    PrincipledIndex::Eta(eta) => eta,
-                    PrincipledIndex::Specular(s) => 2.0 / (1.0 - (0.08 * s.clamp(0.0, 1.0)).sqrt()) - 1.0,
-                };
-                let squared = squared(&p.roughness);
-                if metal {
-                    self.out.lose(origin, "the `principled` model", "a metal of its colour");
-                    let m = Params::default();
-                    let m = self.color_input(m, "reflectance", &p.base_color, Reflectance, origin)?;
-                    return Ok(("conductor", self.roughness(m, &squared, ROUGHNESS, origin)?));
-                }
-                if glass {
-                    self.out.lose(origin, "the `principled` model", "rough glass");
-                    let d = Params::default().float("eta", eta);
-                    return Ok(("dielectric", self.roughness(d, &squared, ROUGHNESS, origin)?));
-                }
-                self.out.lose(origin, "the `principled` model", "a rough coat over its colour");
-                self.coated(&p.base_color, eta, Some(&squared), origin)
-            }
+            BsdfKind::Principled(p) => self.principled(p, origin),
             BsdfKind::PrincipledThin(p) => {
                 self.out.lose(origin, "the `principledthin` model", "half reflection and half transmission");
                 let m = Params::default();
@@ -100,7 +66,7 @@ impl Writer<'_, '_> {
                 self.coated(diffuse_reflectance, 1.5, Some(&ggx(alpha.clone(), alpha)), origin)
             }
             BsdfKind::Ward { alpha_u, alpha_v, diffuse_reflectance, .. } => {
-                self.out.lose(origin, "the `ward` model", "a coat as rough");
+                self.out.lose(origin, "the `ward` model", "a coat of the same roughness");
                 let m = ggx(alpha_u.clone(), alpha_v.clone());
                 self.coated(diffuse_reflectance, 1.5, Some(&m), origin)
             }
@@ -114,9 +80,58 @@ impl Writer<'_, '_> {
                 self.out.lose(origin, "a coating", "the bare material below it");
                 self.said_of(*nested)
             }
-            // Every other kind has a material of its own.
-            _ => Ok(("diffuse", Params::default())),
+            other => {
+                self.out.lose(origin, format!("the `{}` model", other.name()), "diffuse gray 0.5");
+                Ok(("diffuse", Params::default()))
+            }
         }
+    }
+
+    fn principled(&mut self, p: &Principled, origin: Origin) -> Result<Said, WriteError> {
+        let metal = matches!(p.metallic, FloatInput::Value(m) if m > 0.5);
+        let glass = matches!(p.spec_trans, FloatInput::Value(t) if t > 0.5);
+        let eta = match p.index {
+            PrincipledIndex::Eta(eta) => eta,
+            PrincipledIndex::Specular(s) => 2.0 / (1.0 - (0.08 * s.clamp(0.0, 1.0)).sqrt()) - 1.0,
+        };
+        let squared = squared(&p.roughness);
+        if metal {
+            self.out.lose(origin, "the `principled` model", "a metal of its colour");
+            let m = Params::default();
+            let m = self.color_input(m, "reflectance", &p.base_color, Reflectance, origin)?;
+            return Ok(("conductor", self.roughness(m, &squared, ROUGHNESS, origin)?));
+        }
+        if glass {
+            self.out.lose(origin, "the `principled` model", "rough glass");
+            let d = Params::default().float("eta", eta);
+            return Ok(("dielectric", self.roughness(d, &squared, ROUGHNESS, origin)?));
+        }
+        self.out.lose(origin, "the `principled` model", "a rough coat over its colour");
+        self.coated(&p.base_color, eta, Some(&squared), origin)
+    }
+
+    fn normal_map(
+        &mut self,
+        normals: &ColorInput,
+        shading: PerturbedShading,
+        nested: Id<Bsdf>,
+        origin: Origin,
+    ) -> Result<Said, WriteError> {
+        self.lose_shading(shading, origin);
+        let (plugin, p) = self.said_of(nested)?;
+        let bitmap = match normals {
+            ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
+                TextureKind::Bitmap(bitmap) => Some(bitmap),
+                _ => None,
+            },
+            ColorInput::Color(_) => None,
+        };
+        let Some(bitmap) = bitmap.filter(|b| self.plain_normals(b)) else {
+            self.out.lose(origin, "a normal map that is transformed or not an image", "no normal map");
+            return Ok((plugin, p));
+        };
+        let name = self.out.carry(&bitmap.path, "textures");
+        Ok((plugin, p.string("normalmap", &name)))
     }
 
     fn plastic(
@@ -129,8 +144,8 @@ impl Writer<'_, '_> {
         let base = self.base_of(p, eta, origin)?;
         self.out.lose(
             origin,
-            "plastic by a closed formula",
-            "`coateddiffuse`, which follows light between coat and base",
+            "plastic in closed form",
+            "`coateddiffuse`, which simulates scattering between coat and base",
         );
         self.lose_factor(&p.specular_reflectance, "the specular reflectance of plastic", origin);
         self.coat_over(base, eta, microfacet, origin)
@@ -149,8 +164,8 @@ impl Writer<'_, '_> {
             ColorInput::Texture(id) => match self.toned_texture(*id, tone)? {
                 Some(name) => Ok(base.texture("reflectance", &name)),
                 None => {
-                    let what = "plastic without `nonlinear` over a texture that is no picture";
-                    self.out.lose(origin, what, "its colours as they are, up to a third darker");
+                    let what = "plastic without `nonlinear` over a texture that is not an image";
+                    self.out.lose(origin, what, "its colours unchanged, up to a third darker");
                     self.color_input(base, "reflectance", &p.diffuse_reflectance, Reflectance, origin)
                 }
             },
@@ -159,11 +174,11 @@ impl Writer<'_, '_> {
 
     fn lose_shading(&mut self, s: PerturbedShading, origin: Origin) {
         if s.flip_invalid_normals || s.shadowing {
-            self.out.lose(origin, "the shadowing of tilted normals", "tilted normals as they are");
+            self.out.lose(origin, "the shadowing of tilted normals", "tilted normals unchanged");
         }
     }
 
-    /// pbrt looks a normal map up by plain uv.
+    /// pbrt looks up a normal map by untransformed uv.
     fn plain_normals(&self, b: &Bitmap) -> bool {
         b.encoding == TextureEncoding::Linear
             && b.channel.is_none()

@@ -4,13 +4,16 @@ use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
     BsdfKind, FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup,
-    ShapeKind, Transform, uses_textures,
+    ShapeKind, Transform,
 };
 use crate::mesh::{Mesh, builtin};
 use crate::write::WriteError;
 
 /// Meshes up to this size stand in the scene file.
 const INLINE: usize = 64;
+
+/// Plugin, parameters, and a transform that comes before the shape's own.
+type Geometry = (&'static str, Params, Option<Transform>);
 
 impl Writer<'_, '_> {
     pub fn group(&mut self, id: Id<ShapeGroup>) -> Result<(), WriteError> {
@@ -22,7 +25,7 @@ impl Writer<'_, '_> {
                 self.out.lose(
                     emission.origin,
                     "light from a shape of a group",
-                    "a shape that does not shine",
+                    "a shape that does not emit light",
                 );
                 self.shape(&Shape { emission: None, ..shape.clone() })?;
             } else {
@@ -66,7 +69,7 @@ impl Writer<'_, '_> {
             ShapeKind::Mesh(file) => !file.authored_normals,
             _ => false,
         };
-        let (name, mut p, inner) = self.geometry(shape)?;
+        let Some((name, mut p, inner)) = self.geometry(shape)? else { return Ok(()) };
         let mirrored = by_world && shape.to_world.determinant3() < 0.0;
         let turned = inner.is_some_and(|inner| inner.determinant3() < 0.0);
         if shape.flip_normals ^ mirrored ^ turned {
@@ -88,11 +91,11 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// Plugin, parameters, and a transform that comes before the shape's own.
-    fn geometry(&mut self, shape: &Shape) -> Result<(&'static str, Params, Option<Transform>), WriteError> {
+    /// `None` after a loss; instances are written by the caller.
+    fn geometry(&mut self, shape: &Shape) -> Result<Option<Geometry>, WriteError> {
         let none = Params::default();
         let label = shape.name.as_deref();
-        Ok(match &shape.kind {
+        Ok(Some(match &shape.kind {
             ShapeKind::Mesh(file) => {
                 ("plymesh", none.string("filename", &self.mesh(file, shape.origin)?), None)
             }
@@ -104,7 +107,7 @@ impl Writer<'_, '_> {
             ShapeKind::Sphere { center, radius } => {
                 // Mitsuba's v runs from +Z downwards, pbrt's upwards.
                 let mut inner = Transform::translate(*center);
-                if uses_textures(self.scene, shape) {
+                if self.query.textured(&self.scene.bsdfs, shape) {
                     inner = inner.after(&Transform::scale([1.0, 1.0, -1.0]));
                 }
                 ("sphere", none.float("radius", *radius), Some(inner))
@@ -138,12 +141,14 @@ impl Writer<'_, '_> {
                 let p = none.float("radius", *radius).float("zmin", 0.0).float("zmax", length);
                 ("cylinder", p, Some(inner))
             }
-            // Met by the caller.
-            ShapeKind::Instance { .. } => ("sphere", none, None),
-        })
+            other => {
+                self.out.lose(shape.origin, format!("a shape of kind `{}`", other.name()), "no shape");
+                return Ok(None);
+            }
+        }))
     }
 
-    /// The file itself where pbrt takes it alike, else one that says what is rendered.
+    /// The file itself where pbrt reads it the same way, otherwise a converted one.
     fn mesh(&mut self, file: &MeshFile, origin: Origin) -> Result<String, WriteError> {
         let keep = file.authored_normals
             && file.format == MeshFormat::Ply

@@ -114,7 +114,7 @@ impl Writer<'_, '_> {
                     }
                     ColorInput::Texture(_) => false,
                 };
-                // The factor is a number in pbrt; the product does not mind the order.
+                // The factor is a number in pbrt; the order of the product does not matter.
                 let (value, factor) = if colored(self, factor) { (factor, value) } else { (value, factor) };
                 if colored(self, factor) && !numbers {
                     self.out.lose(origin, "a colour times a colour", "the first times a number");
@@ -146,31 +146,7 @@ impl Writer<'_, '_> {
                 let (p, space) = self.mapped(p, mapping, origin);
                 Ok(("dots", p, space))
             }
-            TextureKind::Noise { kind, to_texture } => {
-                let marble = matches!(kind, NoiseKind::Marble { .. });
-                if marble == numbers {
-                    self.out.lose(
-                        origin,
-                        "noise as a number or colour that pbrt has not",
-                        "the constant 0.5",
-                    );
-                    return self.constant([0.5; 3], numbers);
-                }
-                let octaves =
-                    |p: Params, n: u32, r: f64| p.integer("octaves", n.into()).float("roughness", r);
-                let (plugin, p) = match *kind {
-                    NoiseKind::Fbm { octaves: n, roughness } => ("fbm", octaves(none, n, roughness)),
-                    NoiseKind::Wrinkled { octaves: n, roughness } => {
-                        ("wrinkled", octaves(none, n, roughness))
-                    }
-                    NoiseKind::Windy => ("windy", none),
-                    NoiseKind::Marble { octaves: n, roughness, scale, variation } => {
-                        let p = octaves(none, n, roughness);
-                        ("marble", p.float("scale", scale).float("variation", variation))
-                    }
-                };
-                Ok((plugin, p, Some(*to_texture)))
-            }
+            TextureKind::Noise { kind, to_texture } => self.noise(*kind, *to_texture, numbers, origin),
             TextureKind::MeshAttribute { name, .. } => {
                 let what = format!("the mesh attribute `{name}`");
                 self.out.lose(origin, what, "the constant 0.5");
@@ -182,6 +158,33 @@ impl Writer<'_, '_> {
                 Ok(("constant", p, None))
             }
         }
+    }
+
+    fn noise(
+        &mut self,
+        kind: NoiseKind,
+        to_texture: Transform,
+        numbers: bool,
+        origin: Origin,
+    ) -> Result<Said, WriteError> {
+        let none = Params::default();
+        let marble = matches!(kind, NoiseKind::Marble { .. });
+        if marble == numbers {
+            let what = "a noise texture of a type that pbrt does not have";
+            self.out.lose(origin, what, "the constant 0.5");
+            return self.constant([0.5; 3], numbers);
+        }
+        let octaves = |p: Params, n: u32, r: f64| p.integer("octaves", n.into()).float("roughness", r);
+        let (plugin, p) = match kind {
+            NoiseKind::Fbm { octaves: n, roughness } => ("fbm", octaves(none, n, roughness)),
+            NoiseKind::Wrinkled { octaves: n, roughness } => ("wrinkled", octaves(none, n, roughness)),
+            NoiseKind::Windy => ("windy", none),
+            NoiseKind::Marble { octaves: n, roughness, scale, variation } => {
+                let p = octaves(none, n, roughness);
+                ("marble", p.float("scale", scale).float("variation", variation))
+            }
+        };
+        Ok((plugin, p, Some(to_texture)))
     }
 
     fn constant(&mut self, rgb: [f64; 3], numbers: bool) -> Result<Said, WriteError> {
@@ -210,7 +213,11 @@ impl Writer<'_, '_> {
                     (p.float_unless("udelta", du, 0.0).float_unless("vdelta", dv, 0.0), None)
                 }
                 None => {
-                    self.out.lose(origin, "a texture that is turned or sheared", "the texture upright");
+                    self.out.lose(
+                        origin,
+                        "a rotated or sheared texture",
+                        "the texture without rotation or shear",
+                    );
                     (p, None)
                 }
             },
@@ -234,14 +241,14 @@ impl Writer<'_, '_> {
         };
         let mut p = Params::default().string("filename", &name);
         if b.wrap_u != b.wrap_v {
-            self.out.lose(origin, "wrap modes that differ between u and v", "the one of u");
+            self.out.lose(origin, "wrap modes that differ between u and v", "the mode of u");
         }
         p = match b.wrap_u {
             WrapMode::Repeat => p,
             WrapMode::Clamp => p.string("wrap", "clamp"),
             WrapMode::Zero => p.string("wrap", "black"),
             WrapMode::Mirror => {
-                self.out.lose(origin, "a mirrored repetition", "a plain one");
+                self.out.lose(origin, "mirrored repetition", "plain repetition");
                 p
             }
             WrapMode::One => {

@@ -55,7 +55,7 @@ pub fn build(
             }
             let place = position(to_world);
             let mut light = Goniometric::new(place, axes, intensity, &picture);
-            let emitted = luminance(light.power()) / luminance(intensity);
+            let emitted = luminance(light.flux()) / luminance(intensity);
             if let Some(wanted) = power.filter(|_| emitted > 0.0) {
                 // The power is that of an intensity of 1, as in pbrt.
                 intensity *= wanted as f32 / emitted;

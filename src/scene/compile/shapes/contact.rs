@@ -1,7 +1,7 @@
-//! Glass that lies flush on a floor, or in a wall of other glass. Two faces at one place have no order: which
-//! is met is up to rounding, a ray that passes the one starts behind the other, and the picture depends on
-//! the integrator. Drawn back into its own body by a few roundings, such a face leaves a gap, which is what
-//! the author means, and every ray finds both.
+//! Glass that lies flush on a floor, or in a wall of other glass. Which of two coincident faces a ray hits is
+//! decided by rounding; a ray that passes through one starts behind the other, and the picture depends on
+//! the integrator. Such a face is drawn back into its own body by a few units of rounding: the gap is what
+//! the author means, and every ray finds both faces.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -19,8 +19,8 @@ const GAP: f32 = 12.0 * LIFT;
 /// The most that a face is moved, against the size of its shape: less than a picture shows.
 const MOST: f32 = 1e-3;
 
-/// Pairs of faces that are looked at before the search is given up: seconds, which only scenes of many
-/// thousand faces at one place take.
+/// Most pairs of faces that are compared: some seconds, reached only by scenes with many thousands of
+/// coincident faces.
 const PAIRS: usize = 1 << 27;
 
 /// Corners of the polygon that stands for a disk, in triangles that meet at its centre.

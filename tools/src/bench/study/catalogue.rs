@@ -1,35 +1,36 @@
-//! What is studied: one function a study, giving its scene, variants and the words around them.
+//! What is studied: one function per study, with its scene, variants and texts.
 
-/// A photon map's setting, and where it stands in plots.
+/// Settings to measure, and their place in plots.
 #[derive(Clone, Debug)]
 pub struct Variant {
     pub label: String,
+    /// Place along the x axis.
     pub x: f64,
-    /// Curve it belongs to.
+    /// The curve it belongs to.
     pub group: String,
     pub settings: Vec<(String, String)>,
     pub passes: u32,
     pub seeds: u64,
 }
 
-/// A study before it is made.
+/// A study that has not been made yet.
 #[derive(Clone, Debug)]
 pub struct Study {
     pub name: &'static str,
     pub title: &'static str,
-    /// What the owner's document says, in short.
+    /// What the document says, in short.
     pub observation: &'static str,
     pub setup: String,
-    /// File name in scenes/, without extension.
+    /// Name of the file in scenes/, without extension.
     pub scene: &'static str,
     pub x: &'static str,
     pub log_x: bool,
-    /// Settings of the truth besides those of all studies.
+    /// Settings of the reference besides those of all studies.
     pub truth: &'static str,
     pub variants: Vec<Variant>,
 }
 
-/// Names in the order of the page.
+/// The studies in the order of the page.
 pub const NAMES: [&str; 7] = ["photons", "neighbours", "kernels", "roulette", "direct", "nee", "caustic-map"];
 
 /// Size of a study: how much is rendered.
@@ -54,10 +55,11 @@ const OWNER: &str = "cornell-owner";
 const DIFFUSE: &str = "cornell-diffuse";
 
 /// The document's algorithm: one map of all photons, direct light included, the nearest 100 within 0.05.
-const CLASSIC: &str = "mode=classic lookup=nearest neighbours=100 caustic_neighbours=100 radius=0.05 caustic_radius=0.05 \
-                       kernel=constant caustic_kernel=constant boundary=false nee=false caustic_map=false hide_emitters=true";
+const CLASSIC: &str = "mode=classic lookup=nearest neighbours=100 caustic_neighbours=100 radius=0.05 \
+                       caustic_radius=0.05 kernel=constant caustic_kernel=constant boundary=false nee=false \
+                       caustic_map=false hide_emitters=true";
 
-/// Settings as `key=value` separated by blanks; a later one wins.
+/// Parses settings `key=value` separated by blanks; a later one wins.
 pub fn settings(parts: &[&str]) -> Vec<(String, String)> {
     let mut out: Vec<(String, String)> = Vec::new();
     for (key, value) in parts.iter().flat_map(|p| p.split_whitespace()).filter_map(|t| t.split_once('=')) {
@@ -78,7 +80,7 @@ fn variant(label: &str, x: f64, group: &str, changes: &str, passes: u32, seeds: 
     }
 }
 
-/// The study of a name; none for an unknown one.
+/// The study of a name; `None` for an unknown name.
 pub fn study(name: &str, p: Profile) -> Option<Study> {
     match name {
         "photons" => Some(photons(p)),
@@ -95,7 +97,7 @@ pub fn study(name: &str, p: Profile) -> Option<Study> {
 fn photons(p: Profile) -> Study {
     let variants =
         [10_000u64, 100_000, 1_000_000, 10_000_000].into_iter().filter(|n| *n <= p.most_photons).map(|n| {
-            // Two suffice where a render takes longest and noise is least.
+            // Two are enough where a render takes longest and has the least noise.
             let seeds = if n >= 10_000_000 { p.seeds.min(2) } else { p.seeds };
             variant(
                 &n.to_string(),
@@ -109,11 +111,12 @@ fn photons(p: Profile) -> Study {
     Study {
         name: "photons",
         title: "Number of photons",
-        observation: "The picture gets much better and less biased with more photons, and the time of the camera pass \
-                      grows polynomially with them (section 5.1).",
-        setup: "One map of all photons, direct light from first photons, k = 100 nearest within 0.05, constant kernel, 16 \
-                rays a pixel. The abscissa counts light paths."
-            .to_owned(),
+        observation: "The picture gets much better and less biased with more photons, and the time of the \
+                      camera pass grows polynomially with them (section 5.1).",
+        setup:
+            "One map of all photons, direct light from first photons, k = 100 nearest within 0.05, constant \
+                kernel, 16 rays per pixel. The x axis counts light paths."
+                .to_owned(),
         scene: OWNER,
         x: "light paths",
         log_x: true,
@@ -131,8 +134,8 @@ fn neighbours(p: Profile) -> Study {
     Study {
         name: "neighbours",
         title: "Number of neighbours",
-        observation: "More neighbours do not make the picture better: 500 blur corners and shadows (bias), 100 leave spots \
-                      (noise); the time hardly depends on them (section 5.2).",
+        observation: "More neighbours do not make the picture better: 500 blur corners and shadows (bias), 100 \
+                      leave spots (noise); the time hardly depends on them (section 5.2).",
         setup: format!("As above with {} light paths.", p.photons),
         scene: OWNER,
         x: "neighbours k",
@@ -142,7 +145,7 @@ fn neighbours(p: Profile) -> Study {
     }
 }
 
-/// Kernels of the renderer.
+/// The renderer's kernels.
 pub const KERNELS: [&str; 9] = [
     "constant",
     "cone",
@@ -169,12 +172,13 @@ fn kernels(p: Profile) -> Study {
     Study {
         name: "kernels",
         title: "Kernels",
-        observation: "Gaussian, Epanechnikov, logistic and constant kernels smooth, biweight and cone keep detail; though \
-                      Epanechnikov is optimal in theory, the Gaussian gives better pictures (section 7.1).",
+        observation: "Gaussian, Epanechnikov, logistic and constant kernels smooth, biweight and cone keep \
+                      detail; though Epanechnikov is optimal in theory, the Gaussian gives better pictures \
+                      (section 7.1).",
         setup: format!(
-            "All-diffuse box as in the document, {n} light paths, every photon within the radius, 4 rays a pixel; four radii, \
-             because kernels of one radius smooth differently: the standard deviation of a constant kernel is about twice that of a \
-             Gaussian cut at 3σ."
+            "All-diffuse box as in the document, {n} light paths, every photon within the radius, 4 rays per \
+             pixel. Four radii, because kernels of one radius smooth differently: the standard deviation of a \
+             constant kernel is about twice that of a Gaussian cut at 3σ."
         ),
         scene: DIFFUSE,
         x: "radius",
@@ -195,10 +199,11 @@ fn roulette(p: Profile) -> Study {
     Study {
         name: "roulette",
         title: "Russian roulette of camera paths",
-        observation: "Absorption leaves black pixels at 1 ray a pixel and a darker picture at more; trying again and \
-                      renormalising do not, and renormalising costs nothing (section 6).",
+        observation: "Absorption leaves black pixels at 1 ray per pixel and a darker picture at more; retrying \
+                      and renormalising do not, and renormalising costs nothing (section 6).",
         setup: format!(
-            "{n} light paths, otherwise as above. Camera paths only; photons are always absorbed as materials say."
+            "{n} light paths, otherwise as above. Camera paths only; photons are always absorbed as the \
+             materials say."
         ),
         scene: OWNER,
         x: "rays a pixel",
@@ -221,11 +226,12 @@ fn direct(p: Profile) -> Study {
     Study {
         name: "direct",
         title: "Direct light alone: next event estimation against first photons",
-        observation: "NEE takes much less time and converges better: sharp corners and shadows, even colours; its picture is \
-                      somewhat darker (section 3, figures 3.1 to 3.3).",
-        setup: "Light of at most one bounce, in the pictures and in the truth; k = 100 nearest within 0.05, 16 rays a pixel. NEE \
-                follows no light path."
-            .to_owned(),
+        observation: "NEE takes much less time and converges better: sharp corners and shadows, even colours; \
+                      its picture is somewhat darker (section 3, figures 3.1 to 3.3).",
+        setup:
+            "Light of at most one bounce, in the pictures and in the reference; k = 100 nearest within 0.05, \
+                16 rays per pixel. NEE needs no light paths."
+                .to_owned(),
         scene: OWNER,
         x: "light paths",
         log_x: true,
@@ -245,8 +251,8 @@ fn nee(p: Profile) -> Study {
     Study {
         name: "nee",
         title: "All light: next event estimation against first photons",
-        observation: "The same of pictures of all light, where photons bring what has bounced (section 3).",
-        setup: "k = 100 nearest within 0.05, 16 rays a pixel, two numbers of light paths.".to_owned(),
+        observation: "The same for pictures of all light, where photons carry the indirect light (section 3).",
+        setup: "k = 100 nearest within 0.05, 16 rays per pixel, two numbers of light paths.".to_owned(),
         scene: OWNER,
         x: "light paths",
         log_x: true,
@@ -258,7 +264,7 @@ fn nee(p: Profile) -> Study {
 fn caustic_map(p: Profile) -> Study {
     let n = p.photons;
     let own = n / 10;
-    // As many paths aimed at the spheres as store what the global paths store of caustic photons.
+    // So many paths for the caustic map store as many caustic photons as the global paths do.
     let equal = n * 57 / 5000;
     let with = |label: &str, x: f64, paths: u64, change: &str| {
         let group = match (paths == own, change.contains("cap")) {
@@ -273,11 +279,11 @@ fn caustic_map(p: Profile) -> Study {
     Study {
         name: "caustic-map",
         title: "Global map alone against global and caustic map",
-        observation: "With a caustic map of its own radius 0.025 the picture is clearer and its shadows stand out; a cap on the \
-                      number of caustic photons would improve it further (section 7.2).",
+        observation: "With a caustic map of its own radius 0.025 the picture is clearer and its shadows stand \
+                      out; a cap on the number of caustic photons would improve it further (section 7.2).",
         setup: format!(
-            "{n} light paths for the global map; {own} aimed at the spheres for the caustic map, or {equal}, which store about as \
-             many caustic photons as the global paths do. k = 100, 16 rays a pixel."
+            "{n} light paths for the global map; {own} aimed at the spheres for the caustic map, or {equal}, \
+             which store about as many caustic photons as the global paths do. k = 100, 16 rays per pixel."
         ),
         scene: OWNER,
         x: "caustic radius",

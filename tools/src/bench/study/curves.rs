@@ -1,10 +1,10 @@
-//! Weight curves of the kernels, written from their definitions: the judge does not ask the renderer.
+//! Weight curves of the kernels from their definitions, without the renderer.
 
-use super::super::plot::{Plot, Series};
 use super::catalogue::KERNELS;
+use crate::bench::plot::{Plot, Series};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, PI};
 
-/// Profile at distance u in 0..1, up to scale; none for an unknown kernel.
+/// Profile at distance u in [0, 1], up to scale; `None` for an unknown kernel.
 fn profile(kernel: &str, u: f64) -> Option<f64> {
     let v = 1.0 - u * u;
     Some(match kernel {
@@ -33,7 +33,7 @@ fn mass(kernel: &str) -> f64 {
     (0..STEPS).filter_map(|i| Some(profile(kernel, at(i))? * 2.0 * PI * at(i) / f64::from(STEPS))).sum()
 }
 
-/// All kernels with unit mass over the disc.
+/// All kernels, normalised to unit mass over the disc.
 pub fn plot() -> Plot {
     let series = KERNELS.iter().map(|kernel| {
         let m = mass(kernel);

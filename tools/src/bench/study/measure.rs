@@ -1,15 +1,16 @@
 //! Renders a study's variants and separates bias from variance.
 
-use super::super::BenchError;
-use super::super::record::{Budget, fingerprint};
-use super::super::renderers::{Job, Programs};
-use super::super::run::{Judged, judge, load_sized};
 use super::catalogue::{Study, Variant};
+use crate::bench::error::BenchError;
+use crate::bench::files;
+use crate::bench::judge::{Judged, judge, load_sized};
+use crate::bench::record::{Budget, fingerprint};
+use crate::bench::renderers::{Job, Programs};
 use crate::pixels::Pixels;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// A variant, measured.
+/// The measurement of a variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     pub label: String,
@@ -18,24 +19,25 @@ pub struct Measured {
     pub seeds: u64,
     /// Means over seeds.
     pub seconds: f64,
-    /// Of all threads; steadier than `seconds` where a machine is shared.
+    /// Of all threads; varies less than `seconds` on a shared machine.
     pub cpu_seconds: f64,
     pub rmse: f64,
     pub flip: f64,
     /// Difference of the means relative to the reference's.
     pub mean_bias: f64,
-    /// Root of the mean over pixels of the squared bias, without what the noise of few seeds adds.
+    /// Root of the mean over pixels of the squared bias, without the noise that few seeds leave in it.
     pub bias_rms: f64,
     /// Root of the mean over pixels of the variance over seeds.
     pub noise_rms: f64,
-    /// Share of pixels that are black here and not in the reference.
+    /// Share of pixels that are black, but not in the reference.
     pub black: f64,
     pub image: PathBuf,
 }
 
-/// Means over pixels and channels of bias² and of the variance of one render.
-/// With n renders: the variance is that of the sample (n − 1); the square of the mean's error exceeds
-/// bias² by variance / n, which is taken off. One render has no variance to tell, and all error is bias.
+/// The means over pixels and channels of bias² and of the variance of one render, from n renders.
+///
+/// The variance is the sample variance (divided by n − 1). The squared error of the mean exceeds bias² by
+/// variance / n, which is subtracted. With one render the variance is unknown and all error counts as bias.
 pub fn separate(images: &[Pixels], reference: &Pixels) -> (f64, f64) {
     let n = images.len() as f64;
     let (mut bias2, mut variance) = (0.0, 0.0);
@@ -58,24 +60,23 @@ fn black(image: &Pixels, reference: &Pixels) -> f64 {
     lost as f64 / reference.rgb.len().max(1) as f64
 }
 
-/// A scene's truth and the programs that render it.
+/// A scene, its reference, and the programs that render it.
 #[derive(Debug)]
 pub struct Bench<'a> {
     pub programs: &'a Programs,
     pub scene: &'a Path,
     pub reference: &'a Pixels,
-    /// Pictures and finished variants.
+    /// Folder of pictures and of finished variants.
     pub work: &'a Path,
 }
 
 impl Bench<'_> {
-    /// Measures a variant, or reads what a former run measured.
+    /// Measures a variant, or reads what an earlier run measured.
+    ///
+    /// # Errors
+    /// The renderer fails, or a file cannot be read or written.
     pub fn variant(&self, study: &Study, v: &Variant) -> Result<Measured, BenchError> {
-        let io = |path: &Path| {
-            let path = path.to_path_buf();
-            move |source| BenchError::Io { path, source }
-        };
-        let scene = std::fs::read(self.scene).map_err(io(self.scene))?;
+        let scene = files::read(self.scene)?;
         let what = format!("{v:?} {}x{}", self.reference.width, self.reference.height);
         let truth: Vec<u8> = self.reference.rgb.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
         let key = fingerprint([scene.as_slice(), what.as_bytes(), &truth]);
@@ -123,7 +124,7 @@ impl Bench<'_> {
         };
         let json = serde_json::to_vec(&measured)
             .map_err(|source| BenchError::Json { path: done.clone(), source })?;
-        std::fs::write(&done, json).map_err(io(&done))?;
+        files::write(&done, &json)?;
         Ok(measured)
     }
 }

@@ -1,4 +1,4 @@
-//! The studies of the owner's document, repeated: what each parameter of photon mapping costs and gains.
+//! Studies of photon mapping's parameters: what each costs and gains, against what a document on them says.
 
 mod catalogue;
 mod curves;
@@ -7,10 +7,11 @@ mod page;
 mod reference;
 mod verdict;
 
+use super::args::BenchArgs;
+use super::error::BenchError;
+use super::files;
 use super::machine::Machine;
 use super::renderers::Programs;
-use super::run::{make_folder, write_file};
-use super::{BenchArgs, BenchError};
 use catalogue::{NAMES, Profile};
 use measure::Bench;
 use page::{Common, Made};
@@ -18,13 +19,16 @@ use reference::Reference;
 use std::io::Write;
 use std::path::Path;
 
-/// Makes the study `name`, or `all`, in `args.output`: README.md, plots and pictures; the renders stay in its
-/// folder `work`, from which an interrupted run goes on.
+/// Makes the study `name`, or `all`, in `args.output`: README.md, plots and pictures. The renders stay in its
+/// folder `work`, where an interrupted run continues.
+///
+/// # Errors
+/// There is no such study, the renderer fails, or a file cannot be read or written.
 pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(), BenchError> {
     let names: Vec<&str> = NAMES.into_iter().filter(|n| name == "all" || name == *n).collect();
     if names.is_empty() {
         return Err(BenchError::Usage(format!(
-            "there is no study `{name}`; there are {} and all",
+            "there is no study `{name}`; the studies are {} and all",
             NAMES.join(", ")
         )));
     }
@@ -32,8 +36,8 @@ pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -
     let machine = Machine::here(args.threads);
     let programs = Programs::new(args, caustica);
     let work = args.output.join("work");
-    make_folder(&work)?;
-    write_file(&work.join(".gitignore"), b"*\n")?;
+    files::make_folder(&work)?;
+    files::write(&work.join(".gitignore"), b"*\n")?;
     let mut made = Vec::new();
     for study in names.iter().filter_map(|n| catalogue::study(n, profile)) {
         let scene = reference::scene(study.scene, &work)?;

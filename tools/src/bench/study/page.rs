@@ -1,54 +1,58 @@
-//! The page of the studies: Markdown with plots and pictures beside it.
+//! The page of the studies: Markdown, with plots and pictures beside it.
 
-use super::super::machine::Machine;
-use super::super::plot::{Plot, Series};
-use super::super::run::write_file;
-use super::super::{BenchError, thumbnail};
 use super::catalogue::{KERNELS, Profile, Study};
 use super::measure::Measured;
 use super::reference::Check;
 use super::{curves, verdict};
+use crate::bench::error::BenchError;
+use crate::bench::machine::Machine;
+use crate::bench::plot::{Plot, Series};
+use crate::bench::{files, thumbnail};
 use crate::compare::load;
 use crate::pixels::Pixels;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// A study that was made, with its reference.
+/// A study with its measurements and its reference.
 #[derive(Debug)]
 pub struct Made {
     pub study: Study,
     pub rows: Vec<Measured>,
     pub truth: Pixels,
-    /// RMSE that the reference's noise leaves.
+    /// RMSE of the reference, from its noise.
     pub noise: f64,
 }
 
-/// What all studies of a page share.
+/// What the studies of a page share.
 #[derive(Debug)]
 pub struct Common<'a> {
     pub machine: &'a Machine,
     pub profile: Profile,
     pub checks: &'a [Check],
     pub command: String,
-    /// Of all renders of the tables, whenever they were made.
+    /// Of all renders in the tables, whenever they were made.
     pub cpu_seconds: f64,
 }
 
-/// A part of a measurement's error.
+/// A part of the error.
 type Part = fn(&Measured) -> f64;
 
-/// Longer side of pictures.
+/// Longer side of the pictures in pixels.
 const SIDE: usize = 160;
 
 /// Writes README.md, plots and pictures to `folder`.
+///
+/// # Errors
+/// A picture cannot be read, or a file cannot be written.
 pub fn write(made: &[Made], common: &Common<'_>, folder: &Path) -> Result<(), BenchError> {
     let p = common.profile;
     let mut text = format!(
-        "# Studies of photon mapping's parameters\n\nWritten by `{}`, which renders everything but what an earlier run has left \
-         (the renders of the tables took {:.1} minutes of one processor). Pictures are {side} × {side} pixels.\n\nMachine: {}\n\n**Truth.** Each scene's reference is \
-         {} passes of progressive photon mapping with direct light sampled, in two halves whose difference tells its noise. The room \
-         of the document has a point lamp, whose caustics no path tracer can find; so the renderer is checked against its path tracer \
-         in the same room under an area lamp:\n\n",
+        "# Studies of photon mapping's parameters\n\nWritten by `{}`, which keeps what an earlier run has \
+         rendered (the renders of the tables took {:.1} minutes of processor time). Pictures are {side} × \
+         {side} pixels.\n\nMachine: {}\n\n**Reference.** Each scene's reference is {} passes of progressive \
+         photon mapping with sampled direct light, in two halves whose difference gives its noise. The \
+         document's room has a point lamp, whose caustics no path tracer can find. The renderer is therefore \
+         checked against its path tracer in the same room under an area lamp:\n\n",
         common.command,
         common.cpu_seconds / 60.0,
         common.machine.line(),
@@ -59,7 +63,8 @@ pub fn write(made: &[Made], common: &Common<'_>, folder: &Path) -> Result<(), Be
         line(
             &mut text,
             format_args!(
-                "* `{}`, path tracing with {} samples a pixel: the means differ by {:+.2} %, RMSE {:.4} (noise of the path tracer included).",
+                "* `{}`, path tracing with {} samples per pixel: the means differ by {:+.2} %, RMSE {:.4} \
+                 (including the noise of the path tracer).",
                 c.scene,
                 c.path_samples,
                 100.0 * c.bias,
@@ -67,12 +72,14 @@ pub fn write(made: &[Made], common: &Common<'_>, folder: &Path) -> Result<(), Be
             ),
         );
     }
-    text += "\n**Columns.** Times are of one render without loading; CPU time, of all threads, is the steadier where the machine is shared. RMSE² = bias² + noise²: bias is the root mean square over pixels of \
-             (mean over seeds − reference), noise that of the standard deviation over seeds. FLIP is the mean LDR-FLIP.\n";
+    text += "\n**Columns.** Times are of one render without loading. CPU time is that of all threads; it varies \
+             less on a shared machine. RMSE² = bias² + noise²: bias is the root mean square over pixels of \
+             (mean over seeds − reference), noise that of the standard deviation over seeds. FLIP is the mean \
+             LDR-FLIP.\n";
     for m in made {
         study(m, folder, &mut text)?;
     }
-    write_file(&folder.join("README.md"), text.as_bytes())
+    files::write(&folder.join("README.md"), text.as_bytes())
 }
 
 fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
@@ -87,7 +94,8 @@ fn study(m: &Made, folder: &Path, text: &mut String) -> Result<(), BenchError> {
     line(
         text,
         format_args!(
-            "| {} | CPU s | wall s | RMSE | bias | noise | mean % | FLIP | black % | seeds |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
+            "| {} | CPU s | wall s | RMSE | bias | noise | mean % | FLIP | black % | seeds \
+             |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
             s.title.to_lowercase()
         ),
     );
@@ -111,16 +119,16 @@ fn study(m: &Made, folder: &Path, text: &mut String) -> Result<(), BenchError> {
     }
     line(text, format_args!("\nNoise of the reference: RMSE {:.4}.\n", m.noise));
     let name = format!("{}.svg", s.name);
-    write_file(&folder.join(&name), plot(m).svg().as_bytes())?;
+    files::write(&folder.join(&name), plot(m).svg().as_bytes())?;
     line(text, format_args!("![{}]({name})\n", s.title));
     if s.name == "kernels" {
-        write_file(&folder.join("kernel-curves.svg"), curves::plot().svg().as_bytes())?;
+        files::write(&folder.join("kernel-curves.svg"), curves::plot().svg().as_bytes())?;
         line(text, format_args!("![weight curves](kernel-curves.svg)\n"));
     }
     pictures(m, folder, text)
 }
 
-/// RMSE, bias and noise over the study's variable; for kernels RMSE of each.
+/// RMSE, bias and noise over the study's variable; for kernels only the RMSE of each.
 fn plot(m: &Made) -> Plot {
     let curve = |name: String, group: &str, f: Part| {
         let mut line: Vec<(f64, f64)> =
@@ -154,16 +162,16 @@ fn plot(m: &Made) -> Plot {
     }
 }
 
-/// A table of pictures, four in a row, the reference first. Of kernels only those at one radius.
+/// A table of pictures, four per row, the reference first. Kernels are shown at one radius only.
 fn pictures(m: &Made, folder: &Path, text: &mut String) -> Result<(), BenchError> {
     let mut cells = vec![("reference".to_owned(), format!("{}-reference.png", m.study.name))];
-    write_file(&folder.join(&cells[0].1), &thumbnail::png(&m.truth, SIDE)?)?;
+    files::write(&folder.join(&cells[0].1), &thumbnail::png(&m.truth, SIDE)?)?;
     for (i, r) in m.rows.iter().enumerate() {
         if m.study.name == "kernels" && r.x != 0.1 {
             continue;
         }
         let file = format!("{}-{i}.png", m.study.name);
-        write_file(&folder.join(&file), &thumbnail::png(&load(&r.image, None)?.pixels, SIDE)?)?;
+        files::write(&folder.join(&file), &thumbnail::png(&load(&r.image, None)?.pixels, SIDE)?)?;
         cells.push((r.label.clone(), file));
     }
     for row in cells.chunks(4) {

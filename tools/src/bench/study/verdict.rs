@@ -1,8 +1,8 @@
-//! Whether the document's observation holds, in a sentence made from what was measured.
+//! Whether the document's observation holds, in a sentence made from the measurements.
 
 use super::measure::Measured;
 
-/// The sentence of a study; one for missing measurements where there are too few.
+/// The sentence of a study. It says so if there are too few measurements.
 pub fn sentence(study: &str, rows: &[Measured]) -> String {
     let made = match study {
         "photons" => photons(rows),
@@ -25,10 +25,10 @@ fn best<'a>(rows: impl IntoIterator<Item = &'a Measured>, f: fn(&Measured) -> f6
     rows.into_iter().min_by(|a, b| f(a).total_cmp(&f(b)))
 }
 
-/// Differences below this are within what few seeds leave in doubt.
+/// Relative differences below this may be noise, with so few seeds.
 const DOUBT: f64 = 0.02;
 
-/// How `a` stands to `b`, in a word that goes before "than" or "as".
+/// Compares RMSE `a` with `b`, in words that go before the name of `b`.
 fn against(a: f64, b: f64) -> &'static str {
     match a / b - 1.0 {
         d if d > DOUBT => "a higher RMSE than",
@@ -41,10 +41,10 @@ fn photons(rows: &[Measured]) -> Option<String> {
     let (first, last) = (rows.first()?, rows.last()?);
     let exponent = (last.cpu_seconds / first.cpu_seconds).ln() / (last.x / first.x).ln();
     Some(format!(
-        "{}: from {} to {} light paths bias falls from {:.4} to {:.4} and noise from {:.4} to {:.4}, because the 100 nearest \
-         photons come from a smaller disc. Every estimate still counts 100 photons; noise falls because the smaller discs of a pixel's 16 \
-         rays overlap less. Time \
-         grows as the power {exponent:.2} of their number, so \"polynomial\" is too gloomy: {}.",
+        "{}: from {} to {} light paths bias falls from {:.4} to {:.4} and noise from {:.4} to {:.4}, because \
+         the 100 nearest photons lie in a smaller disc. Every estimate still uses 100 photons; noise falls \
+         because the smaller discs of a pixel's 16 rays overlap less. Time grows with the power {exponent:.2} \
+         of the number of paths: {}.",
         holds(last.rmse < first.rmse && last.bias_rms < first.bias_rms),
         first.label,
         last.label,
@@ -52,11 +52,7 @@ fn photons(rows: &[Measured]) -> Option<String> {
         last.bias_rms,
         first.noise_rms,
         last.noise_rms,
-        if exponent < 0.95 {
-            "it grows more slowly than their number"
-        } else {
-            "it is about proportional to their number"
-        }
+        if exponent < 0.95 { "more slowly than that number" } else { "about in proportion to it" }
     ))
 }
 
@@ -66,9 +62,9 @@ fn neighbours(rows: &[Measured]) -> Option<String> {
     let straight = best(rows, |m| m.bias_rms)?;
     let hundred = rows.iter().find(|m| m.x == 100.0)?;
     Some(format!(
-        "{}: bias is least with {} ({:.4}) and grows to {:.4} ({}), noise falls from {:.4} ({}) to {:.4}; 500 neighbours have {} \
-         100 ({:.4} against {:.4}). The balance the document asks for lies at {} for RMSE and {} for FLIP. CPU time does depend on \
-         them: {:.1} times as long for {} as for {}.",
+        "{}: bias is least with {} ({:.4}) and grows to {:.4} ({}), noise falls from {:.4} ({}) to {:.4}; 500 \
+         neighbours give {} 100 ({:.4} against {:.4}). The balance the document asks for lies at {} for RMSE \
+         and {} for FLIP. CPU time does depend on them: {:.1} times as long for {} as for {}.",
         holds(
             most.bias_rms > straight.bias_rms
                 && most.noise_rms < least.noise_rms
@@ -109,9 +105,9 @@ fn kernels(rows: &[Measured]) -> Option<String> {
         "**Holds** too: at one radius the four smooth more than biweight and cone".to_owned()
     } else {
         format!(
-            "**Does not hold here** that they are the smoothing ones: at one radius the noisiest of the four has noise {loudest:.4} and \
-             the steadiest of biweight and cone {quietest:.4}, because the Gaussian and the logistic, which end at 3σ, are the narrower \
-             kernels"
+            "**Does not hold here** that they are the smoothing ones: at one radius the noisiest of the four \
+             has a noise of {loudest:.4} and the less noisy of biweight and cone has {quietest:.4}, because the \
+             Gaussian and the logistic, which end at 3σ, are narrower"
         )
     };
     let word = if difference < -2.0 {
@@ -119,13 +115,14 @@ fn kernels(rows: &[Measured]) -> Option<String> {
     } else if difference > 2.0 {
         holds(false)
     } else {
-        "**Does not hold once each kernel has its own best radius**: they are level"
+        "**Does not hold once each kernel has its own best radius**: they are equal"
     };
     Some(format!(
-        "{word}. At one radius ({}) the Gaussian has less bias and more noise than Epanechnikov (bias {gb:.4} against {eb:.4}, noise \
-         {gn:.4} against {en:.4}, FLIP {gf:.4} against {ef:.4}), as a narrower kernel must. Each at its best radius, FLIP is {:.4} ({}) \
-         against {:.4} ({}), a difference of {difference:+.1} %, and RMSE {:.4} against {:.4}: the choice of radius matters more than the \
-         kernel's shape. {groups}.",
+        "{word}. At one radius ({}) the Gaussian has less bias and more noise than Epanechnikov (bias {gb:.4} \
+         against {eb:.4}, noise {gn:.4} against {en:.4}, FLIP {gf:.4} against {ef:.4}), as a narrower kernel \
+         must. With each at its best radius, FLIP is {:.4} ({}) against {:.4} ({}), a difference of \
+         {difference:+.1} %, and RMSE {:.4} against {:.4}: the choice of radius matters more than the kernel's \
+         shape. {groups}.",
         epan.first()?.x,
         g.flip,
         g.label,
@@ -143,10 +140,11 @@ fn roulette(rows: &[Measured]) -> Option<String> {
     let (t1, t16) = (find("retry", 1.0)?, find("retry", 16.0)?);
     let black = a1.black > r1.black + 1e-4;
     Some(format!(
-        "Black pixels at 1 ray: {} ({:.2} % with absorption, {:.2} % and {:.2} % with retry and renormalise). Darker at 16 rays: \
-         {}: the mean differs from the reference by {:+.2} %, {:+.2} % and {:+.2} %, and absorption that is balanced by weights is \
-         noise, not darkness. RMSE at 1 ray {:.4}, {:.4} and {:.4}. Renormalising costs nothing: {} ({:.2}, {:.2} and {:.2} CPU s at 16 rays; paths that are \
-         absorbed look up no photons).",
+        "Black pixels at 1 ray: {} ({:.2} % with absorption, {:.2} % and {:.2} % with retry and renormalise). \
+         Darker at 16 rays: {}: the mean differs from the reference by {:+.2} %, {:+.2} % and {:+.2} %, and \
+         absorption that weights make up for adds noise, not darkness. RMSE at 1 ray {:.4}, {:.4} and {:.4}. \
+         Renormalising costs nothing: {} ({:.2}, {:.2} and {:.2} CPU s at 16 rays; absorbed paths look up no \
+         photons).",
         holds(black),
         100.0 * a1.black,
         100.0 * t1.black,
@@ -174,9 +172,10 @@ fn direct(rows: &[Measured]) -> Option<String> {
     let without = rows.iter().filter(|m| m.group == "first photons").max_by(|a, b| a.x.total_cmp(&b.x))?;
     let times = without.cpu_seconds / with.cpu_seconds;
     Some(format!(
-        "Less time: {} ({:.2} CPU s against {:.2} with {} light paths, {times:.1} times as long). Better: {}: RMSE {:.4} against {:.4}, \
-         bias {:.4} against {:.4}, because shadows and corners are not blurred by a disc. Darker: {}: the means differ by {:+.2} % with NEE \
-         and {:+.2} % with photons from the truth; both count the same cosine, the photons by their density.",
+        "Less time: {} ({:.2} CPU s against {:.2} with {} light paths, {times:.1} times as long). Better: {}: \
+         RMSE {:.4} against {:.4}, bias {:.4} against {:.4}, because no disc blurs shadows and corners. Darker: \
+         {}: the means differ by {:+.2} % with NEE and {:+.2} % with photons from the reference. Both include \
+         the same cosine, the photons through their density.",
         holds(times > 2.0),
         with.cpu_seconds,
         without.cpu_seconds,
@@ -200,9 +199,9 @@ fn nee(rows: &[Measured]) -> Option<String> {
     let (few, few_without) = (of("NEE", least)?, of("first photons", least)?);
     let time = with.cpu_seconds / without.cpu_seconds;
     Some(format!(
-        "Better: {}: with {most} light paths bias is {:.4} with NEE instead of {:.4} and RMSE {:.4} instead of {:.4}; with {least}, RMSE is \
-         {:.4} instead of {:.4}. Less time: {}: {:.2} CPU s with NEE, {:.2} without, because photons are looked up in both for the light \
-         that has bounced.",
+        "Better: {}: with {most} light paths bias is {:.4} with NEE instead of {:.4} and RMSE {:.4} instead of \
+         {:.4}; with {least}, RMSE is {:.4} instead of {:.4}. Less time: {}: {:.2} CPU s with NEE, {:.2} \
+         without, because both look up photons for the indirect light.",
         holds(with.rmse < (1.0 - DOUBT) * without.rmse),
         with.bias_rms,
         without.bias_rms,
@@ -221,16 +220,17 @@ fn caustic_map(rows: &[Measured]) -> Option<String> {
     let alone = find("global map alone")?;
     let (own, capped) = (find("caustic r = 0.025")?, find("caustic r = 0.025, cap 20")?);
     let cap = if (capped.rmse / own.rmse - 1.0).abs() < DOUBT {
-        "**hardly changes anything here**, where discs seldom hold as many"
+        "**hardly changes anything here**, where discs seldom hold that many photons"
     } else {
         holds(capped.rmse < own.rmse)
     };
     let (first, equal) = (best(rows, |m| m.rmse)?, find("caustic r = 0.025, equal photons")?);
     Some(format!(
-        "{}: with a caustic map of radius 0.025 RMSE is {:.4} → {:.4} and bias {:.4} → {:.4}; it stands on its own light \
-         paths: with no more caustic photons than the single map has, RMSE is {:.4}. The cap of 20: {}: \
-         RMSE {:.4}, bias {:.4}, noise {:.4} against {:.4}; nearest photons shrink the disc where caustics are bright, which sharpens them \
-         and does not darken them (the mean differs by {:+.2} % with it, {:+.2} % without). The least RMSE has {} ({:.4}).",
+        "{}: with a caustic map of radius 0.025 RMSE is {:.4} → {:.4} and bias {:.4} → {:.4}; the gain comes \
+         from its own light paths: with no more caustic photons than the single map has, RMSE is {:.4}. The cap \
+         of 20: {}: RMSE {:.4}, bias {:.4}, noise {:.4} against {:.4}; taking only the nearest photons shrinks \
+         the disc where caustics are bright, which sharpens and does not darken them (the mean differs by \
+         {:+.2} % with it, {:+.2} % without). The lowest RMSE is that of {} ({:.4}).",
         holds(own.rmse < (1.0 - DOUBT) * alone.rmse),
         alone.rmse,
         own.rmse,

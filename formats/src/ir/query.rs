@@ -1,0 +1,123 @@
+//! What a thing is, with everything it refers to. Answers are remembered by arena index, so that each object is
+//! looked at once, however many refer to it.
+
+use super::Scene;
+use super::arena::{Arena, Id};
+use super::bsdf::{Bsdf, Passage};
+use super::shape::Shape;
+use super::table::Part;
+use super::texture::Texture;
+
+/// What is true of a BSDF or of any that is nested in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Nature {
+    /// Light reaches the other side of the surface.
+    pub transmits: bool,
+    /// A texture decides what it looks like.
+    pub textured: bool,
+    /// What it looks like depends on the direction of ∂p/∂u.
+    pub anisotropic: bool,
+}
+
+impl Nature {
+    /// No light reaches the other side.
+    pub fn opaque(self) -> bool {
+        !self.transmits
+    }
+
+    fn or(self, other: Self) -> Self {
+        Self {
+            transmits: self.transmits || other.transmits,
+            textured: self.textured || other.textured,
+            anisotropic: self.anisotropic || other.anisotropic,
+        }
+    }
+}
+
+/// Answers about the BSDFs of one arena. The arena may grow between questions; a BSDF that was asked about, and
+/// what is nested in it, must stay as it is.
+#[derive(Clone, Debug, Default)]
+pub struct Query {
+    /// By arena index.
+    bsdfs: Vec<State>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+enum State {
+    #[default]
+    Unknown,
+    /// Its nested ones are being looked at; meeting it again is a cycle, which adds nothing.
+    Open,
+    Known(Nature),
+}
+
+impl Query {
+    /// The nature of a BSDF. Every BSDF is visited once, whatever the number and depth of references.
+    pub fn bsdf(&mut self, bsdfs: &Arena<Bsdf>, id: Id<Bsdf>) -> Nature {
+        self.bsdfs.resize(bsdfs.len().max(self.bsdfs.len()), State::Unknown);
+        // By hand, because nested materials may be deeper than the stack of a thread.
+        let mut path = vec![id];
+        while let Some(&top) = path.last() {
+            match self.bsdfs[top.index()] {
+                State::Known(_) => {
+                    path.pop();
+                }
+                State::Unknown => {
+                    self.bsdfs[top.index()] = State::Open;
+                    bsdfs[top].kind.references(&mut |to| {
+                        if let Some(nested) = to.to::<Bsdf>()
+                            && matches!(self.bsdfs[nested.index()], State::Unknown)
+                        {
+                            path.push(nested);
+                        }
+                    });
+                }
+                State::Open => {
+                    self.bsdfs[top.index()] = State::Known(self.nature(&bsdfs[top]));
+                    path.pop();
+                }
+            }
+        }
+        match self.bsdfs[id.index()] {
+            State::Known(nature) => nature,
+            State::Unknown | State::Open => Nature::default(),
+        }
+    }
+
+    /// Of one BSDF, when all that are nested in it are known.
+    fn nature(&self, bsdf: &Bsdf) -> Nature {
+        let kind = &bsdf.kind;
+        let transmits = match kind.passage() {
+            Passage::Closed => false,
+            Passage::Open => true,
+            Passage::If(transmits) => transmits(kind),
+        };
+        let mut nature = Nature { transmits, textured: false, anisotropic: kind.anisotropic() };
+        kind.references(&mut |to| {
+            nature.textured |= to.to::<Texture>().is_some();
+            if let Some(nested) = to.to::<Bsdf>()
+                && let State::Known(of_nested) = self.bsdfs[nested.index()]
+            {
+                nature = nature.or(of_nested);
+            }
+        });
+        nature
+    }
+
+    /// Whether a texture decides anything about the shape: its material, its opacity or its light.
+    pub fn textured(&mut self, bsdfs: &Arena<Bsdf>, shape: &Shape) -> bool {
+        let mut textured = false;
+        shape.references(&mut |to| textured |= to.to::<Texture>().is_some());
+        textured || shape.bsdf.is_some_and(|id| self.bsdf(bsdfs, id).textured)
+    }
+}
+
+/// Whether anything of the shape, its material or its light follows a texture.
+pub fn uses_textures(scene: &Scene, shape: &Shape) -> bool {
+    Query::default().textured(&scene.bsdfs, shape)
+}
+
+/// Whether the scene has any light outside of its shape groups.
+pub fn emits(scene: &Scene) -> bool {
+    !scene.emitters.is_empty() || scene.shapes.iter().any(|shape| shape.emission.is_some())
+}

@@ -1,0 +1,114 @@
+//! Objects that refer twice to the one below, forty levels deep: 2^40 paths through a few kilobytes. Each test
+//! ends only if every object is looked at once.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use caustica_formats::files::Memory;
+use caustica_formats::ir::{BsdfKind, Query, uses_textures};
+use caustica_formats::{Read, ReadOptions, Written, read_scene, write_scene};
+
+const LEVELS: usize = 40;
+
+fn memory(name: &str, text: &str) -> Memory {
+    Memory([(name.into(), text.as_bytes().to_vec())].into_iter().collect())
+}
+
+fn read(name: &str, text: &str) -> Read {
+    read_scene(&memory(name, text), Path::new(name), &ReadOptions::default()).expect("a valid scene")
+}
+
+/// Into both languages.
+fn written(scene: &Read) -> [Written; 2] {
+    let files = memory("", "");
+    ["new.xml", "new.pbrt"]
+        .map(|name| write_scene(scene, &files, Path::new(name)).expect("it can be written"))
+}
+
+/// `top` is the material of the only shape, `base` what all blends are made of.
+fn mitsuba(base: &str, top: &str) -> String {
+    let mut text = format!("<scene version='3.0.0'>{base}");
+    for level in 1..=LEVELS {
+        let below = level - 1;
+        let refs = format!("<ref id='m{below}'/><ref id='m{below}'/>");
+        write!(text, "<bsdf type='blendbsdf' id='m{level}'><float name='weight' value='0.25'/>{refs}</bsdf>")
+            .expect("a string takes all");
+    }
+    format!("{text}<emitter type='constant'/><shape type='sphere'>{top}</shape></scene>")
+}
+
+fn pbrt(base: &str, level: impl Fn(usize, usize) -> String, shape: &str) -> String {
+    let levels: String = (1..=LEVELS).map(|n| level(n, n - 1)).collect();
+    format!("WorldBegin\nLightSource \"infinite\"\n{base}\n{levels}{shape}\n")
+}
+
+#[test]
+fn two_sided_over_doubled_blends_is_read_and_written() {
+    let top = format!("<bsdf type='twosided'><ref id='m{LEVELS}'/></bsdf>");
+    let scene = read("s.xml", &mitsuba("<bsdf type='diffuse' id='m0'/>", &top));
+    assert_eq!(scene.scene.bsdfs.len(), LEVELS + 2);
+    assert!(!uses_textures(&scene.scene, &scene.scene.shapes[0]));
+    let [xml, pbrt] = written(&scene);
+    assert_eq!(xml.text.matches("blendbsdf").count(), LEVELS);
+    assert_eq!(pbrt.text.matches("\"mix\"").count(), LEVELS);
+}
+
+#[test]
+fn glass_under_doubled_blends_is_still_found() {
+    let top = format!("<bsdf type='twosided'><ref id='m{LEVELS}'/></bsdf>");
+    let text = mitsuba("<bsdf type='dielectric' id='m0'/>", &top);
+    let failure = read_scene(&memory("s.xml", &text), Path::new("s.xml"), &ReadOptions::default())
+        .expect_err("glass is not two-sided");
+    assert_eq!(failure.diagnostics.len(), 1, "{failure}");
+    let scene = read("s.xml", &text.replace("<bsdf type='twosided'>", "<bsdf type='mask'>")).scene;
+    let nature = Query::default().bsdf(&scene.bsdfs, scene.shapes[0].bsdf.expect("it has one"));
+    assert!(nature.transmits && !nature.textured && !nature.anisotropic);
+}
+
+#[test]
+fn doubled_mixes_of_pbrt_are_read_and_written() {
+    let mix = |level: usize, below: usize| {
+        format!(
+            "MakeNamedMaterial \"m{level}\" \"string type\" \"mix\" \
+             \"string materials\" [\"m{below}\" \"m{below}\"] \"float amount\" 0.25\n"
+        )
+    };
+    let base = "MakeNamedMaterial \"m0\" \"string type\" \"diffuse\"";
+    let shape = format!("NamedMaterial \"m{LEVELS}\"\nShape \"disk\" \"float radius\" 2");
+    let scene = read("s.pbrt", &pbrt(base, mix, &shape));
+    let blends = scene.scene.bsdfs.iter().filter(|(_, bsdf)| matches!(bsdf.kind, BsdfKind::Blend { .. }));
+    assert_eq!(blends.count(), LEVELS);
+    let [xml, pbrt] = written(&scene);
+    assert_eq!(xml.text.matches("blendbsdf").count(), LEVELS);
+    assert_eq!(pbrt.text.matches("\"mix\"").count(), LEVELS);
+}
+
+/// A doubled texture of `kind`, with and without a factor around it.
+fn doubled_textures(kind: &str, parts: [&str; 2]) -> [Written; 2] {
+    let [a, b] = parts;
+    let level = |level: usize, below: usize| {
+        format!(
+            "Texture \"t{level}\" \"spectrum\" \"{kind}\" \"texture {a}\" \"t{below}\" \
+             \"texture {b}\" \"t{below}\"\n"
+        )
+    };
+    let base = "Texture \"t0\" \"spectrum\" \"checkerboard\"";
+    let shape = format!(
+        "Texture \"half\" \"spectrum\" \"scale\" \"texture tex\" \"t{LEVELS}\" \"float scale\" 0.5\n\
+         Material \"diffuse\" \"texture reflectance\" \"t{LEVELS}\"\nShape \"disk\"\n\
+         Material \"diffuse\" \"texture reflectance\" \"half\"\nShape \"sphere\""
+    );
+    let scene = read("s.pbrt", &pbrt(base, level, &shape));
+    assert!(scene.scene.shapes.iter().all(|shape| uses_textures(&scene.scene, shape)));
+    written(&scene)
+}
+
+#[test]
+fn doubled_textures_are_written() {
+    let [xml, pbrt] = doubled_textures("checkerboard", ["tex1", "tex2"]);
+    assert_eq!(pbrt.text.matches("\"checkerboard\"").count(), LEVELS + 1);
+    assert!(xml.text.len() < 1_000_000, "{} bytes", xml.text.len());
+    assert!(xml.losses.iter().any(|loss| loss.what == "a factor on a very large tree of textures"));
+    let [_, pbrt] = doubled_textures("mix", ["tex1", "tex2"]);
+    assert_eq!(pbrt.text.matches("\"mix\"").count(), LEVELS);
+}

@@ -1,0 +1,215 @@
+//! Arguments that decide what scene is rendered, and how.
+
+use std::path::{Path, PathBuf};
+
+use caustica_formats::ir::{Crop, Filter, SpectrumRule};
+use clap::{Args, ValueEnum};
+
+use super::failure::Failure;
+use super::report;
+use crate::scene::compile::MAX_PIXELS;
+use crate::session::{Error, Options, Session};
+
+/// Scene file, parameters, camera, film and settings, for every subcommand that opens a scene.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// Mitsuba scene (.xml, versions 0.4 to 3.x) or pbrt scene (.pbrt, version 4)
+    scene: Option<PathBuf>,
+    /// Value of a scene parameter `$NAME`
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
+    define: Vec<(String, String)>,
+    /// Which sensor, counted from 0 in file order
+    #[arg(long, value_name = "N")]
+    sensor: Option<usize>,
+    /// photonmap (the default, also for scenes that ask for another integrator) or path
+    #[arg(long, value_name = "NAME")]
+    integrator: Option<String>,
+    /// progressive (a new photon map each pass) or classic (one map)
+    #[arg(long, value_name = "NAME")]
+    mode: Option<String>,
+    /// Any setting of `--help-settings`
+    #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
+    set: Vec<(String, String)>,
+    /// Camera samples a pixel; in progressive mode also photon passes
+    #[arg(long, value_name = "N")]
+    spp: Option<u32>,
+    /// The same as --spp
+    #[arg(long, value_name = "N", conflicts_with = "spp")]
+    passes: Option<u32>,
+    /// Light paths a pass, for each photon map
+    #[arg(long, value_name = "N")]
+    photons: Option<String>,
+    /// Path segments from camera to lamp, at most; -1 is no limit
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    max_depth: Option<String>,
+    /// Random seed
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Size of the full film
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Render this part of the film only, in pixels
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
+    crop: Option<Crop>,
+    #[arg(long, value_name = "NAME", value_parser = filter,
+        help = format!("Reconstruction filter: {}", filter_names()))]
+    filter: Option<Filter>,
+    /// How spectra become RGB: as mitsuba3 does for every file, as mitsuba06 did, or as the renderer of
+    /// the file's own version does
+    #[arg(long, value_name = "RULE", value_enum, default_value = "mitsuba3")]
+    spectral_to_rgb: SpectralRule,
+    /// Render what is not supported as something near, with a warning
+    #[arg(long)]
+    allow_unsupported: bool,
+    /// Also read and search this folder; a scene may read below its own folder only
+    #[arg(long, value_name = "DIR")]
+    allow_path: Vec<PathBuf>,
+}
+
+/// Whose rule turns spectra into RGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SpectralRule {
+    /// Mitsuba 3's.
+    Mitsuba3,
+    /// Mitsuba 0.6's.
+    Mitsuba06,
+    /// That of the renderer the file was written for.
+    File,
+}
+
+impl SpectralRule {
+    /// `None`: that of the file.
+    pub fn rule(self) -> Option<SpectrumRule> {
+        match self {
+            Self::Mitsuba3 => Some(SpectrumRule::Mitsuba3),
+            Self::Mitsuba06 => Some(SpectrumRule::Mitsuba06),
+            Self::File => None,
+        }
+    }
+}
+
+/// NAME=VALUE.
+///
+/// # Errors
+/// What was expected, in words.
+pub fn pair(text: &str) -> Result<(String, String), String> {
+    text.split_once('=')
+        .filter(|(name, _)| !name.is_empty())
+        .map(|(n, v)| (n.to_owned(), v.to_owned()))
+        .ok_or_else(|| "expected NAME=VALUE".to_owned())
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || "expected WIDTHxHEIGHT, such as 640x480".to_owned();
+    let (w, h) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    match (w.parse::<u32>(), h.parse::<u32>()) {
+        (Ok(w), Ok(h)) if u64::from(w) * u64::from(h) > MAX_PIXELS => {
+            Err(format!("a film has {MAX_PIXELS} pixels at most"))
+        }
+        (Ok(w), Ok(h)) if w > 0 && h > 0 => Ok([w, h]),
+        _ => Err(wrong()),
+    }
+}
+
+fn crop(text: &str) -> Result<Crop, String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Crop { x, y, width, height }),
+        _ => Err("expected X,Y,WIDTH,HEIGHT in pixels, such as 0,0,64,64".to_owned()),
+    }
+}
+
+fn filter(name: &str) -> Result<Filter, String> {
+    Filter::named(name).ok_or_else(|| format!("expected {}", filter_names()))
+}
+
+/// "box, tent or lanczos".
+fn filter_names() -> String {
+    let names: Vec<&str> = Filter::NAMED.iter().map(|(name, _)| *name).collect();
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+impl SceneArgs {
+    /// The passes asked for, if any.
+    pub fn passes(&self) -> Option<u32> {
+        self.spp.or(self.passes)
+    }
+
+    /// Reads and compiles the scene. Warnings are printed unless `quiet`.
+    ///
+    /// # Errors
+    /// When no scene is named, or it cannot be opened.
+    pub fn open(&self, quiet: bool) -> Result<Session, Failure> {
+        let session = Session::open(self.path()?, &self.options());
+        let warnings = match &session {
+            Ok(session) => session.warnings(),
+            Err(Error::Scene { warnings, .. }) => warnings,
+            Err(_) => "",
+        };
+        if !quiet && !warnings.is_empty() {
+            report::line(warnings);
+        }
+        Ok(session?)
+    }
+
+    /// As [`Self::open`], without printing. What is not supported is no error.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn inspect(&self) -> Result<Session, Failure> {
+        let options = Options { allow_unsupported: true, ..self.options() };
+        Ok(Session::open(self.path()?, &options)?)
+    }
+
+    fn path(&self) -> Result<&Path, Failure> {
+        let none = "no scene was given: name a Mitsuba .xml or a pbrt-v4 .pbrt file";
+        self.scene.as_deref().ok_or_else(|| Failure::Usage(none.to_owned()))
+    }
+
+    fn options(&self) -> Options {
+        let passes = self.passes().map(|n| n.to_string());
+        let seed = self.seed.map(|n| n.to_string());
+        let rows = [
+            ("integrator", &self.integrator),
+            ("mode", &self.mode),
+            ("passes", &passes),
+            ("photons", &self.photons),
+            ("caustic_photons", &self.photons),
+            ("max_depth", &self.max_depth),
+            ("seed", &seed),
+        ];
+        let rows = rows.into_iter().filter_map(|(n, v)| Some((n.to_owned(), v.clone()?)));
+        Options {
+            defines: self.define.clone(),
+            allow_paths: self.allow_path.clone(),
+            sensor: self.sensor,
+            size: self.size,
+            longest_side: None,
+            crop: self.crop,
+            filter: self.filter,
+            spectrum_rule: self.spectral_to_rgb.rule(),
+            allow_unsupported: self.allow_unsupported,
+            upgrade_v3: false,
+            settings: rows.chain(self.set.iter().cloned()).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_named_filter_is_accepted_and_listed() {
+        for (name, expected) in Filter::NAMED {
+            assert_eq!(filter(name), Ok(*expected));
+        }
+        assert_eq!(
+            filter("sinc"),
+            Err("expected box, tent, gaussian, mitchell, catmullrom or lanczos".to_owned())
+        );
+    }
+}

@@ -1,0 +1,213 @@
+//! One photon map: what belongs to it for a whole render, and how a pass traces and builds it.
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+use super::super::{PassStats, Task};
+use super::{MANY, PILOT, Plan};
+use crate::bsdf::Range;
+use crate::emitter::{Aim, SceneSphere};
+use crate::math::kernel::KernelKind;
+use crate::photon::trace::{Halt, TraceJob, Traced, aim, trace_until};
+use crate::photon::{Estimator, PhotonMap, radius};
+use crate::sampling::mix;
+use crate::scene::Scene;
+use crate::settings::{Count, Lookup, Mode, Radius, Settings};
+use crate::transport::Owner;
+
+/// What the settings say of one map.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MapSettings {
+    /// Light paths that were asked for.
+    pub count: Count,
+    /// The same after the plan: no longer left open, and none where the map is not needed.
+    pub planned: Count,
+    /// Search radius of the first pass.
+    pub radius: Radius,
+    pub kernel: KernelKind,
+    /// Photons of an estimate with `lookup=nearest`.
+    pub neighbours: u32,
+    /// Most photons of any estimate.
+    pub cap: u32,
+    /// Share of new photons kept when the radius shrinks.
+    pub alpha: f32,
+    pub lookup: Lookup,
+    pub mode: Mode,
+}
+
+/// What belongs to one of the maps in all passes.
+#[derive(Debug)]
+pub(super) struct Map {
+    pub settings: MapSettings,
+    /// Which photons it holds; `key` is its family of random numbers, before the pass is mixed in.
+    job: TraceJob,
+    /// Where light from infinity is sent.
+    pub aim: Option<Aim>,
+    /// Light paths a pass.
+    pub paths: u64,
+    /// Search radius of the first pass; 0 where it was to be measured and the map is not needed.
+    pub radius: f32,
+    /// Photons of pass 0 that were traced to measure their density.
+    pub pilot: Mutex<Option<Traced>>,
+}
+
+/// A map of one pass and how it is read.
+#[derive(Clone, Debug)]
+pub(super) struct PassMap {
+    pub photons: PhotonMap,
+    pub estimator: Estimator,
+}
+
+/// The pass that pilots trace: no render comes so far.
+const BEFORE_ALL: u32 = u32::MAX;
+
+impl Map {
+    /// Of all light that no other owner accounts for.
+    pub fn global(task: &Task<'_>, plan: &Plan) -> Self {
+        let s = task.settings;
+        let settings = MapSettings {
+            count: s.photons,
+            planned: plan.global_paths,
+            radius: s.radius,
+            kernel: s.kernel,
+            neighbours: s.neighbours,
+            cap: u32::MAX,
+            alpha: s.alpha,
+            lookup: s.lookup,
+            mode: s.mode,
+        };
+        Self::new(settings, job(s, plan, Owner::GlobalMap))
+    }
+
+    /// Of light through specular surfaces.
+    pub fn caustic(task: &Task<'_>, plan: &Plan) -> Self {
+        let s = task.settings;
+        let settings = MapSettings {
+            count: s.caustic_photons,
+            planned: plan.caustic_paths,
+            radius: s.caustic_radius,
+            kernel: s.caustic_kernel,
+            neighbours: s.caustic_neighbours,
+            cap: s.caustic_cap.0,
+            alpha: s.caustic_alpha,
+            lookup: s.lookup,
+            mode: s.mode,
+        };
+        Self::new(settings, job(s, plan, Owner::CausticMap))
+    }
+
+    fn new(settings: MapSettings, job: TraceJob) -> Self {
+        Self { settings, job, aim: None, paths: 0, radius: 0.0, pilot: Mutex::default() }
+    }
+
+    /// Whether the scene needs it.
+    pub fn wanted(&self) -> bool {
+        self.settings.planned != Count::Paths(0)
+    }
+
+    /// Whose photons it holds.
+    pub fn owner(&self) -> Owner {
+        self.job.owner
+    }
+
+    /// Photons that a pass stores where that is known without a pilot, or where it is few (0).
+    pub fn expected(&self) -> Option<u64> {
+        match self.settings.planned {
+            Count::Stored(n) => Some(n),
+            Count::Paths(n) if n > MANY => None,
+            _ => Some(0),
+        }
+    }
+
+    /// The same told from a pilot; the camera looks at `seen`.
+    pub fn estimated(&mut self, scene: &Scene, seen: &SceneSphere) -> u64 {
+        let Count::Paths(n) = self.settings.planned else { return 0 };
+        self.take_aim(scene, seen, Halt::default());
+        let stored = self.pilot_photons(scene, PILOT, Halt::default());
+        (n as f64 * stored as f64 / PILOT as f64) as u64
+    }
+
+    /// Decides where light from infinity is sent.
+    pub fn take_aim(&mut self, scene: &Scene, seen: &SceneSphere, halt: Halt<'_>) {
+        if self.wanted() {
+            self.aim = aim(scene, &self.job_of(BEFORE_ALL, PILOT), seen, halt);
+        }
+    }
+
+    /// Photons that a pilot of `paths` light paths stores.
+    pub fn pilot_photons(&self, scene: &Scene, paths: u64, halt: Halt<'_>) -> u64 {
+        self.trace(scene, BEFORE_ALL, paths, halt).photons.len() as u64
+    }
+
+    /// The photons of a pass, or of a pilot.
+    pub fn trace(&self, scene: &Scene, pass: u32, paths: u64, halt: Halt<'_>) -> Traced {
+        trace_until(scene, &self.job_of(pass, paths), self.aim.as_ref(), halt)
+    }
+
+    fn job_of(&self, pass: u32, paths: u64) -> TraceJob {
+        let map = u64::from(self.job.owner == Owner::CausticMap);
+        TraceJob { key: mix(self.job.key ^ (u64::from(pass) << 2 | map)), paths, ..self.job }
+    }
+
+    /// Radius of pass i: computed from i alone, so that passes can run in any order.
+    fn radius_of(&self, pass: u32) -> f32 {
+        let first = f64::from(self.radius);
+        let shrunk = match self.settings.mode {
+            Mode::Classic => first,
+            Mode::Progressive => first * radius::shrinkage(pass, f64::from(self.settings.alpha)).sqrt(),
+        };
+        (shrunk as f32).max(radius::LEAST)
+    }
+
+    /// Traces and sorts the photons of a pass; `None` where the scene does not need them.
+    pub fn build(
+        &self,
+        task: &Task<'_>,
+        pass: u32,
+        halt: Halt<'_>,
+        stats: &mut PassStats,
+    ) -> Option<PassMap> {
+        if !self.wanted() {
+            return None;
+        }
+        let start = Instant::now();
+        // A poisoned lock holds photons of a thread that panicked: they are traced again.
+        let pilot = self.pilot.lock().ok().and_then(|mut pilot| pilot.take()).filter(|_| pass == 0);
+        let traced = pilot.unwrap_or_else(|| self.trace(task.scene, pass, self.paths, halt));
+        stats.cut |= traced.paths < self.paths;
+        stats.trace_seconds += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let s = &self.settings;
+        let radius = self.radius_of(pass);
+        let lobes = Range::rough(task.settings.glossy);
+        let estimator =
+            Estimator { lobes, ..Estimator::new(s.kernel, radius, s.lookup, s.neighbours, s.cap) };
+        let photons = match s.lookup {
+            Lookup::Nearest => PhotonMap::build_for_nearest(&traced.photons, estimator.cap, radius),
+            Lookup::Radius => PhotonMap::build(&traced.photons, 2.0 * radius),
+        };
+        stats.build_seconds += start.elapsed().as_secs_f64();
+        stats.light_paths += traced.paths;
+        stats.photons += photons.len() as u64;
+        stats.photon_rays += traced.rays;
+        stats.rejected.add(&traced.rejected);
+        stats.map_bytes += photons.bytes() as u64;
+        match self.owner() {
+            Owner::CausticMap => stats.caustic_radius = radius,
+            _ => stats.radius = radius,
+        }
+        Some(PassMap { photons, estimator })
+    }
+}
+
+fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
+    TraceJob {
+        key: mix(s.seed ^ 0x9d07_0b5e),
+        paths: 0,
+        owner,
+        next_event: s.nee,
+        caustic_map: plan.caustic_map,
+        glossy: s.glossy,
+        max_depth: s.max_depth.0,
+    }
+}

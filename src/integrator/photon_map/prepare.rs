@@ -1,0 +1,133 @@
+//! Before the first pass: where light from infinity is sent, how many light paths a pass traces, and the
+//! first search radii.
+
+use super::PhotonMapper;
+use super::maps::Map;
+use super::walk::Step;
+use crate::math::Vec2;
+use crate::photon::radius;
+use crate::photon::trace::{Halt, Traced};
+use crate::sampling::{Sampler, mix};
+use crate::scene::Scene;
+use crate::settings::{Count, Radius};
+use crate::transport::walk::{self, Lamps, Next};
+use crate::transport::{Owner, Vertex};
+
+/// Rays of a camera path that the pilot follows at most.
+const PILOT_DEPTH: u32 = 16;
+
+/// Light paths that tell how many it takes to store a wanted number of photons.
+const COUNTED: u64 = 1 << 14;
+
+/// A map that hardly fills would take for ever: this many paths a photon are the most.
+const MOST_PATHS_A_PHOTON: u64 = 1000;
+
+impl PhotonMapper<'_> {
+    /// Measures what the settings leave open.
+    pub(super) fn prepare(&mut self) {
+        let wanted = self.maps().iter().any(|map| map.wanted());
+        let places = if wanted { self.gather_places() } else { Vec::new() };
+        let seen = radius::around(&places);
+        let (scene, halt) = (self.task.scene, self.halts[0]);
+        for map in [&mut self.global, &mut self.caustic] {
+            map.take_aim(scene, &seen, halt);
+            map.count_paths(scene, halt);
+            map.measure(scene, &places, halt);
+        }
+    }
+
+    /// Where camera rays through a regular grid of the film gather.
+    pub(super) fn gather_places(&self) -> Vec<radius::Place> {
+        let side = (radius::PLACES as f32).sqrt() as u32;
+        let [x0, y0, w, h] = self.task.view.film.crop.map(|v| v as f32);
+        let full = Vec2::new(self.task.view.film.width as f32, self.task.view.film.height as f32);
+        let at = |i: u32| (i as f32 + 0.5) / side as f32;
+        (0..side * side)
+            .filter_map(|i| {
+                let film = Vec2::new(x0 + at(i % side) * w, y0 + at(i / side) * h) / full;
+                self.gather_place(film, i)
+            })
+            .collect()
+    }
+
+    /// Where the camera ray through a position of the film gathers: the camera's walk, without light.
+    fn gather_place(&self, film: Vec2, index: u32) -> Option<radius::Place> {
+        let (scene, view, settings) = (self.task.scene, self.task.view, self.task.settings);
+        let mut sampler = Sampler::new(mix(settings.seed ^ 0x007a_d105), index);
+        let mut ray = view.sensor.ray(film, sampler.next_2d());
+        let mut length = view.sensor.near;
+        let hidden = settings.hide_emitters && view.hidden_lamps_are_transparent;
+        let mut lamps = if hidden { Lamps::Transparent } else { Lamps::Solid };
+        for _ in 0..PILOT_DEPTH {
+            let hit = scene.geometry.closest(&ray)?;
+            length += hit.t * ray.d.length();
+            let s = match walk::arrive(scene, &mut ray, Some(&hit), lamps) {
+                Next::Escape => return None,
+                Next::Behind => continue,
+                Next::Surface(s) => s,
+            };
+            lamps = Lamps::Solid;
+            match self.step(&Vertex::new(scene, &s, -ray.d), &mut sampler) {
+                Step::Gather(_) => {
+                    let n = scene.photon_side(&s, -ray.d).n;
+                    let footprint = view.sensor.pixel_footprint(view.film.height, length);
+                    return Some(radius::Place { p: s.p, n, lift: s.lift, footprint });
+                }
+                Step::Follow { wo, .. } => ray = s.leave(s.frame.to_world(wo)),
+                Step::End => return None,
+            }
+        }
+        None
+    }
+}
+
+impl Map {
+    /// Decides how many light paths a pass traces.
+    fn count_paths(&mut self, scene: &Scene, halt: Halt<'_>) {
+        self.paths = match self.settings.planned {
+            Count::Paths(n) => n,
+            Count::Auto => 0,
+            Count::Stored(wanted) => {
+                let stored = self.pilot_photons(scene, COUNTED, halt);
+                let paths = wanted.saturating_mul(COUNTED).div_ceil(stored.max(1));
+                paths.min(wanted.saturating_mul(MOST_PATHS_A_PHOTON))
+            }
+        };
+    }
+
+    /// Chooses the first radius, and more light paths where their photons fall too thin.
+    fn measure(&mut self, scene: &Scene, gather_places: &[radius::Place], halt: Halt<'_>) {
+        self.radius = match self.settings.radius {
+            Radius::Absolute(r) => r,
+            Radius::Relative(r) => r * scene.sphere.radius,
+            Radius::Auto if !self.wanted() => 0.0,
+            Radius::Auto => {
+                let traced = self.trace(scene, 0, self.paths, halt);
+                let pixel = radius::pixel(gather_places);
+                let mut found = self.radius_for(&traced, gather_places, scene.sphere.radius);
+                let before = self.paths;
+                if self.owner() == Owner::GlobalMap && self.settings.count == Count::Auto {
+                    let more = radius::more_paths(found, pixel);
+                    self.paths = (self.paths as f32 * more) as u64;
+                    found /= more.sqrt();
+                }
+                if self.paths == before
+                    && let Ok(pilot) = self.pilot.get_mut()
+                {
+                    *pilot = Some(traced);
+                }
+                radius::clamped(found, pixel, scene.sphere.radius)
+            }
+        };
+    }
+
+    /// The radius in which an estimate finds its photons.
+    fn radius_for(&self, traced: &Traced, gather_places: &[radius::Place], scene_radius: f32) -> f32 {
+        if self.owner() == Owner::GlobalMap {
+            return radius::measured(&traced.photons, gather_places, 0.5, scene_radius);
+        }
+        // Caustics are sharp where their photons crowd: their radius follows the densest quarter.
+        let places = radius::photon_places(&traced.photons);
+        radius::measured(&traced.photons, &places, 0.25, scene_radius)
+    }
+}

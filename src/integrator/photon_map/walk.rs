@@ -1,0 +1,167 @@
+//! A camera path: through mirrors, glass and glossy surfaces to the first rough one.
+
+use super::super::Scratch;
+use super::super::arrive::{Carried, Sight, arrive};
+use super::super::direct::next_event;
+use super::{Maps, PhotonMapper};
+use crate::bsdf::{DeltaLobe, Transport};
+use crate::film::Radiance;
+use crate::math::{Color, Ray, Vec3};
+use crate::sampling::Sampler;
+use crate::transport::walk::Next;
+use crate::transport::{PathClass, Vertex, roulette};
+
+/// What a camera path does at a surface.
+pub(super) enum Step {
+    /// It ends there: light is gathered, times this.
+    Gather(Color),
+    /// It goes on along `wo` (local).
+    Follow { wo: Vec3, weight: Color, eta: f32, density: Density },
+    /// It ends without light.
+    End,
+}
+
+/// How a lamp that a continued camera path meets shares its light with next event estimation.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Density {
+    /// As after the surface before: straight passages change nothing.
+    Kept,
+    /// Nothing else finds this light.
+    Specular,
+    /// With which a glossy surface scatters there.
+    Glossy(f32),
+}
+
+impl PhotonMapper<'_> {
+    /// What a camera ray brings.
+    pub(super) fn trace(
+        &self,
+        maps: &Maps,
+        mut ray: Ray,
+        sampler: &mut Sampler,
+        scratch: &mut Scratch,
+    ) -> Radiance {
+        let (scene, settings) = (self.task.scene, self.task.settings);
+        let max_depth = settings.max_depth.0;
+        let mut out = Radiance::default();
+        let mut path = Carried { throughput: Color::ONE, class: PathClass::FROM_CAMERA };
+        let mut eta = 1.0f32;
+        let mut depth = 0u32;
+        let mut seen = false;
+        // Density and place of the last glossy scattering; 0 where lamps count in full.
+        let (mut pdf, mut from) = (0.0f32, Vec3::ZERO);
+        while depth < max_depth {
+            depth += 1;
+            scratch.rays += 1;
+            let hit = scene.geometry.closest(&ray);
+            let lamps = seen || !settings.hide_emitters;
+            let sight = Sight { lamps, through: self.task.view.hidden_lamps_are_transparent, pdf, from };
+            let s = match arrive(scene, &mut ray, hit.as_ref(), sight, path, &mut out) {
+                Next::Escape => break,
+                Next::Behind => {
+                    depth -= 1;
+                    continue;
+                }
+                Next::Surface(s) => s,
+            };
+            seen = true;
+            if depth >= max_depth {
+                break;
+            }
+            let vertex = Vertex::new(scene, &s, -ray.d);
+            self.glossy_light(&vertex, path, max_depth - depth, sampler, scratch, &mut out);
+            match self.step(&vertex, sampler) {
+                Step::Gather(weight) => {
+                    let throughput = path.throughput * weight;
+                    self.gather(maps, &vertex, throughput, depth, sampler, scratch, &mut out);
+                    break;
+                }
+                Step::Follow { wo, weight, eta: ratio, density } => {
+                    path.throughput *= weight;
+                    eta *= ratio;
+                    match density {
+                        Density::Kept => {}
+                        Density::Specular => pdf = 0.0,
+                        Density::Glossy(density) => (pdf, from) = (density, s.p),
+                    }
+                    ray = s.leave(s.frame.to_world(wo));
+                }
+                Step::End => break,
+            }
+            if depth >= settings.rr_depth {
+                let survival = roulette::camera_survival(path.throughput, eta);
+                let Some(throughput) = roulette::survivor(path.throughput, survival, sampler) else { break };
+                path.throughput = throughput;
+            }
+        }
+        out
+    }
+
+    /// Adds the light of a lamp that glossy lobes send back. Photons tell nothing about such lobes, so a
+    /// lamp is looked for with `nee` or without.
+    #[inline(always)]
+    fn glossy_light(
+        &self,
+        vertex: &Vertex<'_>,
+        path: Carried,
+        left: u32,
+        sampler: &mut Sampler,
+        scratch: &mut Scratch,
+        out: &mut Radiance,
+    ) {
+        let lobes = self.glossy();
+        if !vertex.closure.has_smooth(vertex.wi, lobes) {
+            return;
+        }
+        let (scene, facts) = (self.task.scene, self.task.facts);
+        let light = next_event(scene, facts, vertex, lobes, true, left, sampler, &mut scratch.rays);
+        out.add(path.class.layer(), path.throughput * light);
+    }
+
+    /// Chooses among gathering, glossy lobes and the specular directions, by the roulette policy.
+    pub(super) fn step(&self, vertex: &Vertex<'_>, sampler: &mut Sampler) -> Step {
+        let Vertex { wi, ref closure, .. } = *vertex;
+        let u = sampler.next_1d();
+        let through = closure.transparency();
+        if u < through {
+            return Step::Follow { wo: -wi, weight: Color::ONE, eta: 1.0, density: Density::Kept };
+        }
+        let solid = 1.0 - through;
+        let deltas = closure.deltas(wi, Transport::Radiance);
+        // `smooth_albedo` of a masked surface is that of the whole; events here are those of its solid part.
+        let smooth = closure.smooth_albedo(wi, self.rough()).max_element() / solid;
+        let glossy = closure.smooth_albedo(wi, self.glossy()).max_element() / solid;
+        // A refracted share counts by the power it carries, without the 1/eta² of radiance.
+        let share = |l: &DeltaLobe| (l.weight * (l.eta * l.eta)).max_element();
+        let total = smooth + glossy + deltas.iter().map(share).sum::<f32>();
+        if total <= 0.0 {
+            return Step::End;
+        }
+        let policy = self.task.settings.roulette;
+        let roulette::Choice { scale, u: mut rest } =
+            roulette::choice(policy, total, (u - through) / solid, sampler);
+        if rest < smooth * scale {
+            // The closure's smooth part is dimmed by the opacity already, which was also drawn for above.
+            return Step::Gather(Color::splat(1.0 / (smooth * scale * solid)));
+        }
+        rest -= smooth * scale;
+        for lobe in deltas.iter() {
+            let p = share(lobe) * scale;
+            if rest < p {
+                let (wo, weight, eta) = (lobe.wo, lobe.weight / p, lobe.eta);
+                return Step::Follow { wo, weight, eta, density: Density::Specular };
+            }
+            rest -= p;
+        }
+        let p = glossy * scale;
+        if rest >= p {
+            return Step::End;
+        }
+        let u = sampler.next_2d();
+        let Some(s) = closure.sample_smooth(wi, rest / p, u, Transport::Radiance, self.glossy()) else {
+            return Step::End;
+        };
+        let density = Density::Glossy(closure.pdf(wi, s.wo, self.glossy()));
+        Step::Follow { wo: s.wo, weight: s.weight / (p * solid), eta: s.eta, density }
+    }
+}

@@ -1,0 +1,105 @@
+//! Checkpoints of a render: where they are, what they must agree in, when they are written.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use caustica_formats::image::{atomic_replace, atomic_write};
+
+use super::{Error, Session};
+use crate::film::{Filter, Pixels};
+use crate::render::{Checkpoint, CheckpointError, Sums};
+
+/// Seconds between flushes to the disk. Between them a checkpoint survives the death of the program,
+/// but not that of the machine.
+const FLUSH_INTERVAL: Duration = Duration::from_secs(10);
+
+/// The checkpoint file of a render.
+#[derive(Debug)]
+pub struct Saver {
+    /// The file.
+    pub path: PathBuf,
+    identity: Vec<(String, String)>,
+    /// Pixels that a checkpoint must have.
+    pixels: usize,
+    flushed: Instant,
+    /// Said once; the render goes on, and so do the attempts, each time of a flush.
+    failed: bool,
+}
+
+impl Saver {
+    /// A checkpoint of `session` at `path`, which need not exist.
+    pub fn new(path: PathBuf, session: &Session) -> Self {
+        let pixels = session.view.film.pixel_count();
+        Self { path, identity: identity(session), pixels, flushed: Instant::now(), failed: false }
+    }
+
+    /// The saved sums; `None` when there is no checkpoint yet.
+    ///
+    /// # Errors
+    /// [`Error::Resume`] when the checkpoint cannot be read, or is that of another scene, other settings or
+    /// another version of the program.
+    pub fn resume(&self) -> Result<Option<Sums>, Error> {
+        let problem = |source: CheckpointError| Error::Resume { file: self.path.clone(), source };
+        let saved = match Checkpoint::read(&self.path) {
+            Err(CheckpointError::Io(e)) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            read => read.map_err(problem)?,
+        };
+        saved.check(&self.identity).map_err(problem)?;
+        if saved.pixels.len() != self.pixels {
+            return Err(problem(CheckpointError::Invalid("it has another number of pixels")));
+        }
+        Ok(Some(Sums { pixels: saved.pixels, passes: saved.passes }))
+    }
+
+    /// To be called after each pass, so that a killed render loses one at most. A failure is no reason to
+    /// end the render: saving is tried again later.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`], once for failures in a row.
+    pub fn after_pass(&mut self, pixels: &Pixels, passes: u32) -> Result<(), Error> {
+        let flush = self.flushed.elapsed() >= FLUSH_INTERVAL;
+        if flush {
+            self.flushed = Instant::now();
+        } else if self.failed {
+            return Ok(());
+        }
+        let saved = self.save(pixels, passes, flush);
+        let told = std::mem::replace(&mut self.failed, saved.is_err());
+        if told { Ok(()) } else { saved }
+    }
+
+    /// Replaces the checkpoint in one step. With `flush` it is on the disk afterwards, and survives the
+    /// death of the machine.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`] when the file cannot be written; the one before is still there.
+    pub fn save(&self, pixels: &Pixels, passes: u32, flush: bool) -> Result<(), Error> {
+        let bytes = Checkpoint::encode(&self.identity, passes, pixels);
+        let write = if flush { atomic_write(&self.path, &bytes) } else { atomic_replace(&self.path, &bytes) };
+        write.map_err(|source| Error::Checkpoint { file: self.path.clone(), source })
+    }
+
+    /// OUTPUT.checkpoint, for those who name no other file.
+    pub fn default_path(output: &Path) -> PathBuf {
+        output.with_extension("checkpoint")
+    }
+}
+
+/// What makes two renders the same render: all but the number of passes.
+fn identity(session: &Session) -> Vec<(String, String)> {
+    let film = session.view.film;
+    let mut rows = vec![
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("scene hash".to_owned(), session.hash.clone()),
+        ("film".to_owned(), format!("{}x{} crop {:?}", film.width, film.height, film.crop)),
+        ("filter".to_owned(), filter_name(&session.view.filter)),
+    ];
+    rows.extend(session.choices.iter().cloned());
+    rows.extend(session.settings.values().filter(|(n, _)| *n != "passes").map(|(n, v)| (n.to_owned(), v)));
+    rows
+}
+
+fn filter_name(filter: &Filter) -> String {
+    let [x, y] = filter.shapes();
+    if x == y { format!("{x:?}") } else { format!("{x:?} × {y:?}") }
+}

@@ -1,0 +1,112 @@
+//! Why a session could not do its work.
+
+use std::path::PathBuf;
+
+use thiserror::Error as ThisError;
+
+use super::units::megabytes;
+use crate::render::CheckpointError;
+use crate::settings::SettingError;
+
+/// What went wrong, with words for the person who asked.
+#[derive(Debug, ThisError)]
+pub enum Error {
+    /// The scene could not be read or compiled.
+    #[error("{problems}")]
+    Scene {
+        /// Every problem with its place in the author's file.
+        problems: String,
+        /// What was worth a warning until then; may be empty.
+        warnings: String,
+    },
+    /// A setting does not exist or cannot have this value.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// A layer was asked for that does not exist.
+    #[error("there is no layer `{name}`; there are {}", super::layers::names())]
+    UnknownLayer {
+        /// As it was asked for.
+        name: String,
+    },
+    /// An output would lose something that was asked for.
+    #[error("{what} can be stored in .exr files only, and `{}` is the only output", file.display())]
+    NeedsExr {
+        /// What would be lost.
+        what: &'static str,
+        /// The first output.
+        file: PathBuf,
+    },
+    /// The extension of an output names no format that can be written.
+    #[error("cannot write `{}`: extension `{extension}` is none of exr, png, hdr, pfm", file.display())]
+    UnknownFormat {
+        /// The output.
+        file: PathBuf,
+        /// In lower case.
+        extension: String,
+    },
+    /// An output is a file that the scene was read from.
+    #[error("cannot write `{}`: the scene was read from it", .0.display())]
+    IsInput(PathBuf),
+    /// Two outputs are one file.
+    #[error("`{}` is named for two outputs", .0.display())]
+    NamedTwice(PathBuf),
+    /// Nothing can be written to this place.
+    #[error("cannot write `{}`: {why}", file.display())]
+    Unwritable {
+        /// The output.
+        file: PathBuf,
+        /// The system's words, or ours.
+        why: String,
+    },
+    /// Another process writes this file.
+    #[error("another process is writing `{}`", .0.display())]
+    Locked(PathBuf),
+    /// A render would not fit into memory.
+    #[error("{what} needs about {} of memory; {} are free", shown(*.needed), shown(*.free))]
+    Memory {
+        /// The film, or a setting with its value.
+        what: String,
+        /// Bytes, estimated.
+        needed: u128,
+        /// Bytes.
+        free: u128,
+    },
+    /// A checkpoint cannot be read, or belongs to another render.
+    #[error("cannot resume from `{}`: {source}", file.display())]
+    Resume {
+        /// The checkpoint.
+        file: PathBuf,
+        /// What is wrong with it.
+        source: CheckpointError,
+    },
+    /// A checkpoint cannot be written.
+    #[error("cannot write checkpoint `{}`: {source}", file.display())]
+    Checkpoint {
+        /// The checkpoint.
+        file: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
+    },
+    /// A picture cannot be encoded or written, in the words for each file.
+    #[error("{0}")]
+    Picture(String),
+}
+
+impl Error {
+    /// Whether what was asked for is wrong in itself, rather than the scene, a file, the memory or the disk.
+    pub fn is_request(&self) -> bool {
+        matches!(
+            self,
+            Self::Setting(_)
+                | Self::UnknownLayer { .. }
+                | Self::NeedsExr { .. }
+                | Self::UnknownFormat { .. }
+                | Self::IsInput(_)
+                | Self::NamedTwice(_)
+        )
+    }
+}
+
+fn shown(bytes: u128) -> String {
+    megabytes(u64::try_from(bytes).unwrap_or(u64::MAX))
+}

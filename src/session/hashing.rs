@@ -1,0 +1,116 @@
+//! A file source that remembers what it served, so that a render can be tied to its scene.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use caustica_formats::files::Files;
+
+use crate::sampling::mix;
+
+/// Wraps a source. Contents are hashed together with their names, so that two files which exchange theirs
+/// make another scene.
+#[derive(Debug)]
+pub struct Hashing<'a> {
+    inner: &'a dyn Files,
+    /// Its folder is what names are relative to, and its own name does not count: a scene that is moved as
+    /// a whole or renamed stays the same.
+    scene: PathBuf,
+    served: Mutex<Served>,
+}
+
+/// What was read so far.
+#[derive(Debug, Default)]
+struct Served {
+    /// Hashes of contents by name, in an order that does not depend on that of the reads.
+    contents: BTreeMap<PathBuf, u64>,
+    /// Links followed.
+    files: BTreeSet<PathBuf>,
+}
+
+impl<'a> Hashing<'a> {
+    /// For the files of the scene at `scene`.
+    pub fn new(inner: &'a dyn Files, scene: &Path) -> Self {
+        Self { inner, scene: scene.to_path_buf(), served: Mutex::default() }
+    }
+
+    fn name(&self, path: &Path) -> PathBuf {
+        let folder = self.scene.parent().unwrap_or(Path::new(""));
+        if path == self.scene {
+            PathBuf::new()
+        } else {
+            path.strip_prefix(folder).unwrap_or(path).to_path_buf()
+        }
+    }
+
+    /// Hash of names and contents of the files read, and these files with links followed.
+    pub fn finish(self) -> (String, BTreeSet<PathBuf>) {
+        let served = self.served.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let sum = served
+            .contents
+            .iter()
+            .fold(0, |h, (name, content)| mix(mix(h ^ hash(name.as_os_str().as_encoded_bytes())) ^ content));
+        (format!("{sum:016x}"), served.files)
+    }
+}
+
+fn hash(bytes: &[u8]) -> u64 {
+    let mut words = bytes.chunks_exact(8);
+    let mut h = words
+        .by_ref()
+        .fold(bytes.len() as u64, |h, w| mix(h ^ u64::from_le_bytes(w.try_into().unwrap_or_default())));
+    for &b in words.remainder() {
+        h = mix(h ^ u64::from(b));
+    }
+    h
+}
+
+impl Files for Hashing<'_> {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let bytes = self.inner.read(path)?;
+        let content = hash(&bytes);
+        let name = self.name(path);
+        let mut served = self.served.lock().unwrap_or_else(PoisonError::into_inner);
+        served.contents.insert(name, content);
+        served.files.extend(std::fs::canonicalize(path));
+        Ok(bytes)
+    }
+
+    fn is_file(&self, path: &Path) -> bool {
+        self.inner.is_file(path)
+    }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        self.inner.names(folder)
+    }
+
+    fn declare(&self, folder: &Path) -> bool {
+        self.inner.declare(folder)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use caustica_formats::files::Memory;
+
+    use super::*;
+
+    fn hash_of(folder: &str, files: &[(&str, &str)]) -> String {
+        let named = files.iter().map(|(name, text)| (Path::new(folder).join(name), text.as_bytes().to_vec()));
+        let memory = Memory(named.collect());
+        let hashing = Hashing::new(&memory, &Path::new(folder).join("s.xml"));
+        for (name, _) in files {
+            hashing.read(&Path::new(folder).join(name)).unwrap();
+        }
+        hashing.finish().0
+    }
+
+    #[test]
+    fn contents_belong_to_their_names_but_not_to_the_order_or_the_folder() {
+        let hash = hash_of("a", &[("s.xml", "scene"), ("x.png", "red"), ("y.png", "blue")]);
+        assert_ne!(hash, hash_of("a", &[("s.xml", "scene"), ("x.png", "blue"), ("y.png", "red")]));
+        assert_eq!(hash, hash_of("a", &[("y.png", "blue"), ("s.xml", "scene"), ("x.png", "red")]));
+        assert_eq!(hash, hash_of("b/c", &[("s.xml", "scene"), ("x.png", "red"), ("y.png", "blue")]));
+    }
+}

@@ -1,0 +1,83 @@
+//! What a render will need, against what the machine has: said before anything is allocated.
+
+use caustica_formats::memory::available;
+
+use super::{Error, Session};
+use crate::film::STRIDE;
+use crate::integrator::PhotonMapper;
+use crate::photon::trace::{CHUNK, Traced};
+use crate::photon::{Photon, PhotonMap};
+use crate::settings::{Count, IntegratorKind};
+
+/// Bytes a pixel: the sums twice (a cut pass is taken back), and a checkpoint or a picture with all
+/// its layers being written.
+const PIXEL: usize = 3 * size_of::<f64>() * (STRIDE + 1);
+
+/// Bytes of a photon while its map is built: as it was traced, its key in the sort, and its columns once in
+/// parts and once joined, in vectors that are up to twice as long while they grow.
+const PHOTON: usize = size_of::<Photon>() + size_of::<u64>() + 3 * PhotonMap::PHOTON_BYTES;
+
+/// Bytes that a render is expected to hold at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Sums, and what it takes to save them.
+    pub film: u128,
+    /// Photons of the global and of the caustic map while they are traced and sorted. 0 where they are too
+    /// few to be worth a pilot.
+    pub photons: [u128; 2],
+}
+
+impl Memory {
+    /// Bytes for the results of so many light paths if none of them stores a photon.
+    pub fn of_light_paths(paths: u64) -> u128 {
+        u128::from(paths.div_ceil(CHUNK)) * size_of::<Traced>() as u128
+    }
+}
+
+impl Session {
+    /// Estimates what a render needs. Traces a pilot where a setting asks for many light paths.
+    pub fn memory(&self) -> Memory {
+        let photons = match self.settings.integrator {
+            IntegratorKind::Path => [0; 2],
+            IntegratorKind::PhotonMap => {
+                PhotonMapper::expected_photons(self.task()).map(|n| u128::from(n) * PHOTON as u128)
+            }
+        };
+        Memory { film: self.film_memory(), photons }
+    }
+
+    fn film_memory(&self) -> u128 {
+        let [_, _, width, height] = self.view.film.crop;
+        u128::from(width) * u128::from(height) * PIXEL as u128
+    }
+
+    /// Refuses a render that would not fit into the memory that is free now.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] with the setting that wants more than there is.
+    pub fn check_memory(&self) -> Result<(), Error> {
+        let free = available();
+        let [_, _, width, height] = self.view.film.crop;
+        let film = format!("a film of {width} × {height} pixels (--size, --crop)");
+        refuse(film, self.film_memory(), free)?;
+        if self.settings.integrator == IntegratorKind::Path {
+            return Ok(());
+        }
+        let named = |name: &str, count: Count| format!("setting `{name}` = {count}");
+        let counts = [("photons", self.settings.photons), ("caustic_photons", self.settings.caustic_photons)];
+        // What no pilot is needed for comes first: it might not fit either.
+        for (name, count) in counts {
+            if let Count::Paths(n) = count {
+                refuse(named(name, count), Memory::of_light_paths(n), free)?;
+            }
+        }
+        for ((name, count), needed) in counts.into_iter().zip(self.memory().photons) {
+            refuse(named(name, count), needed, free)?;
+        }
+        Ok(())
+    }
+}
+
+fn refuse(what: String, needed: u128, free: u128) -> Result<(), Error> {
+    if needed <= free { Ok(()) } else { Err(Error::Memory { what, needed, free }) }
+}

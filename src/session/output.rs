@@ -1,0 +1,173 @@
+//! Pictures → files.
+
+use std::path::{Path, PathBuf};
+
+use caustica_formats::image::{
+    ExrLayer, ExrOptions, ImageError, atomic_write, encode_exr, encode_hdr, encode_pfm, encode_png,
+};
+
+use super::lock::Lock;
+use super::place::{check_distinct, check_place, keep_elsewhere, real};
+use super::{Error, Layers, Picture, Session};
+use crate::film::LAYERS;
+
+/// The files of a picture, and how they are encoded.
+#[derive(Clone, Debug)]
+pub struct Output {
+    /// .exr, .png, .hdr or .pfm.
+    pub files: Vec<PathBuf>,
+    /// Layers of an EXR; `None` are the parts of the picture where there is an EXR at all.
+    pub layers: Option<Layers>,
+    /// 16-bit floats instead of 32-bit ones, EXR only.
+    pub half: bool,
+    /// Stops, PNG only.
+    pub exposure: f64,
+    /// Exponent of the PNG's curve; `None` is the sRGB curve.
+    pub gamma: Option<f64>,
+    /// Store coverage as well, EXR only.
+    pub alpha: bool,
+}
+
+impl Output {
+    /// As the scene's own film asks for, into these files; what names one file twice is written once.
+    pub fn new(session: &Session, mut files: Vec<PathBuf>) -> Self {
+        files.dedup_by_key(|file| real(file));
+        let tonemap = session.film.tonemap;
+        Self {
+            files,
+            layers: None,
+            half: false,
+            exposure: tonemap.map_or(0.0, |t| t.exposure),
+            gamma: tonemap.and_then(|t| t.gamma),
+            alpha: session.wants_alpha(),
+        }
+    }
+
+    /// Finds out before the render what would fail after it: formats that do not exist or cannot hold what
+    /// was asked for, places that cannot be written, outputs that would overwrite each other or the scene.
+    /// `others` are further files that will be written.
+    ///
+    /// # Errors
+    /// The first such problem.
+    pub fn check(&self, session: &Session, others: &[&Path]) -> Result<(), Error> {
+        for file in &self.files {
+            let extension = extension(file);
+            if !matches!(extension.as_str(), "exr" | "png" | "hdr" | "pfm") {
+                return Err(Error::UnknownFormat { file: file.clone(), extension });
+            }
+        }
+        if let Some(first) = self.files.first().filter(|_| !self.files.iter().any(|f| extension(f) == "exr"))
+        {
+            let lost = [
+                (self.half, "half floats (--half)"),
+                (self.layers.as_ref().is_some_and(|layers| !layers.is_empty()), "layers (--layers)"),
+            ];
+            if let Some((_, what)) = lost.into_iter().find(|(asked, _)| *asked) {
+                return Err(Error::NeedsExr { what, file: first.clone() });
+            }
+        }
+        let all: Vec<&Path> = self.files.iter().map(PathBuf::as_path).chain(others.iter().copied()).collect();
+        all.iter().try_for_each(|file| check_place(file))?;
+        check_distinct(&all, &session.inputs)
+    }
+
+    /// Keeps other processes from writing the same files, and `others`, until the locks are dropped.
+    ///
+    /// # Errors
+    /// [`Error::Locked`] when another process is writing one of them.
+    pub fn lock(&self, others: &[&Path]) -> Result<Vec<Lock>, Error> {
+        let all = self.files.iter().map(PathBuf::as_path).chain(others.iter().copied());
+        // Where files cannot be locked, nothing is.
+        all.filter_map(|file| Lock::take(file).transpose()).collect()
+    }
+
+    /// Encodes and writes every file, each replaced in one step. What cannot be written where it should
+    /// is kept elsewhere, and the error says where.
+    ///
+    /// # Errors
+    /// [`Error::Picture`] with the words for every file that could not be written.
+    pub fn write(&self, picture: &Picture<'_>) -> Result<(), Error> {
+        let mut problems = Vec::new();
+        for file in &self.files {
+            let bytes = self
+                .encode(picture, &extension(file))
+                .map_err(|e| Error::Picture(format!("cannot write `{}`: {e}", file.display())))?;
+            if let Err(e) = atomic_write(file, &bytes) {
+                let kept = match keep_elsewhere(file, &bytes) {
+                    Ok(place) => format!("the picture is in `{}` instead", place.display()),
+                    Err(why) => format!("nor could it be kept elsewhere: {why}"),
+                };
+                problems.push(format!("cannot write `{}`: {e}; {kept}", file.display()));
+            }
+        }
+        if problems.is_empty() { Ok(()) } else { Err(Error::Picture(problems.join("\n"))) }
+    }
+
+    fn encode(&self, picture: &Picture<'_>, extension: &str) -> Result<Vec<u8>, ImageError> {
+        let [width, height] = picture.size();
+        match extension {
+            "exr" => self.exr(picture),
+            "png" => encode_png(width, height, &self.eight_bit(picture)),
+            "hdr" => encode_hdr(width, height, &floats(picture)),
+            _ => encode_pfm(width, height, &floats(picture)),
+        }
+    }
+
+    fn exr(&self, picture: &Picture<'_>) -> Result<Vec<u8>, ImageError> {
+        let (pixels, passes) = (picture.pixels, picture.passes);
+        let mut main = Vec::new();
+        for (i, [r, g, b]) in picture.rgb().enumerate() {
+            main.extend([r as f32, g as f32, b as f32]);
+            if self.alpha {
+                main.push(pixels.alpha(i, passes) as f32);
+            }
+        }
+        let main_channels: &[&str] = if self.alpha { &["R", "G", "B", "A"] } else { &["R", "G", "B"] };
+        let wanted = self.layers.clone().unwrap_or_else(Layers::parts);
+        let extras: Vec<(&str, &[&str], Vec<f32>)> = wanted
+            .iter()
+            .map(|name| match LAYERS.iter().find(|(_, known)| *known == name) {
+                Some((layer, _)) => {
+                    let rgb = (0..pixels.len()).flat_map(|i| pixels.layer(i, *layer, passes));
+                    (name, &["R", "G", "B"][..], rgb.map(|v| v as f32).collect())
+                }
+                None => (name, &["Y"][..], statistic(picture, name)),
+            })
+            .collect();
+        let mut layers = vec![ExrLayer { name: "", channels: main_channels, data: &main }];
+        layers.extend(extras.iter().map(|(name, channels, data)| ExrLayer { name, channels, data }));
+        let [width, height] = picture.size();
+        encode_exr(width, height, &layers, &picture.metadata(), ExrOptions { half: self.half })
+    }
+
+    fn eight_bit(&self, picture: &Picture<'_>) -> Vec<u8> {
+        let gain = self.exposure.exp2();
+        let curve = |v: f64| {
+            let v = (v * gain).clamp(0.0, 1.0);
+            let encoded = match self.gamma {
+                Some(g) => v.powf(1.0 / g),
+                None => caustica_formats::spectrum::linear_to_srgb(v),
+            };
+            (encoded * 255.0).round() as u8
+        };
+        picture.rgb().flat_map(|c| c.map(curve)).collect()
+    }
+}
+
+/// Variance or number of samples of every pixel.
+fn statistic(picture: &Picture<'_>, name: &str) -> Vec<f32> {
+    let (pixels, passes) = (picture.pixels, picture.passes);
+    let count = pixels.len();
+    if name == "variance" {
+        return (0..count).map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect();
+    }
+    vec![passes as f32 * pixels.samples_a_pass as f32; count]
+}
+
+fn floats(picture: &Picture<'_>) -> Vec<f32> {
+    picture.rgb().flat_map(|c| c.map(|v| v as f32)).collect()
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_ascii_lowercase())
+}

@@ -1,0 +1,56 @@
+//! A picture in memory.
+
+use super::Session;
+use crate::film::Pixels;
+use crate::render::Statistics;
+
+/// What a render has made of the rendered part of the film: radiance in linear Rec.709, rows from the top.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    pub(super) session: &'a Session,
+    pub(super) pixels: &'a Pixels,
+    pub(super) passes: u32,
+    pub(super) statistics: &'a Statistics,
+}
+
+impl Picture<'_> {
+    /// Width and height in pixels.
+    pub fn size(&self) -> [usize; 2] {
+        let [_, _, width, height] = self.session.view.film.crop;
+        [width as usize, height as usize]
+    }
+
+    /// Red, green and blue at column `x` from the left and row `y` from the top.
+    ///
+    /// # Panics
+    /// Outside of the picture.
+    pub fn pixel(&self, x: usize, y: usize) -> [f64; 3] {
+        let [width, height] = self.size();
+        assert!(x < width && y < height, "there is no pixel {x}, {y} in a picture of {width} × {height}");
+        self.pixels.beauty(y * width + x, self.passes)
+    }
+
+    /// Red, green and blue of every pixel, row by row.
+    pub fn rgb(&self) -> impl Iterator<Item = [f64; 3]> {
+        (0..self.pixels.len()).map(|i| self.pixels.beauty(i, self.passes))
+    }
+
+    /// What the picture is and how to make it again: names and values. No times: the same render gives the
+    /// same bytes.
+    pub fn metadata(&self) -> Vec<(String, String)> {
+        let settings = self.session.settings.values().filter(|(name, _)| *name != "passes");
+        let settings: Vec<String> = settings.map(|(name, value)| format!("{name}={value}")).collect();
+        let mut rows = vec![
+            ("generatedBy".to_owned(), format!("caustica {}", env!("CARGO_PKG_VERSION"))),
+            ("scene".to_owned(), self.session.name()),
+            ("sceneHash".to_owned(), self.session.hash.clone()),
+            ("passes".to_owned(), self.passes.to_string()),
+            ("settings".to_owned(), settings.join(" ")),
+        ];
+        let s = self.statistics;
+        let radii = [("firstRadius", s.first_radius), ("firstCausticRadius", s.first_caustic_radius)];
+        let radii = radii.into_iter().filter(|(_, radius)| *radius > 0.0);
+        rows.extend(radii.map(|(name, radius)| (name.to_owned(), radius.to_string())));
+        rows
+    }
+}

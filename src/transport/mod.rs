@@ -1,0 +1,12 @@
+//! What light paths and camera paths share: the walk from one vertex to the next, the straight way
+//! through masks, Russian roulette, and the table of path classes.
+
+mod class;
+pub mod roulette;
+mod vertex;
+mod visibility;
+pub mod walk;
+
+pub use class::{Owner, PathClass};
+pub use vertex::Vertex;
+pub use visibility::{shadow_ray, transparency, visibility};

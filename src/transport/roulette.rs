@@ -1,0 +1,100 @@
+//! Russian roulette (Arvo and Kirk 1990): a path of little promise is ended with a probability, and one
+//! that survives carries more, so that the mean stays what it was.
+
+use crate::math::Color;
+use crate::sampling::Sampler;
+use crate::settings::Roulette;
+
+/// No path survives with a greater probability than this where it must end some time.
+const MOST: f32 = 0.95;
+
+/// Segments from which on a light path must end some time, even between perfect mirrors.
+const FORCED: u32 = 64;
+
+/// Probability that a camera path goes on, from its throughput and the product of its relative indices of
+/// refraction: radiance is smaller by their square inside glass, and comes out again as it went in.
+#[inline(always)]
+pub fn camera_survival(throughput: Color, eta: f32) -> f32 {
+    (throughput.max_element() * eta * eta).min(MOST)
+}
+
+/// Probability that a light path of so many `segments` goes on, from its flux before and after it
+/// scattered: survivors keep the flux that they had, so that stored photons stay alike.
+#[inline(always)]
+pub fn light_survival(before: Color, after: Color, segments: u32) -> f32 {
+    let survival = after.max_element() / before.max_element();
+    if segments >= FORCED { survival.min(MOST) } else { survival }
+}
+
+/// What a path carries if it goes on, which it does with probability `survival`; `None` when it ends.
+#[inline(always)]
+pub fn survivor(carried: Color, survival: f32, sampler: &mut Sampler) -> Option<Color> {
+    if survival < 1.0 && sampler.random() >= survival {
+        return None;
+    }
+    Some(carried / survival.min(1.0))
+}
+
+/// A random choice among lobes.
+#[derive(Clone, Copy, Debug)]
+pub struct Choice {
+    /// A lobe that reflects the share a of the light is chosen with probability a·`scale`.
+    pub scale: f32,
+    /// Uniform over [0, 1): lobes take their probabilities of it one after another, and none is chosen
+    /// where it lies beyond all of them.
+    pub u: f32,
+}
+
+/// The choice among lobes that reflect `total` of the light together: what becomes of the rest of it, which
+/// is absorbed, is up to the `policy`.
+#[inline(always)]
+pub fn choice(policy: Roulette, total: f32, mut u: f32, sampler: &mut Sampler) -> Choice {
+    match policy {
+        Roulette::Renormalise => Choice { scale: 1.0 / total, u },
+        Roulette::Absorb => Choice { scale: 1.0 / total.max(1.0), u },
+        Roulette::Retry => {
+            let absorbed = (1.0 - total).max(0.0);
+            let full = total.max(1.0);
+            // Draw until something else than absorption comes up.
+            while u >= 1.0 - absorbed / full {
+                u = sampler.random();
+            }
+            Choice { scale: 1.0 / total, u: u * (full / total) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean of what 10⁵ paths carry on is what they carried: its relative deviation is
+    /// √((1 − q)/q/10⁵), and the bound 4.5 of them.
+    #[test]
+    fn roulette_keeps_the_mean() {
+        let n = 100_000;
+        for q in [0.1f32, 0.5, 0.95, 1.0, 3.0] {
+            let mut sum = 0.0f64;
+            for i in 0..n {
+                let mut sampler = Sampler::new(9, i);
+                let after = survivor(Color::splat(2.0), q, &mut sampler);
+                sum += after.map_or(0.0, |c| f64::from(c.lanes()[0]));
+            }
+            let probability = f64::from(q.min(1.0));
+            let sigma = ((1.0 - probability) / probability / f64::from(n)).sqrt();
+            let mean = sum / f64::from(n) / 2.0;
+            assert!((mean - 1.0).abs() <= 4.5 * sigma, "{q}: {mean}");
+        }
+    }
+
+    #[test]
+    fn survival_follows_what_is_carried_and_ends_every_path() {
+        let gray = Color::splat;
+        assert_eq!(camera_survival(gray(0.25), 1.0), 0.25);
+        assert_eq!(camera_survival(gray(0.25), 1.5), 0.5625);
+        assert_eq!(camera_survival(gray(7.0), 1.0), MOST);
+        assert_eq!(light_survival(gray(4.0), gray(1.0), 1), 0.25);
+        assert_eq!(light_survival(gray(4.0), gray(4.0), FORCED - 1), 1.0);
+        assert_eq!(light_survival(gray(4.0), gray(4.0), FORCED), MOST);
+    }
+}
