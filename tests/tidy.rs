@@ -198,7 +198,8 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
 fn only_the_compiler_and_the_session_read_the_scene_representation() {
     for s in sources().iter().filter(|s| s.path.starts_with("src/")) {
         let reads = !imports(product(&s.text), "caustica_formats").is_empty();
-        let may = s.path.starts_with("src/scene/build/") || s.path.starts_with("src/cli/");
+        let rooms = ["src/scene/compile/", "src/session/", "src/cli/"];
+        let may = rooms.iter().any(|room| s.path.starts_with(room));
         assert!(!reads || may, "{} imports caustica_formats", s.path);
         let tools = !imports(product(&s.text), "caustica_tools").is_empty();
         assert!(!tools || s.path.starts_with("src/cli/"), "{} imports caustica_tools", s.path);
@@ -212,8 +213,10 @@ fn only_the_compiler_and_the_session_read_the_scene_representation() {
 #[test]
 fn files_are_short() {
     for s in sources() {
+        let product = s.path.starts_with("src/") || s.path.starts_with("formats/src/");
+        let most = if product { 400 } else { 600 };
         let lines = s.text.lines().count();
-        assert!(lines <= 600, "{} has {lines} lines; 600 is the most", s.path);
+        assert!(lines <= most, "{} has {lines} lines; {most} is the most", s.path);
     }
 }
 

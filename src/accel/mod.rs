@@ -79,15 +79,15 @@ impl Bvh {
     /// Visits the leaves whose boxes the ray crosses before its `tmax`: front to back if `ORDERED`, else in any
     /// order. `W` is the SIMD instruction set, which must be available.
     #[inline(always)]
-    pub fn walk<W: Wide, const ORDERED: bool>(&self, ray: &Ray, visitor: &mut impl Visitor) {
+    pub fn walk<W: Wide, const ORDERED: bool>(&self, ray: &Ray, visitor: &mut impl Visitor, isa: W::Isa) {
         if let Some(all) = &self.flat {
             visitor.test(all.clone(), &mut ray.tmax.clone());
             return;
         }
         if self.stack <= STACK {
-            self.walk_with::<W, ORDERED>(ray, &mut [MaybeUninit::uninit(); STACK], visitor);
+            self.walk_with::<W, ORDERED>(ray, &mut [MaybeUninit::uninit(); STACK], visitor, isa);
         } else {
-            self.walk_with::<W, ORDERED>(ray, &mut vec![MaybeUninit::uninit(); self.stack], visitor);
+            self.walk_with::<W, ORDERED>(ray, &mut vec![MaybeUninit::uninit(); self.stack], visitor, isa);
         }
     }
 
@@ -97,6 +97,7 @@ impl Bvh {
         ray: &Ray,
         stack: &mut [MaybeUninit<Entry>],
         visitor: &mut impl Visitor,
+        isa: W::Isa,
     ) {
         let o = ray.o.to_array();
         let inverse = ray.d.to_array().map(reciprocal);
@@ -112,13 +113,13 @@ impl Bvh {
                 }
             } else {
                 let node = &self.nodes[current.child as usize];
-                let (mut near, mut far) = (W::splat(0.0), W::splat(tmax));
+                let (mut near, mut far) = (W::splat(isa, 0.0), W::splat(isa, tmax));
                 for axis in 0..3 {
-                    let enter = W::load(&node.bounds[side[axis]][axis]);
-                    let exit = W::load(&node.bounds[1 - side[axis]][axis]);
-                    let (o, inverse) = (W::splat(o[axis]), W::splat(inverse[axis]));
+                    let enter = W::load(isa, &node.bounds[side[axis]][axis]);
+                    let exit = W::load(isa, &node.bounds[1 - side[axis]][axis]);
+                    let (o, inverse) = (W::splat(isa, o[axis]), W::splat(isa, inverse[axis]));
                     near = near.max((enter - o) * inverse);
-                    far = far.min((exit - o) * inverse * W::splat(ROUNDING));
+                    far = far.min((exit - o) * inverse * W::splat(isa, ROUNDING));
                 }
                 let mut mask = W::bits(near.less_or_equal(far));
                 let near = near.array();

@@ -135,18 +135,6 @@ impl Node {
         params
     }
 
-    /// How many models there are on one side at most.
-    pub fn models(&self) -> usize {
-        match self {
-            Self::Model(_) => 1,
-            Self::Null => 0,
-            Self::TwoSided(nested) => nested.iter().map(Self::models).max().unwrap_or(0),
-            Self::Blend(_, nested) => nested.iter().map(Self::models).sum(),
-            Self::Mask(_, nested) | Self::Tilted(_, nested) => nested.models(),
-            Self::Mixture(nested) => nested.iter().map(|(_, n)| n.models()).sum(),
-        }
-    }
-
     /// Whether any light passes straight through.
     fn passes(&self) -> bool {
         let mut passes = false;

@@ -13,13 +13,16 @@ use crate::session::{Options, Session};
 const SIDE: u32 = 96;
 const PASSES: u32 = 32;
 
-/// The difference of two pictures of one scene by other random numbers is √2 standard errors; half
-/// as much again is more than chance makes of thousands of pixels.
+/// Two renders of one scene with different seeds differ by √2 standard errors; over thousands of pixels,
+/// chance does not make that half as much again.
 const WORST_RATIO: f64 = 1.5;
-/// The mean of a picture differs by more than this many standard errors once in 15 000 times.
+/// By chance, the mean of a picture is off by more than this many standard errors once in 15 000 times.
 const WORST_BIAS: f64 = 4.0;
 
-/// Renders the source twice and the result once, and compares. 0 or 1.
+/// Renders the source twice and the result once, and compares them. The exit status is 0 or 1.
+///
+/// # Errors
+/// When one of the scenes cannot be opened.
 pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     let source = |seed| {
         let options = Options {

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the first one ends the render in good order, the second one the program.
+//! Ctrl-C and SIGTERM: the first signal ends the render cleanly, the second one ends the program.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -4,7 +4,7 @@ use super::table::Table;
 use super::{Arena, DirectSample, Emission, Light, SceneSphere};
 use crate::math::{Color, Frame, LIFT, Ray, Vec2, Vec3};
 use crate::sampling::{Discrete, warp};
-use crate::shape::{Analytic, AreaSample, triangle};
+use crate::shape::{Analytic, AreaSample, Shape, triangle};
 use crate::spectrum::luminance;
 use crate::texture::{OnMesh, Param, Site, Textures};
 

@@ -4,10 +4,10 @@
 //! maps); `sample` then gives one camera sample of one pixel. Both depend on the scene, the settings
 //! and the pass number only, so passes can run anywhere, be resumed, and give the same bytes.
 
-mod arrive;
 mod direct;
 mod path;
 pub mod photon_map;
+mod sight;
 
 pub use path::PathTracer;
 pub use photon_map::PhotonMapper;

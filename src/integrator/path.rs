@@ -1,7 +1,7 @@
 //! Path tracing with next event estimation: the unbiased oracle, in the conventions of Mitsuba's `path`.
 
-use super::arrive::{Carried, Sight, arrive};
 use super::direct::propose;
+use super::sight::{Carried, Sight};
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::{Event, Range, Transport};
 use crate::film::Layer;
@@ -9,7 +9,7 @@ use crate::math::simd::widest;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Hit, Scene};
-use crate::transport::walk::Next;
+use crate::transport::walk::{self, Next};
 use crate::transport::{PathClass, Vertex, roulette, shadow_ray, visibility};
 
 #[derive(Debug)]
@@ -173,14 +173,18 @@ impl PathTracer<'_> {
             from: walk.from,
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
-        let s = match arrive(scene, ray, hit, sight, carried, &mut sample.out) {
-            Next::Escape => return false,
+        let s = match walk::arrive(scene, ray, hit, sight.of_lamps()) {
+            Next::Escape => {
+                sight.add_background(scene, ray.d, carried, &mut sample.out);
+                return false;
+            }
             Next::Behind => {
                 walk.depth -= 1;
                 return true;
             }
             Next::Surface(s) => s,
         };
+        sight.add_surface(scene, &s, ray.d, carried, &mut sample.out);
         walk.seen = true;
         if walk.depth >= self.max_depth {
             return false;

@@ -2,20 +2,13 @@
 //!
 //! A kernel weighs a photon by its distance u ∈ [0, 1] in units of the search radius. All are radial on
 //! the unit disc and have unit mass there: ∫₀¹ k(u)·2πu du = 1, so k/r² is a density per area.
-//! To add one: a struct, its `shape`, and one row in the table at the end.
+//! To add one: a `kernel!` and its name in the table below.
 
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-/// A radial profile, up to scale, as a function of u².
-pub trait Kernel: Copy + Send + Sync + 'static {
-    const NAME: &'static str;
-    /// Profile at squared distance `u2` in [0, 1]; finite and non-negative.
-    fn shape(u2: f32) -> f32;
-    /// ∫₀¹ shape(u²)·2πu du.
-    fn mass() -> f64;
-}
+use crate::math::closed_enum;
 
 macro_rules! kernel {
     ($(#[$doc:meta])* $name:ident, $text:literal, |$u2:ident| $shape:expr, $mass:expr) => {
@@ -23,7 +16,9 @@ macro_rules! kernel {
         #[derive(Clone, Copy, Debug)]
         pub struct $name;
         impl Kernel for $name {
-            const NAME: &'static str = $text;
+            fn name() -> &'static str {
+                $text
+            }
             #[inline(always)]
             fn shape($u2: f32) -> f32 {
                 $shape
@@ -100,39 +95,31 @@ fn silverman_mass() -> f64 {
     2.0 * PI * (boundary + rest) / (z * z)
 }
 
-macro_rules! table {
-    ($($name:ident),+) => {
-        /// Kernels by name.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum KernelKind { $($name),+ }
+closed_enum! {
+    /// A radial profile, up to scale, as a function of u². It never rises with u and is never negative.
+    pub trait Kernel: Copy {
+        /// What settings call it.
+        fn name() -> &'static str;
+        /// Profile at squared distance `u2` in [0, 1], in units of the search radius; finite and non-negative there.
+        fn shape(u2: f32) -> f32;
+        /// ∫₀¹ shape(u²)·2πu du, in closed form; positive.
+        fn mass() -> f64;
+    }
 
-        impl KernelKind {
-            pub const ALL: &'static [Self] = &[$(Self::$name),+];
-
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$name => $name::NAME),+ }
-            }
-
-            /// Weight at squared distance `u2`, unit mass on the unit disc.
-            pub fn weight(self, u2: f32) -> f32 {
-                match self { $(Self::$name => (f64::from($name::shape(u2)) / $name::mass()) as f32),+ }
-            }
-        }
-
-        /// Calls `$body` with the type `$k` of the kernel: the choice is made once, not per photon.
-        macro_rules! with_kernel {
-            ($kind:expr, $k:ident => $body:expr) => {
-                match $kind { $($crate::math::kernel::KernelKind::$name => {
-                    type $k = $crate::math::kernel::$name;
-                    $body
-                }),+ }
-            };
-        }
-    };
+    /// Kernels by name. [`with_kernel`] chooses the type once, not per photon.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum KernelKind {
+        Constant, Cone, Epanechnikov, Biweight, Triweight, Tricube, Gaussian, Logistic, Silverman
+    } chosen by with_kernel in kernel
 }
-
-table!(Constant, Cone, Epanechnikov, Biweight, Triweight, Tricube, Gaussian, Logistic, Silverman);
 pub(crate) use with_kernel;
+
+impl KernelKind {
+    /// Weight at squared distance `u2`, with unit mass on the unit disc.
+    pub fn weight(self, u2: f32) -> f32 {
+        (f64::from(self.shape(u2)) / self.mass()) as f32
+    }
+}
 
 impl fmt::Display for KernelKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

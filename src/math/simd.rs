@@ -12,15 +12,23 @@ pub const WIDTH: usize = 8;
 pub trait Wide<const N: usize = WIDTH>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
+    /// Proof that this machine has the instructions: without one there is no value of this type, and no function of
+    /// it can be called.
+    type Isa: Copy;
     /// A truth value for each lane.
     type Mask: Copy;
     /// A number 0..4 for each lane.
     type Index: Copy;
-    fn index(x: &[u32; N]) -> Self::Index;
+    /// What made this value proves it again.
+    fn isa(self) -> Self::Isa;
+    /// Numbers 0..4 for [`Wide::pick`].
+    fn index(isa: Self::Isa, x: &[u32; N]) -> Self::Index;
     /// Lane l is `x[index[l]]`.
     fn pick(x: &[f32; 4], index: Self::Index) -> Self;
-    fn splat(x: f32) -> Self;
-    fn load(x: &[f32; N]) -> Self;
+    /// `x` in every lane.
+    fn splat(isa: Self::Isa, x: f32) -> Self;
+    /// Lane l is `x[l]`.
+    fn load(isa: Self::Isa, x: &[f32; N]) -> Self;
     fn array(self) -> [f32; N];
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
@@ -67,18 +75,20 @@ operator! { Portable:
 }
 
 impl Wide for Portable {
+    type Isa = ();
     type Mask = [bool; WIDTH];
     type Index = [u32; WIDTH];
-    fn index(x: &[u32; WIDTH]) -> Self::Index {
+    fn isa(self) {}
+    fn index(_: (), x: &[u32; WIDTH]) -> Self::Index {
         *x
     }
     fn pick(x: &[f32; 4], index: Self::Index) -> Self {
         Self(index.map(|i| x[i as usize % 4]))
     }
-    fn splat(x: f32) -> Self {
+    fn splat(_: (), x: f32) -> Self {
         Self([x; WIDTH])
     }
-    fn load(x: &[f32; WIDTH]) -> Self {
+    fn load(_: (), x: &[f32; WIDTH]) -> Self {
         Self(*x)
     }
     fn array(self) -> [f32; WIDTH] {
@@ -117,16 +127,47 @@ impl Wide for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use avx::{Avx2, Avx512};
+pub(crate) use avx::{Avx2, Avx512, HasAvx2, HasAvx512};
 
-/// Every function here must end up inlined in one with the feature; what makes values of these types is
-/// reached from [`widest_wide!`] and [`widest_bundle!`] only, which have checked for it.
+/// Every function here must end up inlined in one with the feature, or it is slow. It is sound in any case: values of
+/// these types are made from [`HasAvx2`] or [`HasAvx512`], which only detection makes, or from other such values.
 #[cfg(target_arch = "x86_64")]
 mod avx {
     use std::arch::x86_64::*;
     use std::ops::{Add, Div, Mul, Sub};
 
     use super::{WIDTH, Wide};
+
+    /// This machine has 256-bit integer and float instructions.
+    #[derive(Clone, Copy, Debug)]
+    pub struct HasAvx2(());
+
+    impl HasAvx2 {
+        #[inline(always)]
+        pub fn detect() -> Option<Self> {
+            is_x86_feature_detected!("avx2").then_some(Self(()))
+        }
+    }
+
+    /// This machine has 512-bit instructions, and mask registers for 256-bit ones.
+    #[derive(Clone, Copy, Debug)]
+    pub struct HasAvx512(());
+
+    impl HasAvx512 {
+        #[inline(always)]
+        pub fn detect() -> Option<Self> {
+            let all = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512dq");
+            all.then_some(Self(()))
+        }
+
+        /// AVX-512 includes AVX2.
+        #[inline(always)]
+        pub fn avx2(self) -> HasAvx2 {
+            HasAvx2(())
+        }
+    }
 
     /// [`Wide`] as one register.
     #[derive(Clone, Copy, Debug)]
@@ -150,10 +191,15 @@ mod avx {
     }
 
     impl Wide for Avx2 {
+        type Isa = HasAvx2;
         type Mask = __m256;
         type Index = __m256i;
         #[inline(always)]
-        fn index(x: &[u32; WIDTH]) -> __m256i {
+        fn isa(self) -> HasAvx2 {
+            HasAvx2(())
+        }
+        #[inline(always)]
+        fn index(_: HasAvx2, x: &[u32; WIDTH]) -> __m256i {
             // SAFETY: see the module; the load reads the eight integers of `x`.
             unsafe { _mm256_loadu_si256(x.as_ptr().cast()) }
         }
@@ -163,8 +209,8 @@ mod avx {
             Self(unsafe { _mm256_permutevar_ps(_mm256_broadcast_ps(&*x.as_ptr().cast()), index) })
         }
         methods! {
-            fn splat(x: f32) -> Self = Self(_mm256_set1_ps(x));
-            fn load(x: &[f32; WIDTH]) -> Self = Self(_mm256_loadu_ps(x.as_ptr()));
+            fn splat(_isa: HasAvx2, x: f32) -> Self = Self(_mm256_set1_ps(x));
+            fn load(_isa: HasAvx2, x: &[f32; WIDTH]) -> Self = Self(_mm256_loadu_ps(x.as_ptr()));
             fn and(a: __m256, b: __m256) -> __m256 = _mm256_and_ps(a, b);
             fn or(a: __m256, b: __m256) -> __m256 = _mm256_or_ps(a, b);
             fn and_not(a: __m256, b: __m256) -> __m256 = _mm256_andnot_ps(a, b);
@@ -215,10 +261,15 @@ mod avx {
     }
 
     impl Wide<16> for Avx512 {
+        type Isa = HasAvx512;
         type Mask = __mmask16;
         type Index = __m512i;
         #[inline(always)]
-        fn index(x: &[u32; 16]) -> __m512i {
+        fn isa(self) -> HasAvx512 {
+            HasAvx512(())
+        }
+        #[inline(always)]
+        fn index(_: HasAvx512, x: &[u32; 16]) -> __m512i {
             // SAFETY: see the module; the load reads the sixteen integers of `x`.
             unsafe { _mm512_loadu_si512(x.as_ptr().cast()) }
         }
@@ -228,8 +279,8 @@ mod avx {
             Self(unsafe { _mm512_permutevar_ps(_mm512_broadcast_f32x4(_mm_loadu_ps(x.as_ptr())), index) })
         }
         methods! {
-            fn splat(x: f32) -> Self = Self(_mm512_set1_ps(x));
-            fn load(x: &[f32; 16]) -> Self = Self(_mm512_loadu_ps(x.as_ptr()));
+            fn splat(_isa: HasAvx512, x: f32) -> Self = Self(_mm512_set1_ps(x));
+            fn load(_isa: HasAvx512, x: &[f32; 16]) -> Self = Self(_mm512_loadu_ps(x.as_ptr()));
         }
         #[inline(always)]
         fn array(self) -> [f32; 16] {
@@ -281,31 +332,32 @@ mod avx {
     }
 }
 
-/// `widest_wide!(body; a: A = x, ... => R)` calls `body::<W>(x, ...)`, which must be `#[inline(always)]`, with
-/// the fastest [`Wide`] of this machine. It returns from the function it stands in.
+/// `widest_wide!(body; a: A = x, ... => R)` calls `body::<W>(x, ..., isa)`, which must be `#[inline(always)]`, with
+/// the fastest [`Wide`] of this machine and the proof that it has it. It returns from the function it stands in.
 macro_rules! widest_wide {
     ($type:ident::$body:ident; $($name:ident: $ty:ty = $value:expr),* $(,)? => $ret:ty) => {{
         #[cfg(target_arch = "x86_64")]
         {
+            use crate::math::simd::{Avx2, HasAvx2, HasAvx512};
             #[target_feature(enable = "avx2")]
-            fn avx2($($name: $ty),*) -> $ret {
-                $type::$body::<crate::math::simd::Avx2>($($name),*)
+            fn avx2($($name: $ty,)* isa: HasAvx2) -> $ret {
+                $type::$body::<Avx2>($($name,)* isa)
             }
             // The same eight lanes: masks are then registers of their own, and selecting is cheap.
             #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-            fn avx512vl($($name: $ty),*) -> $ret {
-                $type::$body::<crate::math::simd::Avx2>($($name),*)
+            fn avx512vl($($name: $ty,)* isa: HasAvx512) -> $ret {
+                $type::$body::<Avx2>($($name,)* isa.avx2())
             }
-            if crate::math::simd::has_avx512vl() {
-                // SAFETY: the features were just detected.
-                return unsafe { avx512vl($($value),*) };
+            if let Some(isa) = HasAvx512::detect() {
+                // SAFETY: `isa` proves the features.
+                return unsafe { avx512vl($($value,)* isa) };
             }
-            if crate::math::simd::has_avx2() {
-                // SAFETY: the feature was just detected.
-                return unsafe { avx2($($value),*) };
+            if let Some(isa) = HasAvx2::detect() {
+                // SAFETY: `isa` proves the feature.
+                return unsafe { avx2($($value,)* isa) };
             }
         }
-        $type::$body::<crate::math::simd::Portable>($($value),*)
+        $type::$body::<crate::math::simd::Portable>($($value,)* ())
     }};
 }
 pub(crate) use widest_wide;
@@ -315,43 +367,28 @@ macro_rules! widest_bundle {
     ($type:ident::$body:ident; $($name:ident: $ty:ty = $value:expr),* $(,)? => $ret:ty) => {{
         #[cfg(target_arch = "x86_64")]
         {
+            use crate::math::simd::{Avx2, Avx512, HasAvx2, HasAvx512};
             #[target_feature(enable = "avx2")]
-            fn avx2($($name: $ty),*) -> $ret {
-                $type::$body::<8, crate::math::simd::Avx2>($($name),*)
+            fn avx2($($name: $ty,)* isa: HasAvx2) -> $ret {
+                $type::$body::<8, Avx2>($($name,)* isa)
             }
             #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-            fn avx512($($name: $ty),*) -> $ret {
-                $type::$body::<16, crate::math::simd::Avx512>($($name),*)
+            fn avx512($($name: $ty,)* isa: HasAvx512) -> $ret {
+                $type::$body::<16, Avx512>($($name,)* isa)
             }
-            if crate::math::simd::has_avx512vl() {
-                // SAFETY: the features were just detected.
-                return unsafe { avx512($($value),*) };
+            if let Some(isa) = HasAvx512::detect() {
+                // SAFETY: `isa` proves the features.
+                return unsafe { avx512($($value,)* isa) };
             }
-            if crate::math::simd::has_avx2() {
-                // SAFETY: the feature was just detected.
-                return unsafe { avx2($($value),*) };
+            if let Some(isa) = HasAvx2::detect() {
+                // SAFETY: `isa` proves the feature.
+                return unsafe { avx2($($value,)* isa) };
             }
         }
-        $type::$body::<8, crate::math::simd::Portable>($($value),*)
+        $type::$body::<8, crate::math::simd::Portable>($($value,)* ())
     }};
 }
 pub(crate) use widest_bundle;
-
-/// Whether 256-bit integer and float instructions exist.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-pub fn has_avx2() -> bool {
-    is_x86_feature_detected!("avx2")
-}
-
-/// Whether 512-bit instructions, and mask registers for 256-bit ones, exist.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-pub fn has_avx512vl() -> bool {
-    is_x86_feature_detected!("avx512f")
-        && is_x86_feature_detected!("avx512vl")
-        && is_x86_feature_detected!("avx512dq")
-}
 
 /// `widest!(body(a: A = x, ...) -> R)` calls `body(x, ...)`, which must be `#[inline(always)]`, compiled
 /// with AVX2 where this machine has it (wider registers gain nothing in branchy code, and copies through
@@ -364,7 +401,7 @@ macro_rules! widest {
             fn avx2($($name: $ty),*) -> $ret {
                 $body($($name),*)
             }
-            if crate::math::simd::has_avx2() {
+            if crate::math::simd::HasAvx2::detect().is_some() {
                 // SAFETY: the feature was just detected.
                 return unsafe { avx2($($value),*) };
             }

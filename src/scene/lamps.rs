@@ -8,7 +8,7 @@ use crate::spectrum::luminance;
 use crate::texture::Textures;
 
 impl Scene {
-    /// Radiance leaving the surface towards `w` (world) by its own emission.
+    /// Radiance that the surface itself emits towards `w` (world).
     #[inline(always)]
     pub fn emitted(&self, s: &Surface, w: Vec3) -> Color {
         match self.shapes[s.shape as usize].emitter {
@@ -28,8 +28,8 @@ impl Scene {
         self.shapes[s.shape as usize].emitter.is_some()
     }
 
-    /// Radiance from infinity, seen along the unit direction `d`: of each environment its radiance and the
-    /// density with which [`Scene::sample_direct`] chooses it and that direction.
+    /// Light from infinity seen along the unit direction `d`: for each environment, its radiance and the
+    /// solid-angle density with which [`Scene::sample_direct`] samples that direction.
     #[inline]
     pub fn background(&self, d: Vec3) -> impl Iterator<Item = (Color, f32)> {
         self.environments.iter().map(move |&e| {
@@ -42,7 +42,8 @@ impl Scene {
         })
     }
 
-    /// Density with which [`Scene::sample_direct`] at `p` chooses the lamp point met by a ray along `d`.
+    /// Solid-angle density with which [`Scene::sample_direct`] at `p` samples the lamp point `s` that a ray
+    /// along `d` hit.
     #[inline]
     pub fn pdf_direct_surface(&self, p: Vec3, d: Vec3, s: &Surface) -> f32 {
         match self.shapes[s.shape as usize].emitter {
@@ -76,7 +77,8 @@ impl Scene {
         self.sample_aimed(pick, place, direction, None).map(|(e, _)| e)
     }
 
-    /// The same, with light from infinity sent where `aim` says. Also whether it comes from there.
+    /// [`Scene::sample_emission`] with light from infinity aimed by `aim`; the flag is true for light from
+    /// infinity.
     pub fn sample_aimed(
         &self,
         pick: f32,

@@ -52,7 +52,7 @@ pub struct Scene {
     pub emitters: Vec<Emitter>,
     /// By power, for photons.
     pub emission: Discrete,
-    /// Half uniform, half by power, for direct light: a lamp in sight may be the weakest.
+    /// For direct light: half uniform, half by power, because a weak lamp nearby may matter most.
     pub direct: Discrete,
     /// Emitters that fill the sky; their light adds up.
     pub environments: Vec<u32>,

@@ -18,7 +18,7 @@ pub struct Surface {
     pub uv: Vec2,
     /// ∂p/∂u and ∂p/∂v along `frame.s` and `frame.t`, for shapes whose material asks for them.
     pub tangents: [Vec2; 2],
-    /// How far a ray must start from the surface for rounding not to find it again.
+    /// Offset along the normal at which rays start, so that rounding does not make them hit this surface again.
     pub lift: f32,
     /// Index into `Scene::shapes`.
     pub shape: u32,
@@ -35,7 +35,7 @@ impl Surface {
         self.p + self.ng * self.lift.copysign(self.ng.dot(d))
     }
 
-    /// A ray along `d` that does not find this surface again by rounding.
+    /// A ray along `d` that starts off the surface, so that rounding does not make it hit the surface again.
     #[inline(always)]
     pub fn leave(&self, d: Vec3) -> Ray {
         Ray::new(self.origin(d), d)
@@ -65,12 +65,12 @@ impl Surface {
     }
 }
 
-/// A side of a surface as photons know it.
+/// The side of a surface that photons are stored for.
 #[derive(Clone, Copy, Debug)]
 pub struct PhotonSide {
     /// Unit normal that its photons carry.
     pub n: Vec3,
-    /// Photons of the other side are among them.
+    /// Photons of both sides are stored together.
     pub both: bool,
 }
 
@@ -89,7 +89,7 @@ impl Scene {
         self.other_surface(ray, hit)
     }
 
-    /// [`Scene::surface`] for what is no triangle of the world itself.
+    /// [`Scene::surface`] for everything but triangles of the world level.
     #[inline(never)]
     fn other_surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let level = self.geometry.level(hit.instance);
@@ -150,8 +150,8 @@ impl Scene {
         self.materials[material as usize].closure(&point, wi)
     }
 
-    /// The side of the surface whose photons tell of the light along `w` (world): that of `w`, and the
-    /// front for both sides where light of either comes through in all directions.
+    /// The side of the surface whose photons describe the light along `w` (world): the side of `w`, or the
+    /// front for both sides if the material transmits light diffusely.
     #[inline]
     pub fn photon_side(&self, s: &Surface, w: Vec3) -> PhotonSide {
         let both = self.material(s).nature().diffuses_through;
@@ -207,18 +207,17 @@ fn triangle_surface(face: &Face, shape: &ShapeRecord, index: u32, triangle: usiz
     s
 }
 
-/// Weight of a corner below which a hit may lie on the edge opposite of it.
+/// Barycentric weight below which a hit may lie on the edge opposite the corner.
 const NEAR_EDGE: f32 = 1.0 / 4096.0;
 
-/// The point at least `least` away from the edges. Rounding may put a hit in the corner of a room behind
-/// the wall it meets there, and a ray from behind it leaves the room: of the bounces in a mirror box one
-/// in some 10⁷ did.
+/// Moves a point to at least `least` from the edges. In the corner of a room, rounding may put a hit behind
+/// the adjacent wall, and a ray from there escapes: about one bounce in 10⁷ did in a mirror box.
 #[cold]
 fn off_edges(p: Vec3, corners: &[Vec3; 3], weights: [f32; 3], least: f32) -> Vec3 {
     let [v0, v1, v2] = *corners;
     let double_area = (v1 - v0).cross(v2 - v0).length();
     let edges = [v2 - v1, v0 - v2, v1 - v0];
-    // A weight is the distance to the edge over the height there.
+    // A barycentric weight is the distance to the edge divided by the height over it.
     let wanted: [f32; 3] = std::array::from_fn(|i| {
         let share = least * edges[i].length() / double_area;
         if share.is_finite() { weights[i].max(share.min(1.0 / 3.0)) } else { weights[i] }
@@ -244,5 +243,5 @@ fn triangle_partials(v: &[Vec3; 3], shape: &ShapeRecord, triangle: usize) -> [Ve
     [(e1 * d2.y - e2 * d1.y) / det, (e2 * d1.x - e1 * d2.x) / det]
 }
 
-/// Of a surface where nobody asks.
+/// Tangents of surfaces whose material does not need any.
 const NO_TANGENTS: [Vec2; 2] = [Vec2::X, Vec2::Y];

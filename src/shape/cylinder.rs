@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
-use super::{AreaSample, Local};
-use crate::math::{Frame, Ray, Vec2, Vec3};
+use super::{AreaSample, Local, Shape};
+use crate::math::{Bounds, Frame, Ray, Vec2, Vec3};
 
 /// Open circular cylinder along `axis.n` from `p0`.
 #[derive(Clone, Debug)]
@@ -13,8 +13,8 @@ pub struct Cylinder {
     pub inward: bool,
 }
 
-impl Cylinder {
-    pub fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
+impl Shape for Cylinder {
+    fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
         let o = self.axis.to_local(ray.o - self.p0).as_dvec3();
         let d = self.axis.to_local(ray.d).as_dvec3();
         let (o2, d2) = (o.truncate(), d.truncate());
@@ -37,7 +37,7 @@ impl Cylinder {
             .map(|t| t as f32)
     }
 
-    pub fn local(&self, p: Vec3) -> Local {
+    fn local(&self, p: Vec3) -> Local {
         let l = self.axis.to_local(p - self.p0);
         let phi = l.y.atan2(l.x);
         let z = l.z.clamp(0.0, self.length);
@@ -50,21 +50,32 @@ impl Cylinder {
         }
     }
 
-    pub fn partials(&self, p: Vec3) -> [Vec3; 2] {
+    fn partials(&self, p: Vec3) -> [Vec3; 2] {
         let l = self.axis.to_local(p - self.p0);
         let du = Vec3::new(-l.y, l.x, 0.0) * (2.0 * PI);
         [self.axis.to_world(du), self.axis.n * self.length]
     }
 
-    pub fn area(&self) -> f32 {
+    fn area(&self) -> f32 {
         2.0 * PI * self.radius * self.length
     }
 
-    pub fn sample_area(&self, u: Vec2) -> AreaSample {
+    fn sample_area(&self, u: Vec2) -> AreaSample {
         let (sin, cos) = (2.0 * PI * u.x).sin_cos();
         let p =
             self.p0 + self.axis.to_world(Vec3::new(cos * self.radius, sin * self.radius, u.y * self.length));
         let local = self.local(p);
         AreaSample { p: local.p, n: local.n, uv: local.uv }
+    }
+
+    fn magnitude(&self, _p: Vec3) -> f32 {
+        self.bounds().magnitude()
+    }
+
+    fn bounds(&self) -> Bounds {
+        let n = self.axis.n;
+        let e = (Vec3::ONE - n * n).max(Vec3::ZERO).map(f32::sqrt) * self.radius;
+        let p1 = self.p0 + n * self.length;
+        Bounds { min: self.p0.min(p1) - e, max: self.p0.max(p1) + e }
     }
 }

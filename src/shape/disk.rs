@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
-use super::{AreaSample, Local};
-use crate::math::{DVec3, Ray, Vec2, Vec3};
+use super::{AreaSample, Local, Shape};
+use crate::math::{Bounds, DVec3, Ray, Vec2, Vec3};
 use crate::sampling::warp;
 
 /// Flat ellipse `center + x·u + y·v`, x² + y² ≤ 1. Its plane is met in f64, so that a point of a vast disk
@@ -29,14 +29,16 @@ impl Disk {
         let d = (p.as_dvec3() - self.center).as_vec3a();
         Vec2::new(self.du.dot(d), self.dv.dot(d))
     }
+}
 
-    pub fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
+impl Shape for Disk {
+    fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
         let n = self.normal.as_dvec3();
         let t = (n.dot(self.center - ray.o.as_dvec3()) / n.dot(ray.d.as_dvec3())) as f32;
         (t > 0.0 && t < tmax && self.coordinates(ray.at(t)).length_squared() <= 1.0).then_some(t)
     }
 
-    pub fn local(&self, p: Vec3) -> Local {
+    fn local(&self, p: Vec3) -> Local {
         let c = self.coordinates(p);
         let n = self.normal.as_dvec3();
         let above = n.dot(p.as_dvec3() - self.center);
@@ -48,19 +50,30 @@ impl Disk {
         }
     }
 
-    pub fn partials(&self, p: Vec3) -> [Vec3; 2] {
+    fn partials(&self, p: Vec3) -> [Vec3; 2] {
         let c = self.coordinates(p);
         let d = c.normalize_or(Vec2::X);
         [self.u * d.x + self.v * d.y, (self.v * c.x - self.u * c.y) * (2.0 * PI)]
     }
 
-    pub fn area(&self) -> f32 {
+    fn area(&self) -> f32 {
         PI * self.u.cross(self.v).length()
     }
 
-    pub fn sample_area(&self, u: Vec2) -> AreaSample {
+    fn sample_area(&self, u: Vec2) -> AreaSample {
         let d = warp::disk(u);
         let local = self.local((self.center + (self.u * d.x + self.v * d.y).as_dvec3()).as_vec3a());
         AreaSample { p: local.p, n: local.n, uv: local.uv }
+    }
+
+    fn magnitude(&self, p: Vec3) -> f32 {
+        // Of the plane of a vast one, single precision keeps what it does of the point itself.
+        p.abs().max_element()
+    }
+
+    fn bounds(&self) -> Bounds {
+        let e = (self.u * self.u + self.v * self.v).map(f32::sqrt);
+        let center = self.center.as_vec3a();
+        Bounds { min: center - e, max: center + e }
     }
 }

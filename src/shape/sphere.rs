@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
-use super::{AreaSample, Local};
-use crate::math::{DVec3, Frame, Ray, Vec2, Vec3};
+use super::{AreaSample, Local, Shape};
+use crate::math::{Bounds, DVec3, Frame, Ray, Vec2, Vec3};
 use crate::sampling::warp;
 
 /// World-space sphere. In f64: f32 loses small spheres far away, and where large ones begin.
@@ -16,7 +16,33 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    pub fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
+    /// The point of the sphere in the unit direction `outward` from its middle.
+    fn towards(&self, outward: DVec3) -> Local {
+        let n = outward.as_vec3a();
+        let o = self.to_object.to_local(n);
+        let u = o.y.atan2(o.x) / (2.0 * PI);
+        Local {
+            p: (self.center + outward * self.radius).as_vec3a(),
+            n: if self.inward { -n } else { n },
+            uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, o.z.clamp(-1.0, 1.0).acos() / PI),
+        }
+    }
+
+    /// From `p` to the middle.
+    pub fn middle_from(&self, p: Vec3) -> Vec3 {
+        (self.center - p.as_dvec3()).as_vec3a()
+    }
+
+    /// 1 − cos of the half-angle under which the sphere is seen from `p`; `None` inside or on it.
+    pub fn cone(&self, p: Vec3) -> Option<f32> {
+        let d2 = (self.center - p.as_dvec3()).length_squared();
+        let sin2 = (self.radius * self.radius / d2) as f32;
+        (sin2 < 0.9999).then(|| sin2 / (1.0 + (1.0 - sin2).sqrt()))
+    }
+}
+
+impl Shape for Sphere {
+    fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32> {
         let o = ray.o.as_dvec3() - self.center;
         let d = ray.d.as_dvec3();
         let a = d.length_squared();
@@ -31,23 +57,11 @@ impl Sphere {
         [tc - h, tc + h].into_iter().find(|&t| inside(t)).map(|t| t as f32)
     }
 
-    pub fn local(&self, p: Vec3) -> Local {
+    fn local(&self, p: Vec3) -> Local {
         self.towards((p.as_dvec3() - self.center).normalize())
     }
 
-    /// The point of the sphere in the unit direction `outward` from its middle.
-    fn towards(&self, outward: DVec3) -> Local {
-        let n = outward.as_vec3a();
-        let o = self.to_object.to_local(n);
-        let u = o.y.atan2(o.x) / (2.0 * PI);
-        Local {
-            p: (self.center + outward * self.radius).as_vec3a(),
-            n: if self.inward { -n } else { n },
-            uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, o.z.clamp(-1.0, 1.0).acos() / PI),
-        }
-    }
-
-    pub fn partials(&self, p: Vec3) -> [Vec3; 2] {
+    fn partials(&self, p: Vec3) -> [Vec3; 2] {
         let o = self.to_object.to_local((p.as_dvec3() - self.center).normalize().as_vec3a());
         let r = (o.x * o.x + o.y * o.y).sqrt();
         let (cos, sin) = if r > 0.0 { (o.x / r, o.y / r) } else { (1.0, 0.0) };
@@ -56,24 +70,22 @@ impl Sphere {
         [self.to_object.to_world(du), self.to_object.to_world(dv)]
     }
 
-    pub fn area(&self) -> f32 {
+    fn area(&self) -> f32 {
         4.0 * PI * (self.radius * self.radius) as f32
     }
 
-    pub fn sample_area(&self, u: Vec2) -> AreaSample {
+    fn sample_area(&self, u: Vec2) -> AreaSample {
         let local = self.towards(warp::sphere(u).as_dvec3().normalize());
         AreaSample { p: local.p, n: local.n, uv: local.uv }
     }
 
-    /// From `p` to the middle.
-    pub fn middle_from(&self, p: Vec3) -> Vec3 {
-        (self.center - p.as_dvec3()).as_vec3a()
+    fn magnitude(&self, p: Vec3) -> f32 {
+        // What its f64 loses of the radius, in roundings of f32.
+        p.abs().max_element() + (self.radius * 2f64.powi(-29)) as f32
     }
 
-    /// 1 − cos of the half-angle under which the sphere is seen from `p`; `None` inside or on it.
-    pub fn cone(&self, p: Vec3) -> Option<f32> {
-        let d2 = (self.center - p.as_dvec3()).length_squared();
-        let sin2 = (self.radius * self.radius / d2) as f32;
-        (sin2 < 0.9999).then(|| sin2 / (1.0 + (1.0 - sin2).sqrt()))
+    fn bounds(&self) -> Bounds {
+        let r = DVec3::splat(self.radius);
+        Bounds { min: (self.center - r).as_vec3a(), max: (self.center + r).as_vec3a() }
     }
 }

@@ -37,14 +37,15 @@ impl Shear {
 
     /// Whether any lane is hit with `0 < t < tmax`.
     #[inline(always)]
-    pub fn occluded<W: Wide>(&self, b: &Block, tmax: f32) -> bool {
-        W::bits(self.test(b, W::splat(tmax)).hit) != 0
+    pub fn occluded<W: Wide>(&self, b: &Block, tmax: f32, isa: W::Isa) -> bool {
+        W::bits(self.test(b, W::splat(isa, tmax)).hit) != 0
     }
 
     #[inline(always)]
     fn test<W: Wide>(&self, b: &Block, tmax: W) -> Lanes<W, W::Mask> {
-        let o = [W::splat(self.o[0]), W::splat(self.o[1]), W::splat(self.o[2])];
-        let s = [W::splat(self.s[0]), W::splat(self.s[1]), W::splat(self.s[2])];
+        let isa = tmax.isa();
+        let o = [W::splat(isa, self.o[0]), W::splat(isa, self.o[1]), W::splat(isa, self.o[2])];
+        let s = [W::splat(isa, self.s[0]), W::splat(isa, self.s[1]), W::splat(isa, self.s[2])];
         // No closure: it would not be compiled for the wider instructions.
         let corners = [self.sheared(&b.v[0], o, s), self.sheared(&b.v[1], o, s), self.sheared(&b.v[2], o, s)];
         test_sheared(&corners, s[2], tmax)
@@ -56,7 +57,8 @@ impl Shear {
         let [kx, ky, kz] = self.k;
         // SAFETY: `k` is a permutation of 0, 1, 2. Nine checks would cost a quarter of the whole test.
         let (x, y, z) = unsafe { (v.get_unchecked(kx), v.get_unchecked(ky), v.get_unchecked(kz)) };
-        shear([W::load(x), W::load(y), W::load(z)], o, s)
+        let isa = o[0].isa();
+        shear([W::load(isa, x), W::load(isa, y), W::load(isa, z)], o, s)
     }
 }
 
@@ -74,11 +76,13 @@ fn test_sheared<const N: usize, W: Wide<N>>(corners: &[[W; 3]; 3], sz: W, tmax: 
     let e = [x2 * y1 - y2 * x1, x0 * y2 - y0 * x2, x1 * y0 - y1 * x0];
     let z = [z0, z1, z2];
     // The product may also underflow to zero; what follows is right for any triangle.
-    if W::bits((e[0] * e[1] * e[2]).equal(W::splat(0.0))) != 0 {
+    let isa = tmax.isa();
+    if W::bits((e[0] * e[1] * e[2]).equal(W::splat(isa, 0.0))) != 0 {
         let (x, y) = ([x0.array(), x1.array(), x2.array()], [y0.array(), y1.array(), y2.array()]);
         let mut exact = [e[0].array(), e[1].array(), e[2].array()];
         on_edges(&x, &y, &mut exact);
-        return decide([W::load(&exact[0]), W::load(&exact[1]), W::load(&exact[2])], z, sz, tmax);
+        let exact = [W::load(isa, &exact[0]), W::load(isa, &exact[1]), W::load(isa, &exact[2])];
+        return decide(exact, z, sz, tmax);
     }
     decide(e, z, sz, tmax)
 }
@@ -103,7 +107,7 @@ pub type Corners = [[f32; 4]; 3];
 impl<const N: usize, W: Wide<N>> Bundle<N, W> {
     /// Unused lanes must repeat a ray.
     #[inline(always)]
-    pub fn new(rays: [&Ray; N]) -> Self {
+    pub fn new(rays: [&Ray; N], isa: W::Isa) -> Self {
         let (mut k, mut o, mut s) = ([[0; N]; 3], [[0.0; N]; 3], [[0.0; N]; 3]);
         let mut tmax = [0.0; N];
         for (lane, ray) in rays.into_iter().enumerate() {
@@ -115,15 +119,15 @@ impl<const N: usize, W: Wide<N>> Bundle<N, W> {
             }
             tmax[lane] = ray.tmax;
         }
-        let zero = W::splat(0.0);
+        let zero = W::splat(isa, 0.0);
         Self {
-            k: [W::index(&k[0]), W::index(&k[1]), W::index(&k[2])],
-            o: [W::load(&o[0]), W::load(&o[1]), W::load(&o[2])],
-            s: [W::load(&s[0]), W::load(&s[1]), W::load(&s[2])],
-            t: W::load(&tmax),
+            k: [W::index(isa, &k[0]), W::index(isa, &k[1]), W::index(isa, &k[2])],
+            o: [W::load(isa, &o[0]), W::load(isa, &o[1]), W::load(isa, &o[2])],
+            s: [W::load(isa, &s[0]), W::load(isa, &s[1]), W::load(isa, &s[2])],
+            t: W::load(isa, &tmax),
             b1: zero,
             b2: zero,
-            triangle: W::splat(f32::from_bits(u32::MAX)),
+            triangle: W::splat(isa, f32::from_bits(u32::MAX)),
         }
     }
 
@@ -146,7 +150,7 @@ impl<const N: usize, W: Wide<N>> Bundle<N, W> {
         self.t = h.t.select(h.hit, self.t);
         self.b1 = h.b1.select(h.hit, self.b1);
         self.b2 = h.b2.select(h.hit, self.b2);
-        self.triangle = W::splat(f32::from_bits(index)).select(h.hit, self.triangle);
+        self.triangle = W::splat(self.t.isa(), f32::from_bits(index)).select(h.hit, self.triangle);
     }
 
     /// The rays, as bits, that meet the triangle.
@@ -165,10 +169,11 @@ impl<const N: usize, W: Wide<N>> Bundle<N, W> {
 /// Edge functions → hits.
 #[inline(always)]
 fn decide<const N: usize, W: Wide<N>>(e: [W; 3], z: [W; 3], sz: W, tmax: W) -> Lanes<W, W::Mask> {
-    let zero = W::splat(0.0);
+    let isa = tmax.isa();
+    let zero = W::splat(isa, 0.0);
     let negative = e[0].min(e[1]).min(e[2]).less(zero);
     let positive = zero.less(e[0].max(e[1]).max(e[2]));
-    let inv = W::splat(1.0) / (e[0] + e[1] + e[2]);
+    let inv = W::splat(isa, 1.0) / (e[0] + e[1] + e[2]);
     let t = (e[0] * z[0] + e[1] * z[1] + e[2] * z[2]) * sz * inv;
     // Empty lanes hold NaN and flat triangles give NaN or infinity: `t` then fails both comparisons.
     let between = W::and(zero.less(t), t.less(tmax));
@@ -239,9 +244,9 @@ pub struct Nearest<W> {
 impl<W: Wide> Nearest<W> {
     /// Nothing below `tmax` yet.
     #[inline(always)]
-    pub fn new(tmax: f32) -> Self {
-        let zero = W::splat(0.0);
-        Self { t: W::splat(tmax), b1: zero, b2: zero, block: zero }
+    pub fn new(tmax: f32, isa: W::Isa) -> Self {
+        let zero = W::splat(isa, 0.0);
+        Self { t: W::splat(isa, tmax), b1: zero, b2: zero, block: zero }
     }
 
     /// Tries the triangles of block number `index`.
@@ -251,20 +256,21 @@ impl<W: Wide> Nearest<W> {
         self.t = h.t.select(h.hit, self.t);
         self.b1 = h.b1.select(h.hit, self.b1);
         self.b2 = h.b2.select(h.hit, self.b2);
-        self.block = W::splat(f32::from_bits(index)).select(h.hit, self.block);
+        self.block = W::splat(self.t.isa(), f32::from_bits(index)).select(h.hit, self.block);
     }
 
     /// The nearest of all below the `tmax` it began with: block, lane, distance, and barycentric weights
     /// of the second and third vertex.
     #[inline(always)]
     pub fn best(&self, tmax: f32) -> Option<(u32, usize, f32, f32, f32)> {
-        let found = W::bits(self.t.less(W::splat(tmax)));
+        let isa = self.t.isa();
+        let found = W::bits(self.t.less(W::splat(isa, tmax)));
         if found == 0 {
             return None;
         }
         let t = self.t.array();
         let nearest = min(min(min(t[0], t[1]), min(t[2], t[3])), min(min(t[4], t[5]), min(t[6], t[7])));
-        let lane = W::bits(self.t.equal(W::splat(nearest))).trailing_zeros() as usize % WIDTH;
+        let lane = W::bits(self.t.equal(W::splat(isa, nearest))).trailing_zeros() as usize % WIDTH;
         Some((
             self.block.array()[lane].to_bits(),
             lane,

@@ -1,4 +1,4 @@
-use super::OnMesh;
+use super::{Pattern, Site, Textures};
 use crate::math::Color;
 use crate::spectrum::rgb;
 
@@ -26,32 +26,41 @@ impl MeshAttribute {
         }
         self.by_shape[shape] = Some(values);
     }
+}
 
+impl Pattern for MeshAttribute {
     /// Linear over a triangle, or constant on it; black where there is no mesh.
-    pub fn eval(&self, on: &OnMesh) -> Color {
+    fn eval(&self, _textures: &Textures, at: &Site) -> Color {
+        let on = &at.on;
         let Some(Some(mesh)) = self.by_shape.get(on.shape as usize) else { return Color::ZERO };
-        let at = |i: usize| mesh.values.get(i).map_or(Color::ZERO, |v| rgb(*v));
+        let vertex = |i: usize| mesh.values.get(i).map_or(Color::ZERO, |v| rgb(*v));
         let triangle = on.triangle as usize;
         let value = match mesh.corners.get(triangle) {
             Some(t) => {
-                let [a, b, c] = t.map(|i| at(i as usize));
+                let [a, b, c] = t.map(|i| vertex(i as usize));
                 let [second, third] = on.weights;
                 a * (1.0 - second - third) + b * second + c * third
             }
-            None => at(triangle),
+            None => vertex(triangle),
         };
         value * self.scale
     }
 
-    pub fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         let of = |v: &Values| size_of_val(v.corners.as_slice()) + size_of_val(v.values.as_slice());
         self.by_shape.iter().flatten().map(of).sum()
+    }
+
+    fn is_attribute(&self) -> bool {
+        true
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::OnMesh;
     use super::*;
+    use crate::math::Vec2;
 
     #[test]
     fn vertices_are_interpolated_and_faces_are_not() {
@@ -59,7 +68,10 @@ mod tests {
         let mut t = MeshAttribute { name: "vertex_x".into(), scale: 2.0, by_shape: Vec::new() };
         t.give(1, Values { corners: vec![[0, 1, 2], [2, 1, 0]], values: values.clone() });
         t.give(2, Values { corners: Vec::new(), values });
-        let at = |shape, triangle| t.eval(&OnMesh { shape, triangle, weights: [0.25, 0.5] }).lanes()[0];
+        let at = |shape, triangle| {
+            let on = OnMesh { shape, triangle, weights: [0.25, 0.5] };
+            t.eval(&Textures::default(), &Site { on, ..Site::flat(Vec2::ZERO) }).lanes()[0]
+        };
         assert_eq!(at(1, 0), 2.0 * (0.25 + 0.5 + 2.0));
         assert_eq!(at(1, 1), 2.0 * (1.0 + 0.5 + 0.5));
         assert_eq!(at(2, 1), 4.0);

@@ -1,4 +1,4 @@
-use super::{Mapping, Site};
+use super::{Mapping, Pattern, Site, Textures};
 use crate::math::Color;
 use crate::spectrum::rgb;
 
@@ -79,8 +79,10 @@ impl Bitmap {
             (Texel::Constant(c), _) | (_, Texel::Constant(c)) => Color::splat(c),
         }
     }
+}
 
-    pub fn eval(&self, at: &Site) -> Color {
+impl Pattern for Bitmap {
+    fn eval(&self, _textures: &Textures, at: &Site) -> Color {
         let uv = self.mapping.apply(at);
         // uv of a degenerate or hostile mesh may be huge or NaN; the cast saturates, NaN becomes 0.
         let (x, y) = (uv.x * self.width as f32, uv.y * self.height as f32);
@@ -96,7 +98,7 @@ impl Bitmap {
         top * (1.0 - fy) + bottom * fy
     }
 
-    pub fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         match &self.texels {
             Texels::Floats(texels) => size_of_val(texels.as_slice()),
             Texels::Bytes(bytes) => bytes.data.len(),
@@ -123,7 +125,7 @@ mod tests {
 
     #[test]
     fn wrap_modes_continue_the_ramp_as_named() {
-        let at = |w, u| ramp(w, false).eval(&Site::flat(Vec2::new(u, 0.5))).lanes()[0];
+        let at = |w, u| ramp(w, false).eval(&Textures::default(), &Site::flat(Vec2::new(u, 0.5))).lanes()[0];
         assert_eq!(at(Wrap::Repeat, 1.1), 0.0);
         assert_eq!(at(Wrap::Mirror, 1.1), 3.0);
         assert_eq!(at(Wrap::Mirror, -0.3), 1.0);
@@ -135,9 +137,12 @@ mod tests {
     #[test]
     fn bilinear_reproduces_texel_centres_and_interpolates_between() {
         let b = ramp(Wrap::Repeat, true);
-        assert_eq!(b.eval(&Site::flat(Vec2::new(0.375, 0.5))).lanes()[0], 1.0);
-        assert_eq!(b.eval(&Site::flat(Vec2::new(0.5, 0.5))).lanes()[0], 1.5);
-        assert_eq!(b.eval(&Site::flat(Vec2::new(0.0, 0.5))).lanes()[0], 1.5);
-        assert!(b.eval(&Site::flat(Vec2::new(f32::NAN, f32::INFINITY))).is_finite() || b.bilinear);
+        assert_eq!(b.eval(&Textures::default(), &Site::flat(Vec2::new(0.375, 0.5))).lanes()[0], 1.0);
+        assert_eq!(b.eval(&Textures::default(), &Site::flat(Vec2::new(0.5, 0.5))).lanes()[0], 1.5);
+        assert_eq!(b.eval(&Textures::default(), &Site::flat(Vec2::new(0.0, 0.5))).lanes()[0], 1.5);
+        assert!(
+            b.eval(&Textures::default(), &Site::flat(Vec2::new(f32::NAN, f32::INFINITY))).is_finite()
+                || b.bilinear
+        );
     }
 }

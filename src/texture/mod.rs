@@ -1,24 +1,39 @@
-//! Textures: functions of a surface point giving linear RGB. One file per model.
+//! Textures: functions of a surface point giving a linear colour. One file per model; [`Pattern`] is the contract,
+//! [`Texture`] the table.
 
 mod attribute;
+mod bilerp;
 mod bitmap;
 mod checkerboard;
+mod directionmix;
+mod dots;
+mod grid;
 mod mapping;
+mod mix;
 mod noise;
-mod patterns;
+mod product;
+mod scaled;
 mod site;
-mod solid;
+mod solidchecks;
+mod unitchecks;
 
 pub use attribute::{MeshAttribute, Values};
+pub use bilerp::Bilerp;
 pub use bitmap::{Bitmap, Bytes, Texels, Wrap};
 pub use checkerboard::Checkerboard;
+pub use directionmix::DirectionMix;
+pub use dots::Dots;
+pub use grid::Grid;
 pub use mapping::{Mapping, ToTexture, UvTransform};
+pub use mix::Mix;
 pub use noise::{Noise, NoiseKind};
-pub use patterns::{Bilerp, Grid, Mix, UnitChecks};
+pub use product::Product;
+pub use scaled::Scaled;
 pub use site::{OnMesh, Site};
-pub use solid::{DirectionMix, Dots, SolidChecks};
+pub use solidchecks::SolidChecks;
+pub use unitchecks::UnitChecks;
 
-use crate::math::{Color, Vec2};
+use crate::math::{Color, Vec2, closed_enum};
 
 /// A colour parameter of a material or lamp. Scalars use the luminance of the colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,39 +63,45 @@ impl Param {
     }
 }
 
-#[derive(Clone, Debug)]
-pub enum Texture {
-    Bitmap(Bitmap),
-    Checkerboard(Checkerboard),
-    /// A parameter times a constant.
-    Scaled(Param, Color),
-    Product(Param, Param),
-    Grid(Grid),
-    UnitChecks(UnitChecks),
-    Bilerp(Bilerp),
-    Mix(Mix),
-    DirectionMix(DirectionMix),
-    SolidChecks(SolidChecks),
-    Dots(Dots),
-    Noise(Noise),
-    MeshAttribute(MeshAttribute),
-}
+closed_enum! {
+    /// A colour as a function of a surface point.
+    pub trait Pattern {
+        /// The linear colour at a point, in no unit of its own. `textures` holds the inputs. Any finite or broken uv
+        /// gives a colour: what is not finite is looked up as 0.
+        fn eval(&self, textures: &Textures, at: &Site) -> Color;
 
-impl Texture {
-    /// What it is made of.
-    pub fn inputs(&self) -> Vec<Param> {
-        match self {
-            Self::Bitmap(_) | Self::Bilerp(_) | Self::Noise(_) | Self::MeshAttribute(_) => Vec::new(),
-            Self::Scaled(p, _) => vec![*p],
-            Self::Product(a, b) => vec![*a, *b],
-            Self::Mix(t) => vec![t.inputs[0], t.inputs[1], t.amount],
-            Self::DirectionMix(t) => t.inputs.to_vec(),
-            Self::Checkerboard(t) => t.colors.to_vec(),
-            Self::Grid(t) => t.colors.to_vec(),
-            Self::UnitChecks(t) => t.colors.to_vec(),
-            Self::SolidChecks(t) => t.colors.to_vec(),
-            Self::Dots(t) => t.colors.to_vec(),
+        /// What it is made of: parameters that may be other textures.
+        fn inputs(&self) -> Vec<Param> {
+            Vec::new()
         }
+
+        /// Bytes held by pixels and attributes.
+        fn bytes(&self) -> usize {
+            0
+        }
+
+        /// Whether its values lie with the meshes that show it.
+        fn is_attribute(&self) -> bool {
+            false
+        }
+    }
+
+    /// Every texture.
+    #[derive(Clone, Debug)]
+    pub enum Texture {
+        Bitmap(Bitmap),
+        Checkerboard(Checkerboard),
+        Scaled(Scaled),
+        Product(Product),
+        Grid(Grid),
+        UnitChecks(UnitChecks),
+        Bilerp(Bilerp),
+        Mix(Mix),
+        DirectionMix(DirectionMix),
+        SolidChecks(SolidChecks),
+        Dots(Dots),
+        Noise(Noise),
+        MeshAttribute(MeshAttribute),
     }
 }
 
@@ -93,21 +114,7 @@ impl Textures {
     pub fn eval(&self, param: Param, at: &Site) -> Color {
         match param {
             Param::Constant(c) => c,
-            Param::Texture(i) => match &self.0[i as usize] {
-                Texture::Bitmap(t) => t.eval(at),
-                Texture::Checkerboard(t) => t.eval(self, at),
-                Texture::Scaled(inner, factor) => self.eval(*inner, at) * *factor,
-                Texture::Product(a, b) => self.eval(*a, at) * self.eval(*b, at),
-                Texture::Grid(t) => t.eval(self, at),
-                Texture::UnitChecks(t) => t.eval(self, at),
-                Texture::Bilerp(t) => t.eval(at),
-                Texture::Mix(t) => t.eval(self, at),
-                Texture::DirectionMix(t) => t.eval(self, at),
-                Texture::SolidChecks(t) => t.eval(self, at),
-                Texture::Dots(t) => t.eval(self, at),
-                Texture::Noise(t) => t.eval(at.p),
-                Texture::MeshAttribute(t) => t.eval(&at.on),
-            },
+            Param::Texture(i) => self.0[i as usize].eval(self, at),
         }
     }
 
@@ -127,27 +134,27 @@ impl Textures {
         }
     }
 
-    /// Indices of the mesh attributes that `params` show.
+    /// Indices of the mesh attributes that `params` show, themselves or through what they are made of.
     pub fn attributes_in(&self, params: &[Param]) -> Vec<u32> {
         let mut left: Vec<Param> = params.to_vec();
+        let mut seen = vec![false; self.0.len()];
         let mut found = Vec::new();
         while let Some(param) = left.pop() {
             let Param::Texture(i) = param else { continue };
-            match &self.0[i as usize] {
-                Texture::MeshAttribute(_) if !found.contains(&i) => found.push(i),
-                texture => left.extend(texture.inputs()),
+            if std::mem::replace(&mut seen[i as usize], true) {
+                continue;
             }
+            let texture = &self.0[i as usize];
+            if texture.is_attribute() {
+                found.push(i);
+            }
+            left.extend(texture.inputs());
         }
         found
     }
 
     /// Bytes held by pixels and attributes.
     pub fn bytes(&self) -> usize {
-        let of = |texture: &Texture| match texture {
-            Texture::Bitmap(t) => t.bytes(),
-            Texture::MeshAttribute(t) => t.bytes(),
-            _ => 0,
-        };
-        self.0.iter().map(of).sum()
+        self.0.iter().map(Texture::bytes).sum()
     }
 }

@@ -1,4 +1,4 @@
-use super::ToTexture;
+use super::{Pattern, Site, Textures, ToTexture};
 use crate::math::{Color, Vec3};
 use crate::spectrum::rgb;
 
@@ -80,9 +80,9 @@ pub struct Noise {
     pub to_texture: ToTexture,
 }
 
-impl Noise {
-    pub fn eval(&self, p: Vec3) -> Color {
-        let p = self.to_texture.point(p);
+impl Pattern for Noise {
+    fn eval(&self, _textures: &Textures, at: &Site) -> Color {
+        let p = self.to_texture.point(at.p);
         match self.kind {
             NoiseKind::Fbm { octaves, roughness } => Color::splat(fbm(p, octaves, roughness)),
             NoiseKind::Wrinkled { octaves: count, roughness } => {

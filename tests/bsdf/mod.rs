@@ -72,6 +72,11 @@ fn examples() -> Vec<(&'static str, Stage)> {
         bsdf("normalmap", &(map + rest))
     };
     let gold = string("material", "Au");
+    let coated = |alpha: f64| {
+        let base = two(&plastic("roughplastic", &ggx(alpha)), &bsdf("roughconductor", &ggx(0.3)));
+        bsdf("roughcoating", &(ggx(alpha) + &bsdf("blendbsdf", &(float("weight", 0.3) + &base))))
+    };
+    let coats = bsdf("blendbsdf", &(float("weight", 0.5) + &two(&coated(0.4), &coated(0.6))));
     [
         ("diffuse", diffuse.clone()),
         ("plastic", plastic("plastic", "")),
@@ -191,6 +196,7 @@ fn examples() -> Vec<(&'static str, Stage)> {
         ),
         ("coating", bsdf("coating", &(rgb("sigma_a", "0.1,0.2,0.3") + &bsdf("roughconductor", &ggx(0.3))))),
         ("coating of plastic", bsdf("coating", &plastic("plastic", ""))),
+        ("coating of a blend of coats", bsdf("coating", &coats)),
         ("roughcoating", bsdf("roughcoating", &(ggx(0.3) + &plastic("roughplastic", &ggx(0.5))))),
         ("tilted diffuse", tilted("0.6,0.55,0.9", &diffuse)),
         ("tilted plastic", tilted("0.6,0.55,0.9", &bsdf("twosided", &plastic("roughplastic", &ggx(0.3))))),

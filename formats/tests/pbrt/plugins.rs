@@ -60,7 +60,7 @@ fn white_balance_is_a_temperature() {
     };
     assert_eq!(scene(&film("5000")).sensors[0].film.white_balance, Some(5000.0));
     let said = problems(&film("12"));
-    assert!(said.iter().any(|p| p.contains("12 K is no daylight")), "{said:?}");
+    assert!(said.iter().any(|p| p.contains("12 K is not a daylight temperature")), "{said:?}");
 }
 
 #[test]

@@ -1,3 +1,5 @@
+use super::Profile;
+
 /// The family of Mitchell and Netravali 1988; Catmull–Rom is B = 0, C = ½.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cubic {
@@ -5,8 +7,12 @@ pub struct Cubic {
     pub c: f64,
 }
 
-impl Cubic {
-    pub fn weight(&self, x: f64) -> f64 {
+impl Profile for Cubic {
+    fn radius(&self) -> f64 {
+        2.0
+    }
+
+    fn weight(&self, x: f64) -> f64 {
         let (b, c, x) = (self.b, self.c, x.abs());
         if x < 1.0 {
             ((12.0 - 9.0 * b - 6.0 * c) * x * x * x + (-18.0 + 12.0 * b + 6.0 * c) * x * x + (6.0 - 2.0 * b))
@@ -30,8 +36,12 @@ pub struct Stretched {
     pub radius: f64,
 }
 
-impl Stretched {
-    pub fn weight(&self, x: f64) -> f64 {
+impl Profile for Stretched {
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    fn weight(&self, x: f64) -> f64 {
         self.cubic.weight(2.0 * x / self.radius)
     }
 }

@@ -1,15 +1,17 @@
+use super::Profile;
+
 /// Gaussian cut at 4σ, lowered so that it ends at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaussian {
     pub stddev: f64,
 }
 
-impl Gaussian {
-    pub fn radius(&self) -> f64 {
+impl Profile for Gaussian {
+    fn radius(&self) -> f64 {
         4.0 * self.stddev
     }
 
-    pub fn weight(&self, x: f64) -> f64 {
+    fn weight(&self, x: f64) -> f64 {
         let g = |x: f64| (-x * x / (2.0 * self.stddev * self.stddev)).exp();
         (g(x) - g(self.radius())).max(0.0)
     }
@@ -22,8 +24,12 @@ pub struct Truncated {
     pub radius: f64,
 }
 
-impl Truncated {
-    pub fn weight(&self, x: f64) -> f64 {
+impl Profile for Truncated {
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    fn weight(&self, x: f64) -> f64 {
         let g = |x: f64| (-x * x / (2.0 * self.sigma * self.sigma)).exp();
         (g(x) - g(self.radius)).max(0.0)
     }

@@ -1,5 +1,7 @@
 use std::f64::consts::PI;
 
+use super::Profile;
+
 fn sinc(x: f64) -> f64 {
     if x.abs() < 1e-9 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
@@ -10,8 +12,12 @@ pub struct Lanczos {
     pub lobes: u32,
 }
 
-impl Lanczos {
-    pub fn weight(&self, x: f64) -> f64 {
+impl Profile for Lanczos {
+    fn radius(&self) -> f64 {
+        f64::from(self.lobes)
+    }
+
+    fn weight(&self, x: f64) -> f64 {
         if x.abs() < f64::from(self.lobes) { sinc(x) * sinc(x / f64::from(self.lobes)) } else { 0.0 }
     }
 }
@@ -23,8 +29,12 @@ pub struct Sinc {
     pub radius: f64,
 }
 
-impl Sinc {
-    pub fn weight(&self, x: f64) -> f64 {
+impl Profile for Sinc {
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    fn weight(&self, x: f64) -> f64 {
         if x.abs() > self.radius { 0.0 } else { sinc(x) * sinc(x / self.tau) }
     }
 }

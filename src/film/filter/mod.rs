@@ -12,47 +12,35 @@ pub use gaussian::{Gaussian, Truncated};
 pub use lanczos::{Lanczos, Sinc};
 pub use polynomial::{Box, Tent};
 
-use crate::math::Vec2;
+use crate::math::{Vec2, closed_enum};
 
-/// A separable filter: `weight(x)` for |x| ≤ `radius` in pixels, any scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
-    Box(Box),
-    Tent(Tent),
-    Gaussian(Gaussian),
-    Cubic(Cubic),
-    Lanczos(Lanczos),
-    /// pbrt's, which may be wider on one axis.
-    Truncated(Truncated),
-    Stretched(Stretched),
-    Sinc(Sinc),
-}
+closed_enum! {
+    /// One axis of a separable filter. Distances are in pixels.
+    pub trait Profile {
+        /// Half of the support: the weight is 0 beyond. Positive.
+        fn radius(&self) -> f64;
 
-impl Shape {
-    pub fn radius(&self) -> f64 {
-        match self {
-            Self::Box(f) => f.radius,
-            Self::Tent(f) => f.radius,
-            Self::Gaussian(f) => f.radius(),
-            Self::Cubic(_) => 2.0,
-            Self::Lanczos(f) => f64::from(f.lobes),
-            Self::Truncated(f) => f.radius,
-            Self::Stretched(f) => f.radius,
-            Self::Sinc(f) => f.radius,
+        /// Weight at distance `x` from the pixel's centre, |x| ≤ `radius`; symmetric, may be negative, in any scale.
+        fn weight(&self, x: f64) -> f64;
+
+        /// Whether all weights are the same: such a filter needs no table.
+        fn is_even(&self) -> bool {
+            false
         }
     }
 
-    pub fn weight(&self, x: f64) -> f64 {
-        match self {
-            Self::Box(_) => 1.0,
-            Self::Tent(f) => f.weight(x),
-            Self::Gaussian(f) => f.weight(x),
-            Self::Cubic(f) => f.weight(x),
-            Self::Lanczos(f) => f.weight(x),
-            Self::Truncated(f) => f.weight(x),
-            Self::Stretched(f) => f.weight(x),
-            Self::Sinc(f) => f.weight(x),
-        }
+    /// Every filter.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub enum Shape {
+        Box(Box),
+        Tent(Tent),
+        Gaussian(Gaussian),
+        Cubic(Cubic),
+        Lanczos(Lanczos),
+        /// pbrt's, which may be wider on one axis.
+        Truncated(Truncated),
+        Stretched(Stretched),
+        Sinc(Sinc),
     }
 }
 
@@ -70,6 +58,8 @@ pub struct Filter {
 #[derive(Clone, Debug)]
 struct Axis {
     shape: Shape,
+    radius: f32,
+    even: bool,
     cdf: Vec<f32>,
     signs: Vec<f32>,
     /// For each of [`CELLS`] equal parts of u, the cell it begins in: the search is a step or two.
@@ -120,13 +110,13 @@ impl Axis {
         let guide = (0..CELLS)
             .map(|i| (cdf.partition_point(|&c| c <= i as f32 / CELLS as f32).max(1) - 1) as u16)
             .collect();
-        Self { shape, cdf, signs, guide }
+        Self { shape, radius: radius as f32, even: shape.is_even(), cdf, signs, guide }
     }
 
     #[inline]
     fn sample(&self, u: f32) -> (f32, f32) {
-        if let Shape::Box(b) = self.shape {
-            return ((u * 2.0 - 1.0) * b.radius as f32, 1.0);
+        if self.even {
+            return ((u * 2.0 - 1.0) * self.radius, 1.0);
         }
         let mut i = usize::from(self.guide[((u * CELLS as f32) as usize).min(CELLS - 1)]);
         while i < CELLS - 1 && self.cdf[i + 1] <= u {
@@ -135,7 +125,7 @@ impl Axis {
         let width = self.cdf[i + 1] - self.cdf[i];
         let inside = if width > 0.0 { ((u - self.cdf[i]) / width).clamp(0.0, 1.0) } else { 0.5 };
         let x = (i as f32 + inside) / CELLS as f32 * 2.0 - 1.0;
-        (x * self.shape.radius() as f32, self.signs[i])
+        (x * self.radius, self.signs[i])
     }
 }
 

@@ -1,7 +1,23 @@
+use super::Profile;
+
 /// Constant weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Box {
     pub radius: f64,
+}
+
+impl Profile for Box {
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    fn weight(&self, _x: f64) -> f64 {
+        1.0
+    }
+
+    fn is_even(&self) -> bool {
+        true
+    }
 }
 
 /// Linear fall to zero at `radius`.
@@ -10,8 +26,12 @@ pub struct Tent {
     pub radius: f64,
 }
 
-impl Tent {
-    pub fn weight(&self, x: f64) -> f64 {
+impl Profile for Tent {
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    fn weight(&self, x: f64) -> f64 {
         (1.0 - x.abs() / self.radius).max(0.0)
     }
 }

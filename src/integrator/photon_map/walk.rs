@@ -1,14 +1,14 @@
 //! A camera path: through mirrors, glass and glossy surfaces to the first rough one.
 
 use super::super::Scratch;
-use super::super::arrive::{Carried, Sight, arrive};
 use super::super::direct::next_event;
+use super::super::sight::{Carried, Sight};
 use super::{Maps, PhotonMapper};
 use crate::bsdf::{DeltaLobe, Transport};
 use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::transport::walk::Next;
+use crate::transport::walk::{self, Next};
 use crate::transport::{PathClass, Vertex, roulette};
 
 /// What a camera path does at a surface.
@@ -53,17 +53,20 @@ impl PhotonMapper<'_> {
         while depth < max_depth {
             depth += 1;
             scratch.rays += 1;
-            let hit = scene.geometry.closest(&ray);
             let lamps = seen || !settings.hide_emitters;
             let sight = Sight { lamps, through: self.task.view.hidden_lamps_are_transparent, pdf, from };
-            let s = match arrive(scene, &mut ray, hit.as_ref(), sight, path, &mut out) {
-                Next::Escape => break,
+            let s = match walk::next(scene, &mut ray, sight.of_lamps()) {
+                Next::Escape => {
+                    sight.add_background(scene, ray.d, path, &mut out);
+                    break;
+                }
                 Next::Behind => {
                     depth -= 1;
                     continue;
                 }
                 Next::Surface(s) => s,
             };
+            sight.add_surface(scene, &s, ray.d, path, &mut out);
             seen = true;
             if depth >= max_depth {
                 break;

@@ -1,4 +1,4 @@
-//! What meshes carry for the textures that show it.
+//! Mesh attributes for the textures that read them.
 
 use caustica_formats::ir;
 use caustica_formats::mesh::Mesh;
@@ -33,7 +33,7 @@ impl Compiler<'_> {
     }
 }
 
-/// Triangles of their own corners, each with pbrt's uv for meshes that have none.
+/// The mesh with unshared corners and pbrt's default uv on every triangle.
 pub fn with_default_uvs(mesh: &Mesh) -> Mesh {
     let corners = || mesh.triangles.iter().flatten().map(|&i| i as usize);
     Mesh {

@@ -55,9 +55,6 @@ impl Compiler<'_> {
         if nested.nature().transmits {
             self.error("only materials that let no light through can be coated", origin);
         }
-        if nested.models() > 2 {
-            self.error("a coat over more than two blended materials cannot be rendered", origin);
-        }
         let Coat { eta, absorption, specular, rough, interreflection } = coat;
         let rough = rough.map(|r| (r, self.transmittance(&r, eta)));
         CoatingModel { eta, absorption, specular, rough, interreflection, nested: Box::new(nested) }.into()

@@ -22,7 +22,7 @@ use crate::texture::Param;
 /// α below which pbrt-v4 drops the microfacets.
 const PBRT_SMOOTH: f32 = 1e-3;
 
-/// Blends or two-sided materials that double each other thirty times would fill the memory.
+/// Nested blends or two-sided materials double the parts at each level; thirty levels would fill the memory.
 const MAX_PARTS: u32 = 1024;
 
 #[derive(Default)]
@@ -166,7 +166,7 @@ impl Compiler<'_> {
             BsdfKind::Mask { opacity, nested } => {
                 let nested = self.node(*nested);
                 match self.scalar_param(opacity) {
-                    // No mask: the plan need not look through it.
+                    // An opaque mask is left out, so that shadow rays need not evaluate it.
                     Param::Constant(o) if o == Color::ONE => nested,
                     opacity => Node::Mask(opacity, Box::new(nested)),
                 }

@@ -10,8 +10,8 @@ use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 use super::Compiler;
 use crate::math::{Color, Vec3};
 use crate::texture::{
-    Bilerp, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, SolidChecks, Texture,
-    Textures, UnitChecks,
+    Bilerp, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, Product, Scaled,
+    SolidChecks, Texture, Textures, UnitChecks,
 };
 use mappings::{noise, uv_transform};
 use pictures::Waiting;
@@ -26,7 +26,7 @@ pub struct TextureTable {
     waiting: Vec<Waiting>,
 }
 
-/// Textures that double each other thirty times would never come to an end.
+/// Textures that look up another texture twice double the work at each level; thirty levels would never finish.
 const MAX_LOOKUPS: u32 = 4096;
 
 impl TextureTable {
@@ -93,7 +93,9 @@ impl Compiler<'_> {
         match param {
             Param::Constant(c) => Param::Constant(c * factor),
             Param::Texture(_) if factor == 1.0 => param,
-            Param::Texture(_) => self.textures.push(Texture::Scaled(param, Color::splat(factor))),
+            Param::Texture(_) => {
+                self.textures.push(Scaled { input: param, factor: Color::splat(factor) }.into())
+            }
         }
     }
 
@@ -115,9 +117,9 @@ impl Compiler<'_> {
                 match (inner, self.param(factor, ColorSlot::Unbounded, origin)) {
                     (Param::Constant(a), Param::Constant(b)) => Param::Constant(a * b),
                     (inner, Param::Constant(factor)) | (Param::Constant(factor), inner) => {
-                        self.textures.push(Texture::Scaled(inner, factor))
+                        self.textures.push(Scaled { input: inner, factor }.into())
                     }
-                    (a, b) => self.textures.push(Texture::Product(a, b)),
+                    (a, b) => self.textures.push(Product([a, b]).into()),
                 }
             }
             ir::TextureKind::Grid { color0, color1, line_width, to_uv } => {

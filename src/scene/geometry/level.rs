@@ -13,11 +13,11 @@ pub(super) struct Packet {
     pub(super) triangles: Block,
     shape: [u32; WIDTH],
     pub(super) tag: [u32; WIDTH],
-    /// Lanes in use when these are no triangles, else 0.
+    /// Number of lanes in use if the packet holds no triangles, otherwise 0.
     pub(super) others: u32,
 }
 
-/// A triangle as shading wants it.
+/// A triangle in the form that shading needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Face {
     pub(super) corners: Corners,
@@ -103,8 +103,8 @@ impl Level {
     #[inline(always)]
     pub fn face(&self, hit: &Hit) -> Face {
         let (packet, lane) = (hit.packet as usize, hit.lane as usize % WIDTH);
-        // Large scenes would wait longer for a stored face than it takes to make it from what the search
-        // for the hit has just read.
+        // In large scenes, loading a stored face takes longer than computing it from the packet, which the
+        // traversal has just brought into the cache.
         match self.flat.get(packet * WIDTH + lane) {
             Some(face) => *face,
             None => Face::new(&self.packets[packet].triangles, lane),

@@ -1,9 +1,9 @@
-//! What rays can meet, as the compiler lists it.
+//! What rays can hit, as the compiler lists it.
 
 use crate::math::{Bounds, Vec3};
 use crate::shape::Analytic;
 
-/// A triangle, or the number of something else, as the builder lists them.
+/// A triangle, or a reference to an analytic shape or an instance.
 #[derive(Clone, Copy, Debug)]
 pub struct Primitive {
     pub(super) v: [[f32; 3]; 3],
@@ -65,7 +65,7 @@ impl Primitive {
         kind(self.tag)
     }
 
-    /// With the lists that its number is an index into.
+    /// Its box, given the lists that its tag indexes.
     pub fn bounds(&self, analytic: &[Analytic], instance_bounds: &[Bounds]) -> Bounds {
         match self.kind() {
             Kind::Triangle(_) => Bounds::of(self.v.map(Vec3::from)),

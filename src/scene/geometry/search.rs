@@ -1,6 +1,5 @@
 //! Rays against the geometry: the nearest hit, or any.
 
-use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::primitive::{Kind, kind};
@@ -17,24 +16,24 @@ impl Geometry {
     }
 
     #[inline(always)]
-    fn closest_any<W: Wide>(&self, ray: &Ray) -> Option<Hit> {
+    fn closest_any<W: Wide>(&self, ray: &Ray, isa: W::Isa) -> Option<Hit> {
         let mut best = None;
-        self.closest_in::<W>(&self.world, ray, NO_INSTANCE, &mut best);
+        self.closest_in::<W>(&self.world, ray, NO_INSTANCE, &mut best, isa);
         best
     }
 
     #[inline(always)]
-    fn closest_in<W: Wide>(&self, level: &Level, ray: &Ray, instance: u32, best: &mut Option<Hit>) {
-        let mut visitor = Closest {
-            geometry: self,
-            level,
-            ray,
-            shear: Shear::new(ray),
-            instance,
-            best,
-            wide: PhantomData::<W>,
-        };
-        level.bvh.walk::<W, true>(ray, &mut visitor);
+    fn closest_in<W: Wide>(
+        &self,
+        level: &Level,
+        ray: &Ray,
+        instance: u32,
+        best: &mut Option<Hit>,
+        isa: W::Isa,
+    ) {
+        let shear = Shear::new(ray);
+        let mut visitor = Closest::<W> { geometry: self, level, ray, shear, instance, best, isa };
+        level.bvh.walk::<W, true>(ray, &mut visitor, isa);
     }
 
     #[inline(never)]
@@ -79,9 +78,15 @@ impl Geometry {
     }
 
     #[inline(always)]
-    fn closest_in_group_any<W: Wide>(&self, group: u32, ray: &Ray, instance: u32) -> Option<Hit> {
+    fn closest_in_group_any<W: Wide>(
+        &self,
+        group: u32,
+        ray: &Ray,
+        instance: u32,
+        isa: W::Isa,
+    ) -> Option<Hit> {
         let mut best = None;
-        self.closest_in::<W>(&self.groups[group as usize], ray, instance, &mut best);
+        self.closest_in::<W>(&self.groups[group as usize], ray, instance, &mut best, isa);
         best
     }
 
@@ -101,9 +106,11 @@ impl Geometry {
         rays: &[Ray],
         which: &[usize],
         hits: &mut [Option<Hit>],
+        isa: W::Isa,
     ) {
         for some in which.chunks(N) {
-            let mut bundle = Bundle::<N, W>::new(std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]));
+            let mut bundle =
+                Bundle::<N, W>::new(std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]), isa);
             for (face, i) in self.world.flat.iter().zip(0..) {
                 bundle.add(&face.corners, i);
             }
@@ -133,9 +140,9 @@ impl Geometry {
     }
 
     #[inline(always)]
-    fn occluded_flat<const N: usize, W: Wide<N>>(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+    fn occluded_flat<const N: usize, W: Wide<N>>(&self, rays: &[Ray], occluded: &mut Vec<bool>, isa: W::Isa) {
         for some in rays.chunks(N) {
-            let bundle = Bundle::<N, W>::new(std::array::from_fn(|l| &some[l.min(some.len() - 1)]));
+            let bundle = Bundle::<N, W>::new(std::array::from_fn(|l| &some[l.min(some.len() - 1)]), isa);
             let mut blocked = 0;
             for face in &self.world.flat {
                 blocked |= bundle.blocked(&face.corners);
@@ -152,8 +159,8 @@ impl Geometry {
     }
 
     #[inline(always)]
-    fn occluded_any<W: Wide>(&self, ray: &Ray) -> bool {
-        self.occluded_in::<W>(&self.world, ray)
+    fn occluded_any<W: Wide>(&self, ray: &Ray, isa: W::Isa) -> bool {
+        self.occluded_in::<W>(&self.world, ray, isa)
     }
 
     fn occluded_in_group(&self, group: u32, ray: &Ray) -> bool {
@@ -162,15 +169,14 @@ impl Geometry {
     }
 
     #[inline(always)]
-    fn occluded_in_group_any<W: Wide>(&self, group: u32, ray: &Ray) -> bool {
-        self.occluded_in::<W>(&self.groups[group as usize], ray)
+    fn occluded_in_group_any<W: Wide>(&self, group: u32, ray: &Ray, isa: W::Isa) -> bool {
+        self.occluded_in::<W>(&self.groups[group as usize], ray, isa)
     }
 
     #[inline(always)]
-    fn occluded_in<W: Wide>(&self, level: &Level, ray: &Ray) -> bool {
-        let mut visitor =
-            Any { geometry: self, level, ray, shear: Shear::new(ray), found: false, wide: PhantomData::<W> };
-        level.bvh.walk::<W, false>(ray, &mut visitor);
+    fn occluded_in<W: Wide>(&self, level: &Level, ray: &Ray, isa: W::Isa) -> bool {
+        let mut visitor = Any::<W> { geometry: self, level, ray, shear: Shear::new(ray), found: false, isa };
+        level.bvh.walk::<W, false>(ray, &mut visitor, isa);
         visitor.found
     }
 
@@ -189,20 +195,20 @@ impl Geometry {
 }
 
 /// Looks for the nearest hit.
-struct Closest<'a, W> {
+struct Closest<'a, W: Wide> {
     geometry: &'a Geometry,
     level: &'a Level,
     ray: &'a Ray,
     shear: Shear,
     instance: u32,
     best: &'a mut Option<Hit>,
-    wide: PhantomData<W>,
+    isa: W::Isa,
 }
 
 impl<W: Wide> Visitor for Closest<'_, W> {
     #[inline(always)]
     fn test(&mut self, elements: Range<usize>, tmax: &mut f32) -> bool {
-        let mut nearest = Nearest::<W>::new(*tmax);
+        let mut nearest = Nearest::<W>::new(*tmax, self.isa);
         let mut i = elements.start as u32;
         for p in &self.level.packets[elements.clone()] {
             if p.others > 0 {
@@ -225,13 +231,13 @@ impl<W: Wide> Visitor for Closest<'_, W> {
 }
 
 /// Looks for any hit.
-struct Any<'a, W> {
+struct Any<'a, W: Wide> {
     geometry: &'a Geometry,
     level: &'a Level,
     ray: &'a Ray,
     shear: Shear,
     found: bool,
-    wide: PhantomData<W>,
+    isa: W::Isa,
 }
 
 impl<W: Wide> Visitor for Any<'_, W> {
@@ -241,7 +247,7 @@ impl<W: Wide> Visitor for Any<'_, W> {
             self.found = if p.others > 0 {
                 self.geometry.occluded_by_other(self.level, i, self.ray)
             } else {
-                self.shear.occluded::<W>(&p.triangles, *tmax)
+                self.shear.occluded::<W>(&p.triangles, *tmax, self.isa)
             };
             if self.found {
                 return true;

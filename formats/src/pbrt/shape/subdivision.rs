@@ -277,7 +277,7 @@ mod tests {
         let twice = subdivide(TETRA.to_vec(), vec![[0, 1, 2], [0, 1, 3]], 1).unwrap_err();
         assert!(twice.contains("two triangles on the same side"), "{twice}");
         let fans = subdivide([TETRA.as_slice(), &[[5.0; 3]]].concat(), vec![[0, 1, 2], [0, 3, 4]], 1);
-        assert!(fans.unwrap_err().contains("no single fan"));
+        assert!(fans.unwrap_err().contains("do not form a single fan"));
         assert!(subdivide(TETRA.to_vec(), vec![[0, 0, 1]], 1).unwrap_err().contains("twice"));
     }
 }

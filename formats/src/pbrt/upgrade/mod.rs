@@ -27,6 +27,9 @@ pub(super) struct Old {
     problems: Vec<Diagnostic>,
 }
 
+/// In place of the new spelling, where pbrt-v4 has none.
+const NOTHING: &str = "no equivalent";
+
 /// Type keywords of pbrt-v3.
 const TYPES: &[(&str, ParamType)] = &[
     ("point", ParamType::Point3),
@@ -65,7 +68,11 @@ impl Old {
             return problems;
         }
         for found in self.found {
-            let text = format!("{} is pbrt-v3 syntax: pbrt-v4 writes {}", found.what, found.now);
+            let instead = match found.now.as_str() {
+                NOTHING => format!("has {NOTHING}"),
+                now => format!("writes {now}"),
+            };
+            let text = format!("{} is pbrt-v3 syntax: pbrt-v4 {instead}", found.what);
             let problem = Diagnostic::error(text, Some(found.first));
             problems.push(match found.more {
                 0 => problem,
@@ -90,7 +97,7 @@ impl Old {
                 return false;
             }
             "Renderer" | "VolumeIntegrator" | "Volume" => {
-                self.found(d.span, &format!("`{}`", d.name), "no equivalent");
+                self.found(d.span, &format!("`{}`", d.name), NOTHING);
                 self.lost(d.span, format!("`{}` of older versions is left out", d.name));
                 return false;
             }
@@ -169,11 +176,11 @@ impl Old {
                     (*now).clone_into(&mut d.params[index].name);
                 }
                 Change::Drop => {
-                    self.found(span, &what, "no equivalent");
+                    self.found(span, &what, NOTHING);
                     d.params.retain(|p| p.name != *name);
                 }
                 Change::Lose(loss) => {
-                    self.found(span, &what, "no equivalent");
+                    self.found(span, &what, NOTHING);
                     self.lost(span, format!("`{name}` is left out: {loss}"));
                     d.params.retain(|p| p.name != *name);
                 }

@@ -11,12 +11,12 @@ use crate::scene::ShapeRecord;
 use crate::scene::geometry::{Kind, Primitive};
 use crate::shape::{Analytic, Disk, triangle};
 
-/// Faces nearer than this are at one place: rays that leave the one are lifted past the other. In units of
-/// the largest coordinate, as is the gap that they get.
+/// Faces nearer than this coincide: rays that leave one are lifted past the other. Both this and the gap are
+/// relative to the largest coordinate.
 const NEAR: f32 = 4.0 * LIFT;
 const GAP: f32 = 12.0 * LIFT;
 
-/// The most that a face is moved, against the size of its shape: less than a picture shows.
+/// Largest distance that a face is moved, relative to the size of its shape; too small to be visible.
 const MOST: f32 = 1e-3;
 
 /// Most pairs of faces that are compared: some seconds, reached only by scenes with many thousands of
@@ -26,7 +26,7 @@ const PAIRS: usize = 1 << 27;
 /// Corners of the polygon that stands for a disk, in triangles that meet at its centre.
 const SIDES: usize = 12;
 
-/// What may lie on something else.
+/// A flat face that may coincide with another.
 #[derive(Clone, Copy)]
 struct Face {
     v: [Vec3; 3],
@@ -55,7 +55,7 @@ pub fn draw_back(
     let mut search = Search { faces: &faces, left: PAIRS, found: BTreeSet::new() };
     search.join(&own, &others, around, 0);
 
-    // By shape and place: corners that are one must stay one, and a disk goes with its centre.
+    // By shape and position: shared corners must stay shared, and a disk moves with its centre.
     let mut steps: HashMap<(u32, [u32; 3]), Vec<Vec3>> = HashMap::new();
     let mut moved: BTreeMap<u32, f32> = BTreeMap::new();
     let mut sheets: HashMap<u32, bool> = HashMap::new();
@@ -71,7 +71,8 @@ pub fn draw_back(
         *farthest = farthest.max(gap);
         for v in a.v {
             let steps = steps.entry((a.shape, bits(v))).or_default();
-            // A corner of a room moves a corner of glass three ways, a floor of many faces but once.
+            // The corner of a room moves a corner of the glass along three axes; the faces of a tessellated
+            // floor move it only once.
             match steps.iter_mut().find(|s| s.normalize_or_zero().dot(-a.n) > 0.99) {
                 Some(s) if s.length() >= gap => {}
                 Some(s) => *s = step,
@@ -126,7 +127,7 @@ fn faces(level: &LevelParts, records: &[ShapeRecord], clear: &[bool], around: &B
                 let flip = if records[shape].flip { -1.0 } else { 1.0 };
                 let n =
                     normal.unwrap_or_else(|| triangle::cross_product(p.corners()).normalize_or_zero() * flip);
-                // Of no area it is nowhere in the way.
+                // A degenerate triangle covers nothing.
                 if n != Vec3::ZERO {
                     faces.push(Face { v, n, bounds, shape: p.shape, clear: clear[shape] });
                 }
@@ -154,7 +155,7 @@ fn fan(d: &Disk) -> impl Iterator<Item = [Vec3; 3]> {
     (0..SIDES).map(move |i| [center, rim(i), rim((i + 1) % SIDES)])
 }
 
-/// Whether the shape has nothing but what lies in the plane of `f`, whichever of its faces that is.
+/// Whether all of the shape lies in the plane of `f`.
 fn is_sheet(faces: &[Face], f: &Face) -> bool {
     let off = |v: Vec3| f.n.dot(v - f.v[0]).abs() > NEAR * f.bounds.magnitude();
     !faces.iter().any(|g| g.shape == f.shape && g.v.into_iter().any(off))
@@ -190,7 +191,7 @@ impl Search<'_> {
                 let others: Vec<u32> = others.iter().filter(inside).copied().collect();
                 (own, others, half)
             });
-            // Where most reach over the middle, halving does not help.
+            // If most faces span the middle, halving does not help.
             if halves.iter().map(|(own, others, _)| own.len() * others.len()).sum::<usize>() < pairs / 4 * 3 {
                 for (own, others, half) in halves {
                     self.join(&own, &others, half, depth + 1);
@@ -214,7 +215,7 @@ impl Search<'_> {
 
 /// Whether `a` must give way to `o`.
 fn meet(a: &Face, o: &Face) -> bool {
-    // Of two that light goes through, one is enough.
+    // Of two clear faces, only one has to move.
     if a.shape == o.shape || o.clear && a.shape < o.shape || a.n.dot(o.n).abs() < 1.0 - 1e-4 {
         return false;
     }
@@ -227,7 +228,7 @@ fn meet(a: &Face, o: &Face) -> bool {
     small.v.into_iter().all(|v| large.n.dot(v - large.v[0]).abs() <= near) && cover(a, o, near)
 }
 
-/// Whether two triangles of one plane share more than a rim as wide as `near` (separating axes).
+/// Whether two coplanar triangles overlap by more than `near` (separating axes).
 fn cover(a: &Face, o: &Face, near: f32) -> bool {
     let apart = |f: &Face| {
         (0..3).any(|i| {

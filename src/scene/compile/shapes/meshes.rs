@@ -135,7 +135,7 @@ pub fn form<'a>(
     Some(Form::Triangles(Cow::Owned(mesh)))
 }
 
-/// Whether a mesh follows pbrt's rule about its side.
+/// Whether the author's normals or winding decide which side of the mesh is the front (pbrt).
 pub fn is_authored(kind: &ShapeKind) -> bool {
     match kind {
         ShapeKind::Mesh(file) => file.authored_normals,
@@ -144,8 +144,8 @@ pub fn is_authored(kind: &ShapeKind) -> bool {
     }
 }
 
-/// The mesh with its triangles so wound that they face, in the world, where the author's normals point,
-/// or else where the winding in object space does: a mirroring transform turns triangles around.
+/// The mesh rewound so that in the world its triangles face where the author's normals point, or without
+/// normals where the winding in object space does (a mirroring transform reverses the winding).
 pub fn oriented_by_author(mesh: &Mesh, mirrored: bool) -> Mesh {
     let mut mesh = mesh.clone();
     for t in &mut mesh.triangles {
@@ -210,9 +210,9 @@ pub fn add_mesh(
     }
 }
 
-/// Whether all normals are those of the faces they stand on, but for rounding: nobody needs them then.
+/// Whether every vertex normal equals its face normal up to rounding, so that normals need not be stored.
 fn are_flat(normals: &[[f32; 3]], triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> bool {
-    /// No picture shows a normal that is off by so many radians.
+    /// Radians; no picture shows a smaller error.
     const NOTHING: f32 = 1e-5;
     let corner = |of: &[[f32; 3]], i: u32| Vec3::from(of[i as usize]);
     !normals.is_empty()

@@ -37,7 +37,7 @@ struct LevelParts {
     analytic: Vec<Analytic>,
 }
 
-/// The materials of all shapes, so that what they want to read is known before anything is.
+/// Compiles the materials of all shapes first, so that their pictures can be decoded while meshes load.
 pub fn build_materials(b: &mut Compiler<'_>) {
     for shape in every_shape(b.ir) {
         b.material(shape.bsdf, shape.emission.is_some());

@@ -44,9 +44,9 @@ pub fn add_shape(
         Form::Quadric => None,
     };
     let varies = shines_by_texture(shape) || b.varies(material);
-    // Pieces of a triangle have other uv than it when nobody gave any.
+    // Without authored uv, the pieces of a split triangle would have other uv than the whole.
     let own_uvs = |m: &Mesh| !m.uvs.is_empty() || !varies;
-    // The camera is near the origin of the world, not of instances.
+    // Only the world has its origin near the camera; groups do not.
     let pieces = mesh.filter(|m| emitters.is_some() && own_uvs(m)).and_then(|m| split::split(m, to_level));
     let mesh = pieces.as_ref().or(mesh);
     b.attach_attributes(material, mesh, index, shape.origin);
@@ -65,7 +65,7 @@ fn shines_by_texture(shape: &ir::Shape) -> bool {
     shape.emission.as_ref().is_some_and(|e| matches!(e.radiance, ir::ColorInput::Texture(_)))
 }
 
-/// A problem that is among the diagnostics.
+/// An error that is already among the diagnostics.
 struct Reported;
 
 /// The triangles of a mesh as shape `index`; its surface where it emits.

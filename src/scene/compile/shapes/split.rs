@@ -1,17 +1,17 @@
-//! Cuts what is far larger than its distance from the camera: the rounding of a point of a triangle is
-//! that of the triangle's farthest corner, which must not be seen.
+//! Splits triangles that are much larger than their distance from the camera. A point on a triangle is only as
+//! precise as its farthest corner, and that error must not be visible.
 
 use caustica_formats::ir::Transform;
 use caustica_formats::mesh::Mesh;
 
-/// Extent against distance of a triangle that is left whole. Points are then lifted by 2⁻¹¹ of that
-/// distance at most, less than a pixel.
+/// Largest ratio of extent to distance of a triangle that is not split. Ray origins are then lifted by at most
+/// 2⁻¹¹ of that distance, less than a pixel.
 const RATIO: f64 = 256.0;
 
-/// Extent of the smallest piece against the whole triangle, for a camera that touches it.
+/// Smallest piece relative to the whole triangle, for a camera that touches it.
 const SMALLEST: f64 = 1.0 / (1 << 20) as f64;
 
-/// What a cut may move the surface by, against the length of the edge that is cut.
+/// Largest displacement of the surface by a cut, relative to the length of the edge that is cut.
 const FLAT: f64 = 1e-6;
 
 /// The mesh with triangles cut towards the origin of the level, or `None` when all may stay.

@@ -77,8 +77,8 @@ impl World {
     fn add(&mut self, b: &mut Compiler<'_>, meshes: &Meshes, shape: &ir::Shape, to_world: &Transform) {
         match &shape.kind {
             ShapeKind::Instance { group } => self.add_instance(b, shape, group.index() as u32, to_world),
-            // A stretched quadric is the plain one seen through an instance.
-            // A sphere that shines becomes a mesh instead, because instances cannot.
+            // A stretched quadric becomes an instance of the plain one; an emitting sphere becomes a mesh,
+            // because instances cannot emit.
             kind if analytic::is_quadric(kind)
                 && !analytic::is_similarity(&shape.to_world)
                 && !(shape.emission.is_some() && matches!(kind, ShapeKind::Sphere { .. })) =>
@@ -105,7 +105,7 @@ impl World {
         };
         let bounds = transform_bounds(&placement, &self.groups[group as usize].bounds);
         let place = placement.columns.map(|c| c.to_array().map(f32::to_bits));
-        // Of an opaque group, the same once more is never seen, and every ray would have to try it.
+        // A second copy of an opaque group at the same place is invisible but would cost every ray a test.
         let again = !self.placed.insert((group, place)) && self.opaque.get(group as usize) == Some(&true);
         if bounds.is_empty() || again {
             return;
@@ -116,7 +116,7 @@ impl World {
     }
 }
 
-/// The sphere around everything, or around nothing where there is nothing.
+/// The bounding sphere of the scene; a unit sphere if there is no geometry.
 fn sphere(b: &mut Compiler<'_>, bounds: &Bounds) -> SceneSphere {
     if bounds.is_empty() {
         return SceneSphere { center: Vec3::ZERO, radius: 1.0 };

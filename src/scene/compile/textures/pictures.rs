@@ -1,4 +1,4 @@
-//! Pictures of textures. They are decoded beside the geometry, which takes as long.
+//! Pictures of textures, decoded in parallel with the geometry.
 
 use std::mem;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,13 +12,13 @@ use rayon::prelude::*;
 use super::super::Compiler;
 use crate::texture::{Bitmap, Bytes, Param, Texels, Texture, Textures, Wrap};
 
-/// A texture whose picture is not there yet.
+/// A texture whose picture is not decoded yet.
 pub struct Waiting {
     texture: u32,
     picture: Arc<Picture>,
 }
 
-/// A picture on its way, shared with who decodes it.
+/// A picture that is being decoded, shared with the decoding task.
 pub struct Picture {
     of: ir::Id<ir::Texture>,
     state: Mutex<State>,
@@ -37,7 +37,7 @@ struct Decoded {
 }
 
 impl Picture {
-    /// Decodes it, unless that was done. Who comes meanwhile waits.
+    /// Decodes it if that has not been done. Concurrent callers wait.
     fn decode(&self, ir: &ir::Scene, files: &dyn Files) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if let (State::Wanted, ir::TextureKind::Bitmap(b)) = (&*state, &ir.textures[self.of].kind) {

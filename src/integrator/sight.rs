@@ -1,0 +1,65 @@
+//! What shines at the end of a camera ray, before anything is scattered there.
+
+use super::direct::power_heuristic;
+use crate::film::Radiance;
+use crate::math::{Color, Vec3};
+use crate::scene::{Scene, Surface};
+use crate::transport::PathClass;
+use crate::transport::walk::Lamps;
+
+/// How a lamp at the end of the ray counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    /// Lamps and environment are seen: always, but by camera rays of a scene that hides them.
+    pub lamps: bool,
+    /// Lamps that are not seen let the ray pass.
+    pub through: bool,
+    /// Density and place of the scattering that next event estimation shares its light with; 0 where
+    /// nothing else finds the light.
+    pub pdf: f32,
+    pub from: Vec3,
+}
+
+/// What a camera path is when its next ray is traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Carried {
+    pub throughput: Color,
+    /// Where the light belongs that it meets.
+    pub class: PathClass,
+}
+
+impl Sight {
+    /// Share of light that next event estimation finds with density `pdf_direct`.
+    #[inline(always)]
+    fn weight(&self, pdf_direct: f32) -> f32 {
+        if self.pdf > 0.0 { power_heuristic(self.pdf, pdf_direct) } else { 1.0 }
+    }
+
+    /// What lamps are to the ray.
+    #[inline(always)]
+    pub fn of_lamps(&self) -> Lamps {
+        if !self.lamps && self.through { Lamps::Transparent } else { Lamps::Solid }
+    }
+
+    /// Adds what shines from infinity at the end of a ray along the unit direction `d`.
+    #[inline(always)]
+    pub fn add_background(&self, scene: &Scene, d: Vec3, path: Carried, out: &mut Radiance) {
+        if self.lamps {
+            for (radiance, pdf) in scene.background(d) {
+                out.add(path.class.layer(), path.throughput * radiance * self.weight(pdf));
+            }
+        }
+    }
+
+    /// Adds what the surface at the end of a ray along the unit direction `d` emits, and marks the sample
+    /// as covered.
+    #[inline(always)]
+    pub fn add_surface(&self, scene: &Scene, s: &Surface, d: Vec3, path: Carried, out: &mut Radiance) {
+        out.alpha = 1.0;
+        let emitted = scene.emitted(s, -d);
+        if emitted.max_element() > 0.0 && self.lamps {
+            let weight = self.weight(scene.pdf_direct_surface(self.from, d, s));
+            out.add(path.class.layer(), path.throughput * emitted * weight);
+        }
+    }
+}

@@ -1,0 +1,19 @@
+use super::{Param, Pattern, Site, Textures};
+use crate::math::Color;
+
+/// A parameter times a constant.
+#[derive(Clone, Copy, Debug)]
+pub struct Scaled {
+    pub input: Param,
+    pub factor: Color,
+}
+
+impl Pattern for Scaled {
+    fn eval(&self, textures: &Textures, at: &Site) -> Color {
+        textures.eval(self.input, at) * self.factor
+    }
+
+    fn inputs(&self) -> Vec<Param> {
+        vec![self.input]
+    }
+}
