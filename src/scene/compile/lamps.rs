@@ -5,7 +5,7 @@ use caustica_formats::ir::{self, ColorSlot};
 use super::Compiler;
 use crate::emitter::{Area, Collimated, Emitter, Sides, Surface};
 use crate::spectrum::luminance;
-use crate::texture::{Param, Texture};
+use crate::texture::{Param, Product};
 
 impl Compiler<'_> {
     /// The light of a shape with the given surface and opacity.
@@ -48,7 +48,7 @@ impl Compiler<'_> {
             Some(ir::FloatInput::Value(alpha)) => self.scaled(radiance, alpha.clamp(0.0, 1.0) as f32),
             Some(texture) => {
                 let opacity = self.scalar_param(texture);
-                self.textures.push(Texture::Product(radiance, opacity))
+                self.textures.push(Product([radiance, opacity]).into())
             }
         }
     }
