@@ -9,7 +9,7 @@ use crate::scene::{Facts, Scene};
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Vertex, transparency, visibility};
 
-/// β = 2.
+/// The power heuristic with β = 2: the weight of a sample of density `a` that another strategy finds with density `b`.
 #[inline]
 pub fn power_heuristic(a: f32, b: f32) -> f32 {
     // Ratios first: squares of densities near a small lamp overflow f32.
@@ -19,11 +19,12 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
     if a >= b { larger } else { r * r * larger }
 }
 
-/// Light that would arrive from a sampled emitter point if nothing were in its way.
+/// Light of a sampled emitter point, before visibility.
 #[derive(Clone, Copy, Debug)]
 pub struct Proposal {
     /// Scattered towards the viewer.
     pub value: Color,
+    /// Where it comes from.
     pub light: DirectSample,
 }
 
@@ -59,7 +60,7 @@ pub fn propose(
     Some(Proposal { value: f * light.value * weight, light })
 }
 
-/// [`propose`], and what is visible of it.
+/// [`propose`] times visibility.
 #[inline(always)]
 pub fn next_event(
     scene: &Scene,
@@ -78,7 +79,7 @@ pub fn next_event(
     p.value * visibility(scene, vertex.surface, &p.light, facts.transparent_shadows, segments)
 }
 
-/// The other half of multiple importance sampling: a direction from `lobes` of the BSDF, and the lamp it
+/// The other half of multiple importance sampling: light of the lamp that a direction drawn from `lobes` of the BSDF
 /// meets.
 pub fn scattered_lamp(
     scene: &Scene,

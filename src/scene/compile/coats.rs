@@ -6,8 +6,8 @@ use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
 use super::Compiler;
 use crate::bsdf::{
-    Between, CoatingModel, ConductorModel, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
-    Returned, RoughConductorModel, Roughness, Walk,
+    CoatingModel, ConductorModel, DiffuseBase, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
+    RoughConductorModel, Roughness, RoundTrips, Walk,
 };
 use crate::math::Color;
 use crate::texture::Param;
@@ -72,7 +72,7 @@ impl Compiler<'_> {
         let eta = self.ior(&coat.eta, origin);
         let diffuse = self.param(reflectance, ColorSlot::Reflectance, origin);
         let walk = Walk::new(self.thickness(coat, origin), coat.max_depth, eta);
-        let smooth = PlasticModel { eta, diffuse, specular: WHITE, between: Between::Walk(walk) };
+        let smooth = PlasticModel { eta, diffuse, specular: WHITE, between: DiffuseBase::Walk(walk) };
         match self.interface_roughness(&coat.microfacet, eta) {
             Some(roughness) => self.rough_plastic(smooth, roughness).into(),
             None => smooth.into(),
@@ -97,7 +97,7 @@ impl Compiler<'_> {
         let thickness = self.thickness(coat, origin);
         let (nested, interreflection): (Node, _) = match self.roughness(microfacet) {
             Some(roughness) => {
-                let returned = Arc::new(Returned::new(&roughness, eta, thickness));
+                let returned = Arc::new(RoundTrips::new(&roughness, eta, thickness));
                 let rough = Interreflection::Rough(roughness, returned);
                 (RoughConductorModel { metal, reflectance, roughness }.into(), rough)
             }

@@ -1,19 +1,23 @@
 //! A nest of models at a point, as a flat list of weighted lobes.
 
-use super::event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport, adjoint_correction};
 use super::tilt::Tilt;
-use super::{Bxdf, Lobe, Lobes};
+use crate::bsdf::{
+    Bxdf, DeltaLobe, Deltas, Event, Lobe, Lobes, Range, Sample, SmoothSample, Transport, adjoint_correction,
+};
 use crate::math::{Color, Frame, Vec2, Vec3};
 
 /// A model in its place: on which side of what it lies, and how much of it there is.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
+pub(in crate::bsdf) struct Component {
+    /// Share of the surface.
     pub weight: f32,
     /// Seen from below through a two-sided wrapper: z is negated on the way in and out.
     pub mirrored: bool,
+    /// Of a bump or normal map.
     pub tilt: Option<Tilt>,
     /// The same for a wrapper inside the tilt.
     pub mirrored_inside: bool,
+    /// The model at the point.
     pub bxdf: Bxdf,
 }
 
@@ -21,7 +25,7 @@ fn side(w: Vec3, mirrored: bool) -> Vec3 {
     if mirrored { Vec3::new(w.x, w.y, -w.z) } else { w }
 }
 
-/// A frame in which an entry may scatter light.
+/// A frame in which an component may scatter light.
 #[derive(Clone, Copy)]
 struct Pose {
     frame: Option<Frame>,
@@ -30,7 +34,7 @@ struct Pose {
     probability: f32,
 }
 
-impl Entry {
+impl Component {
     fn pose(&self, flipped: bool, probability: f32) -> Pose {
         Pose { frame: self.tilt.map(|t| t.frame(flipped)), flipped, probability }
     }
@@ -158,75 +162,79 @@ impl Entry {
 
 /// See the module.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Layers {
-    pub entries: Vec<Entry>,
+pub(in crate::bsdf) struct Composite {
+    /// Models by weight, all of which light of this side meets.
+    pub components: Vec<Component>,
     /// What goes straight through.
     pub through: f32,
 }
 
-impl Layers {
+impl Composite {
     fn total(&self) -> f32 {
-        self.entries.iter().map(|e| e.weight).sum()
+        self.components.iter().map(|e| e.weight).sum()
     }
 
+    /// f of the smooth lobes in `range`, in 1/sr, without the cosine.
     pub fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
-        self.entries.iter().map(|e| e.eval(wi, wo, mode, range) * e.weight).sum()
+        self.components.iter().map(|e| e.eval(wi, wo, mode, range) * e.weight).sum()
     }
 
-    /// Density of `wo` under [`Layers::sample`].
+    /// Density of `wo` under [`Composite::sample`].
     pub fn pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> f32 {
         self.pdf_solid(wi, wo, mode, range) * (1.0 - self.through)
     }
 
     fn pdf_solid(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> f32 {
-        let of = |e: &Entry| e.pdf(wi, wo, mode, range, e.weight);
-        match &self.entries[..] {
+        let of = |e: &Component| e.pdf(wi, wo, mode, range, e.weight);
+        match &self.components[..] {
             [] => 0.0,
             [one] => of(one) / one.weight,
             all => all.iter().map(of).sum::<f32>() / self.total(),
         }
     }
 
+    /// Whether smooth lobes in `range` can be chosen by light along `wi`.
     pub fn has_smooth(&self, wi: Vec3, range: Range) -> bool {
         let inside = |p: &Lobe| p.probability > 0.0 && range.contains(p.roughness);
-        self.entries.iter().any(|e| e.lobes(wi).iter().any(inside))
+        self.components.iter().any(|e| e.lobes(wi).iter().any(inside))
     }
 
-    /// Every smooth lobe with its entry, its number there, and its probability among all events but
+    /// Every smooth lobe with its component, its number there, and its probability among all events but
     /// passing through. For layers whose normals are the same for all viewers.
     pub fn smooth_lobes(&self, wi: Vec3) -> impl Iterator<Item = (usize, usize, Lobe)> {
         let total = self.total();
-        self.entries.iter().enumerate().flat_map(move |(i, e)| {
+        self.components.iter().enumerate().flat_map(move |(i, e)| {
             let share = e.weight / total * e.smooth_probability(wi, Transport::Radiance);
             let lobes = e.lobes(wi).into_iter().enumerate().filter(|(_, l)| l.probability > 0.0);
             lobes.map(move |(k, l)| (i, k, Lobe { probability: l.probability * share, ..l }))
         })
     }
 
-    /// A direction from a lobe of [`Layers::smooth_lobes`].
-    pub fn draw(&self, entry: usize, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-        let entry = &self.entries[entry];
-        entry.draw(&entry.seen(wi), lobe, wi, u_lobe, u)
+    /// A direction from a lobe of [`Composite::smooth_lobes`].
+    pub fn draw(&self, component: usize, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        let component = &self.components[component];
+        component.draw(&component.seen(wi), lobe, wi, u_lobe, u)
     }
 
+    /// Share of what arrives along `wi` that the smooth lobes in `range` scatter.
     pub fn albedo(&self, wi: Vec3, range: Range) -> Color {
-        self.entries.iter().map(|e| e.bxdf.albedo(e.local(&e.seen(wi), wi), range) * e.weight).sum()
+        self.components.iter().map(|e| e.bxdf.albedo(e.local(&e.seen(wi), wi), range) * e.weight).sum()
     }
 
     /// Specular directions; weights and probabilities are those of an opaque surface.
     pub fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
-        if let [one] = &self.entries[..]
+        if let [one] = &self.components[..]
             && one.weight == 1.0
         {
             return one.deltas(wi, mode);
         }
         let (total, solid) = (self.total(), 1.0 - self.through);
         let mut deltas = Deltas::default();
-        for entry in &self.entries {
-            for lobe in entry.deltas(wi, mode).iter() {
+        for component in &self.components {
+            for lobe in component.deltas(wi, mode).iter() {
                 deltas.push(DeltaLobe {
-                    weight: lobe.weight * (entry.weight / solid),
-                    probability: lobe.probability * (entry.weight / total),
+                    weight: lobe.weight * (component.weight / solid),
+                    probability: lobe.probability * (component.weight / total),
                     ..*lobe
                 });
             }
@@ -243,29 +251,29 @@ impl Layers {
         let solid = 1.0 - self.through;
         u_lobe = (u_lobe - self.through) / solid;
         let total = self.total();
-        let chosen = pick(&mut u_lobe, self.entries.iter().map(|e| e.weight / total))?;
-        let entry = &self.entries[chosen];
-        for lobe in entry.deltas(wi, mode).iter() {
+        let chosen = pick(&mut u_lobe, self.components.iter().map(|e| e.weight / total))?;
+        let component = &self.components[chosen];
+        for lobe in component.deltas(wi, mode).iter() {
             if u_lobe < lobe.probability {
-                // Probability of the entry against its share: 1 unless a mixture absorbs.
+                // Probability of the component against its share: 1 unless a mixture absorbs.
                 let weight = lobe.weight * (total / (solid * lobe.probability));
                 return Some(Sample { wo: lobe.wo, weight, pdf: 0.0, eta: lobe.eta, event: Event::Delta });
             }
             u_lobe -= lobe.probability;
         }
-        let smooth = entry.smooth_probability(wi, mode);
+        let smooth = component.smooth_probability(wi, mode);
         u_lobe /= smooth;
-        let share = |pose: Pose| entry.smooth_in(&pose, wi) * pose.probability / smooth;
-        let chosen = pick(&mut u_lobe, entry.poses(wi, mode).map(share))?;
-        let pose = entry.poses(wi, mode).nth(chosen)?;
-        let lobes = entry.bxdf.lobes(entry.local(&pose, wi));
+        let share = |pose: Pose| component.smooth_in(&pose, wi) * pose.probability / smooth;
+        let chosen = pick(&mut u_lobe, component.poses(wi, mode).map(share))?;
+        let pose = component.poses(wi, mode).nth(chosen)?;
+        let lobes = component.bxdf.lobes(component.local(&pose, wi));
         let lobe = pick(&mut u_lobe, lobes.iter().map(|l| l.probability))?;
         let (range, event) = if lobes[lobe].roughness < glossy {
             (Range::glossy(glossy), Event::Glossy)
         } else {
             (Range::rough(glossy), Event::Smooth)
         };
-        let (wo, eta) = entry.draw(&pose, lobe, wi, u_lobe, u)?;
+        let (wo, eta) = component.draw(&pose, lobe, wi, u_lobe, u)?;
         let pdf = self.pdf(wi, wo, mode, range);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
         Some(Sample { wo, weight, pdf, eta, event })
@@ -280,23 +288,24 @@ impl Layers {
         mode: Transport,
         range: Range,
     ) -> Option<SmoothSample> {
-        let share =
-            |e: &Entry| -> f32 { e.poses(wi, mode).map(|pose| e.share_in(&pose, wi, range, e.weight)).sum() };
-        let all: f32 = self.entries.iter().map(share).sum();
+        let share = |e: &Component| -> f32 {
+            e.poses(wi, mode).map(|pose| e.share_in(&pose, wi, range, e.weight)).sum()
+        };
+        let all: f32 = self.components.iter().map(share).sum();
         if all <= 0.0 {
             return None;
         }
-        let chosen = pick(&mut u_lobe, self.entries.iter().map(|e| share(e) / all))?;
-        let entry = &self.entries[chosen];
-        let own = share(entry);
-        let of_pose = |pose: Pose| entry.share_in(&pose, wi, range, entry.weight) / own;
-        let chosen = pick(&mut u_lobe, entry.poses(wi, mode).map(of_pose))?;
-        let pose = entry.poses(wi, mode).nth(chosen)?;
-        let lobes = entry.bxdf.lobes(entry.local(&pose, wi));
+        let chosen = pick(&mut u_lobe, self.components.iter().map(|e| share(e) / all))?;
+        let component = &self.components[chosen];
+        let own = share(component);
+        let of_pose = |pose: Pose| component.share_in(&pose, wi, range, component.weight) / own;
+        let chosen = pick(&mut u_lobe, component.poses(wi, mode).map(of_pose))?;
+        let pose = component.poses(wi, mode).nth(chosen)?;
+        let lobes = component.bxdf.lobes(component.local(&pose, wi));
         let probability = |l: &Lobe| if range.contains(l.roughness) { l.probability } else { 0.0 };
         let inside: f32 = lobes.iter().map(probability).sum();
         let lobe = pick(&mut u_lobe, lobes.iter().map(|l| probability(l) / inside))?;
-        let (wo, eta) = entry.draw(&pose, lobe, wi, u_lobe, u)?;
+        let (wo, eta) = component.draw(&pose, lobe, wi, u_lobe, u)?;
         let pdf = self.pdf_solid(wi, wo, mode, range) * (self.total() / all);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
         Some(SmoothSample { wo, weight, pdf, eta })

@@ -1,6 +1,6 @@
 //! Perturbed shading frames: bump and normal maps.
 
-use super::Point;
+use crate::bsdf::Point;
 use crate::math::{Frame, Vec2, Vec3};
 use crate::spectrum::to_rgb;
 use crate::texture::Param;
@@ -8,8 +8,13 @@ use crate::texture::Param;
 /// Where the tilted normal comes from.
 #[derive(Clone, Copy, Debug)]
 pub enum Relief {
-    /// Height in scene units over the surface, as a function of uv.
-    Bump { height: Param, scale: f32 },
+    /// A bump map.
+    Bump {
+        /// Height over the surface as a function of uv.
+        height: Param,
+        /// Scene units of a height of 1.
+        scale: f32,
+    },
     /// n = 2c − 1 in the shading frame.
     Normal(Param),
 }
@@ -26,6 +31,7 @@ impl Relief {
 /// A bump or normal map.
 #[derive(Clone, Copy, Debug)]
 pub struct Perturbation {
+    /// Where the normal comes from.
     pub relief: Relief,
     /// A normal that faces away from the viewer is mirrored about the untilted one (Mitsuba 3).
     pub flip_invalid: bool,
