@@ -221,7 +221,7 @@ impl Scatter for Coating {
         }
         let (inside_i, inside_o) = (self.inside(wi), self.inside(wo));
         let (own, total) = self.weights(wi, inside_i);
-        let nested = self.below(wi).pdf(inside_i, inside_o, range);
+        let nested = self.below(wi).pdf(inside_i, inside_o, Transport::Radiance, range);
         // dω inside over dω outside.
         let jacobian = (wo.z / inside_o.z).abs() / (self.eta * self.eta);
         let mut pdf = (1.0 - self.coat_probability(wi)) * nested * jacobian;

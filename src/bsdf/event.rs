@@ -11,6 +11,14 @@ pub enum Transport {
     Importance,
 }
 
+/// What importance is multiplied by where it is scattered by a shading normal (Veach 1997, eq. 5.19):
+/// |wi·ns||wo·ng| / (|wi·ng||wo·ns|), from the cosines of wi and wo to the `shading` and to the `geometric`
+/// normal. At grazing angles it has a finite mean but no bound; 100 is the most.
+#[inline]
+pub fn adjoint_correction(shading: [f32; 2], geometric: [f32; 2]) -> f32 {
+    ((shading[0] * geometric[1]) / (geometric[0] * shading[1])).abs().min(100.0)
+}
+
 /// Which smooth lobes are meant, by their roughness (α of a microfacet lobe; diffuse is endless).
 /// Lobes below the setting `glossy` are followed like mirrors; the others hold photons.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -37,7 +37,7 @@ pub use conductor::{Conductor, ConductorModel};
 pub use dielectric::{Dielectric, DielectricModel};
 pub use difftrans::{DiffuseTransmission, DiffuseTransmissionModel};
 pub use diffuse::{Diffuse, DiffuseModel};
-pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
+pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport, adjoint_correction};
 pub use interreflection::{DiffuseBase, RoundTrips, Walk};
 pub use lobes::{Lobe, Lobes};
 pub use material::{Closure, Material, Node, Perturbation, Relief};

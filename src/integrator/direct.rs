@@ -52,8 +52,11 @@ pub fn propose(
     if f.max_element() <= 0.0 {
         return None;
     }
-    let weight =
-        if mis && light.pdf > 0.0 { power_heuristic(light.pdf, closure.pdf(wi, wo, lobes)) } else { 1.0 };
+    let weight = if mis && light.pdf > 0.0 {
+        power_heuristic(light.pdf, closure.pdf(wi, wo, Transport::Radiance, lobes))
+    } else {
+        1.0
+    };
     Some(Proposal { value: f * light.value * weight, light })
 }
 
@@ -94,7 +97,7 @@ pub fn scattered_lamp(
     let sample = closure.sample_smooth(wi, u_lobe, u, Transport::Radiance, lobes);
     let Some(sample) = sample else { return Color::ZERO };
     // The density that next_event compares with includes the choice of the lobes.
-    let pdf = closure.pdf(wi, sample.wo, lobes);
+    let pdf = closure.pdf(wi, sample.wo, Transport::Radiance, lobes);
     let d = s.frame.to_world(sample.wo);
     let mut ray = s.leave(d);
     let mut through = 1.0;

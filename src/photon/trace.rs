@@ -6,12 +6,12 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::Photon;
-use crate::bsdf::{Event, Range, Transport};
+use crate::bsdf::{Event, Range, Transport, adjoint_correction};
 use crate::emitter::{Aim, Emitter, EntrySegment, SceneSphere};
 use crate::film::Rejected;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::{Sampler, mix};
-use crate::scene::{LightStart, Scene, Surface};
+use crate::scene::{LightStart, Scene};
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Owner, PathClass, Vertex, roulette};
 
@@ -244,38 +244,22 @@ fn scatter(
         return None;
     }
     let d = vertex.surface.frame.to_world(sample.wo);
-    let correction = adjoint(vertex.surface, vertex.back, vertex.wi.z, d, sample.wo.z, sample.event)?;
-    Some((d, flux * sample.weight * correction, sample.event))
+    Some((d, flux * sample.weight * adjoint(vertex, d, sample.wo.z, sample.event), sample.event))
 }
 
-/// Correction for scattering with a shading normal when light is traced (Veach 1997, eq. 5.19):
-/// |wi·ns||wo·ng| / (|wi·ng||wo·ns|), `wi` towards the lamp. `None` when a direction lies on different
-/// sides of the two normals. Specular events keep the flux of the ray itself.
-fn adjoint(s: &Surface, wi: Vec3, wi_ns: f32, wo: Vec3, wo_ns: f32, event: Event) -> Option<f32> {
+/// [`adjoint_correction`] of light that goes on along `wo`. Straight through, nothing is scattered.
+fn adjoint(vertex: &Vertex<'_>, wo: Vec3, wo_ns: f32, event: Event) -> f32 {
+    let s = vertex.surface;
     if event == Event::Null || s.ng == s.frame.n {
-        return Some(1.0);
+        return 1.0;
     }
-    let (wi_ng, wo_ng) = (wi.dot(s.ng), wo.dot(s.ng));
-    if wi_ng * wi_ns <= 0.0 || wo_ng * wo_ns <= 0.0 {
-        return None;
-    }
-    match event {
-        Event::Smooth | Event::Glossy => Some(((wi_ns * wo_ng) / (wi_ng * wo_ns)).abs().min(MAX_CORRECTION)),
-        Event::Delta | Event::Null => Some(1.0),
-    }
+    adjoint_correction([vertex.wi.z, wo_ns], [vertex.back.dot(s.ng), wo.dot(s.ng)])
 }
-
-/// Grazing light on a strongly bent normal: the correction has a finite mean but no bound.
-const MAX_CORRECTION: f32 = 100.0;
 
 fn store(scene: &Scene, vertex: &Vertex<'_>, flux: Color, class: PathClass, depth: u32, out: &mut Traced) {
     let (s, wi) = (vertex.surface, vertex.back);
-    let (wi_ns, wi_ng) = (vertex.wi.z, wi.dot(s.ng));
-    if wi_ng * wi_ns <= 0.0 {
-        return;
-    }
     // Density is counted per geometric area, but irradiance is wanted on the shading plane.
-    let flux = flux * (wi_ns / wi_ng).min(MAX_CORRECTION);
+    let flux = flux * adjoint_correction([vertex.wi.z, 1.0], [wi.dot(s.ng), 1.0]);
     if !s.p.is_finite() {
         out.rejected.photon_place += 1;
         return;

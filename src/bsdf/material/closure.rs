@@ -70,11 +70,11 @@ impl Closure<'_> {
 
     /// Density of `wo` under [`Closure::sample`], for events from lobes in `range`.
     #[inline(always)]
-    pub fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+    pub fn pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> f32 {
         match self.content() {
             Ok(d) if range.diffuse() && d.lit(wi, wo) => wo.z.abs() * FRAC_1_PI * d.opacity,
             Ok(_) => 0.0,
-            Err(composite) => composite.pdf(wi, wo, range),
+            Err(composite) => composite.pdf(wi, wo, mode, range),
         }
     }
 

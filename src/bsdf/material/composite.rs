@@ -1,7 +1,9 @@
 //! A nest of models at a point, as a flat list of weighted lobes.
 
 use super::tilt::Tilt;
-use crate::bsdf::{Bxdf, DeltaLobe, Deltas, Event, Lobe, Lobes, Range, Sample, SmoothSample, Transport};
+use crate::bsdf::{
+    Bxdf, DeltaLobe, Deltas, Event, Lobe, Lobes, Range, Sample, SmoothSample, Transport, adjoint_correction,
+};
 use crate::math::{Color, Frame, Vec2, Vec3};
 
 /// A model in its place: on which side of what it lies, and how much of it there is.
@@ -23,73 +25,138 @@ fn side(w: Vec3, mirrored: bool) -> Vec3 {
     if mirrored { Vec3::new(w.x, w.y, -w.z) } else { w }
 }
 
+/// A frame in which an component may scatter light.
+#[derive(Clone, Copy)]
+struct Pose {
+    frame: Option<Frame>,
+    flipped: bool,
+    /// With which it is drawn.
+    probability: f32,
+}
+
 impl Component {
-    fn frame(&self, viewer: Vec3) -> Option<Frame> {
-        self.tilt.map(|t| t.frame(side(viewer, self.mirrored)))
+    fn pose(&self, flipped: bool, probability: f32) -> Pose {
+        Pose { frame: self.tilt.map(|t| t.frame(flipped)), flipped, probability }
     }
 
-    fn local(&self, frame: Option<Frame>, w: Vec3) -> Vec3 {
+    /// The pose that `viewer` sees.
+    fn seen(&self, viewer: Vec3) -> Pose {
+        self.pose(self.tilt.is_some_and(|t| t.flipped(side(viewer, self.mirrored))), 1.0)
+    }
+
+    /// All poses in which what comes along `wi` may be scattered. `wi` is the viewer of radiance; that of
+    /// light is the direction still to be drawn, and who sees a mirrored normal there sees that pose.
+    fn poses(&self, wi: Vec3, mode: Transport) -> impl Iterator<Item = Pose> {
+        let flip = match (mode, &self.tilt) {
+            (Transport::Importance, Some(tilt)) => tilt.flip_probability(),
+            _ => 0.0,
+        };
+        let (first, second) = if flip > 0.0 {
+            (self.pose(false, 1.0 - flip), Some(self.pose(true, flip)))
+        } else {
+            (self.seen(wi), None)
+        };
+        std::iter::once(first).chain(second)
+    }
+
+    fn local(&self, pose: &Pose, w: Vec3) -> Vec3 {
         let w = side(w, self.mirrored);
-        side(frame.map_or(w, |f| f.to_local(w)), self.mirrored_inside)
+        side(pose.frame.map_or(w, |f| f.to_local(w)), self.mirrored_inside)
     }
 
-    fn outer(&self, frame: Option<Frame>, w: Vec3) -> Vec3 {
+    fn outer(&self, pose: &Pose, w: Vec3) -> Vec3 {
         let w = side(w, self.mirrored_inside);
-        side(frame.map_or(w, |f| f.to_world(w)), self.mirrored)
+        side(pose.frame.map_or(w, |f| f.to_world(w)), self.mirrored)
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
-        let Some(tilt) = &self.tilt else {
-            return self.bxdf.eval(self.local(None, wi), self.local(None, wo), mode, range);
-        };
         let (viewer, light) = match mode {
             Transport::Radiance => (wi, wo),
             Transport::Importance => (wo, wi),
         };
-        let frame = self.frame(viewer);
+        let pose = self.seen(viewer);
+        let (Some(tilt), Some(frame)) = (&self.tilt, pose.frame) else {
+            return self.bxdf.eval(self.local(&pose, wi), self.local(&pose, wo), mode, range);
+        };
         let light = side(light, self.mirrored);
-        let flat = light.z;
-        let cos = frame.map_or(flat, |f| f.n.dot(light));
+        let (flat, cos) = (light.z, frame.n.dot(light));
         if cos * flat <= 0.0 {
             return Color::ZERO;
         }
-        let f = self.bxdf.eval(self.local(frame, wi), self.local(frame, wo), mode, range);
+        let f = self.bxdf.eval(self.local(&pose, wi), self.local(&pose, wo), mode, range);
         // The cosine belongs to the tilted facet; that of the surface is applied by who asks.
         f * (cos / flat * tilt.shadow(light))
     }
 
-    fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
-        let frame = self.frame(wi);
-        self.bxdf.pdf(self.local(frame, wi), self.local(frame, wo), range)
+    /// Density of `wo` with the probability of a smooth lobe, times `weight`.
+    fn pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range, weight: f32) -> f32 {
+        let of = |pose: Pose| {
+            let inside = self.local(&pose, wi);
+            let pdf = self.bxdf.pdf(inside, self.local(&pose, wo), range);
+            if pdf > 0.0 { weight * pdf * self.smooth_in(&pose, wi) * pose.probability } else { 0.0 }
+        };
+        self.poses(wi, mode).map(of).sum()
     }
 
+    /// The smooth lobes as seen from `wi`.
     fn lobes(&self, wi: Vec3) -> Lobes {
-        self.bxdf.lobes(self.local(self.frame(wi), wi))
+        self.bxdf.lobes(self.local(&self.seen(wi), wi))
     }
 
     fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
-        let frame = self.frame(wi);
-        let found = self.bxdf.deltas(self.local(frame, wi), mode);
         if self.tilt.is_none() && !self.mirrored && !self.mirrored_inside {
-            return found;
+            return self.bxdf.deltas(wi, mode);
         }
         let mut deltas = Deltas::default();
-        for lobe in found.iter() {
-            let wo = self.outer(frame, lobe.wo);
-            let mut weight = lobe.weight;
-            if let Some(tilt) = &self.tilt {
-                let inner = side(lobe.wo, self.mirrored_inside);
-                let same = inner.z * side(wo, self.mirrored).z > 0.0;
-                let light = if mode == Transport::Radiance { wo } else { wi };
-                weight *= if same { tilt.shadow(side(light, self.mirrored)) } else { 0.0 };
+        for pose in self.poses(wi, mode) {
+            for lobe in self.bxdf.deltas(self.local(&pose, wi), mode).iter() {
+                let wo = self.outer(&pose, lobe.wo);
+                let weight = lobe.weight * self.delta_factor(&pose, wi, wo, mode);
+                let probability = lobe.probability * pose.probability;
+                deltas.push(DeltaLobe { wo, weight, probability, ..*lobe });
             }
-            deltas.push(DeltaLobe { wo, weight, ..*lobe });
         }
         deltas
     }
 
-    fn smooth_probability(&self, wi: Vec3) -> f32 {
-        (1.0 - self.deltas(wi, Transport::Importance).probability()).max(0.0)
+    /// What a tilt makes of specular light. As for smooth lobes, the cosine of light belongs to the tilted
+    /// facet, and that of light that is traced to the surface (Veach 1997, eq. 5.19).
+    fn delta_factor(&self, pose: &Pose, wi: Vec3, wo: Vec3, mode: Transport) -> f32 {
+        let (Some(tilt), Some(frame)) = (&self.tilt, pose.frame) else { return 1.0 };
+        let (wi, wo) = (side(wi, self.mirrored), side(wo, self.mirrored));
+        let (wi_tilted, wo_tilted) = (frame.n.dot(wi), frame.n.dot(wo));
+        if wo_tilted * wo.z <= 0.0 {
+            return 0.0;
+        }
+        match mode {
+            Transport::Radiance => tilt.shadow(wo),
+            Transport::Importance if tilt.flipped(wo) != pose.flipped || wi_tilted * wi.z <= 0.0 => 0.0,
+            Transport::Importance => {
+                adjoint_correction([wi_tilted, wo_tilted], [wi.z, wo.z]) * tilt.shadow(wi)
+            }
+        }
+    }
+
+    /// Probability of a smooth lobe in a pose.
+    fn smooth_in(&self, pose: &Pose, wi: Vec3) -> f32 {
+        (1.0 - self.bxdf.deltas(self.local(pose, wi), Transport::Importance).probability()).max(0.0)
+    }
+
+    fn smooth_probability(&self, wi: Vec3, mode: Transport) -> f32 {
+        self.poses(wi, mode).map(|pose| self.smooth_in(&pose, wi) * pose.probability).sum()
+    }
+
+    /// Probability of the smooth lobes of `range` in a pose, times `weight`.
+    fn share_in(&self, pose: &Pose, wi: Vec3, range: Range, weight: f32) -> f32 {
+        let lobes = self.bxdf.lobes(self.local(pose, wi));
+        let inside: f32 = lobes.iter().filter(|l| range.contains(l.roughness)).map(|l| l.probability).sum();
+        if inside > 0.0 { weight * inside * self.smooth_in(pose, wi) * pose.probability } else { 0.0 }
+    }
+
+    /// A direction from a lobe in a pose.
+    fn draw(&self, pose: &Pose, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        let (wo, eta) = self.bxdf.draw(lobe, self.local(pose, wi), u_lobe.clamp(0.0, ONE_MINUS), u)?;
+        Some((self.outer(pose, wo), eta))
     }
 }
 
@@ -113,15 +180,12 @@ impl Composite {
     }
 
     /// Density of `wo` under [`Composite::sample`].
-    pub fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
-        self.pdf_solid(wi, wo, range) * (1.0 - self.through)
+    pub fn pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> f32 {
+        self.pdf_solid(wi, wo, mode, range) * (1.0 - self.through)
     }
 
-    fn pdf_solid(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
-        let of = |e: &Component| {
-            let pdf = e.pdf(wi, wo, range);
-            if pdf > 0.0 { e.weight * pdf * e.smooth_probability(wi) } else { 0.0 }
-        };
+    fn pdf_solid(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> f32 {
+        let of = |e: &Component| e.pdf(wi, wo, mode, range, e.weight);
         match &self.components[..] {
             [] => 0.0,
             [one] => of(one) / one.weight,
@@ -136,11 +200,11 @@ impl Composite {
     }
 
     /// Every smooth lobe with its component, its number there, and its probability among all events but
-    /// passing through.
+    /// passing through. For layers whose normals are the same for all viewers.
     pub fn smooth_lobes(&self, wi: Vec3) -> impl Iterator<Item = (usize, usize, Lobe)> {
         let total = self.total();
         self.components.iter().enumerate().flat_map(move |(i, e)| {
-            let share = e.weight / total * e.smooth_probability(wi);
+            let share = e.weight / total * e.smooth_probability(wi, Transport::Radiance);
             let lobes = e.lobes(wi).into_iter().enumerate().filter(|(_, l)| l.probability > 0.0);
             lobes.map(move |(k, l)| (i, k, Lobe { probability: l.probability * share, ..l }))
         })
@@ -148,12 +212,13 @@ impl Composite {
 
     /// A direction from a lobe of [`Composite::smooth_lobes`].
     pub fn draw(&self, component: usize, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-        draw(&self.components[component], lobe, wi, u_lobe, u)
+        let component = &self.components[component];
+        component.draw(&component.seen(wi), lobe, wi, u_lobe, u)
     }
 
     /// Share of what arrives along `wi` that the smooth lobes in `range` scatter.
     pub fn albedo(&self, wi: Vec3, range: Range) -> Color {
-        self.components.iter().map(|e| e.bxdf.albedo(e.local(e.frame(wi), wi), range) * e.weight).sum()
+        self.components.iter().map(|e| e.bxdf.albedo(e.local(&e.seen(wi), wi), range) * e.weight).sum()
     }
 
     /// Specular directions; weights and probabilities are those of an opaque surface.
@@ -196,16 +261,20 @@ impl Composite {
             }
             u_lobe -= lobe.probability;
         }
-        u_lobe /= component.smooth_probability(wi);
-        let lobes = component.lobes(wi);
+        let smooth = component.smooth_probability(wi, mode);
+        u_lobe /= smooth;
+        let share = |pose: Pose| component.smooth_in(&pose, wi) * pose.probability / smooth;
+        let chosen = pick(&mut u_lobe, component.poses(wi, mode).map(share))?;
+        let pose = component.poses(wi, mode).nth(chosen)?;
+        let lobes = component.bxdf.lobes(component.local(&pose, wi));
         let lobe = pick(&mut u_lobe, lobes.iter().map(|l| l.probability))?;
         let (range, event) = if lobes[lobe].roughness < glossy {
             (Range::glossy(glossy), Event::Glossy)
         } else {
             (Range::rough(glossy), Event::Smooth)
         };
-        let (wo, eta) = draw(component, lobe, wi, u_lobe, u)?;
-        let pdf = self.pdf(wi, wo, range);
+        let (wo, eta) = component.draw(&pose, lobe, wi, u_lobe, u)?;
+        let pdf = self.pdf(wi, wo, mode, range);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
         Some(Sample { wo, weight, pdf, eta, event })
     }
@@ -219,11 +288,8 @@ impl Composite {
         mode: Transport,
         range: Range,
     ) -> Option<SmoothSample> {
-        let share = |e: &Component| {
-            let lobes = e.lobes(wi);
-            let inside: f32 =
-                lobes.iter().filter(|l| range.contains(l.roughness)).map(|l| l.probability).sum();
-            if inside > 0.0 { e.weight * inside * e.smooth_probability(wi) } else { 0.0 }
+        let share = |e: &Component| -> f32 {
+            e.poses(wi, mode).map(|pose| e.share_in(&pose, wi, range, e.weight)).sum()
         };
         let all: f32 = self.components.iter().map(share).sum();
         if all <= 0.0 {
@@ -231,21 +297,19 @@ impl Composite {
         }
         let chosen = pick(&mut u_lobe, self.components.iter().map(|e| share(e) / all))?;
         let component = &self.components[chosen];
-        let lobes = component.lobes(wi);
+        let own = share(component);
+        let of_pose = |pose: Pose| component.share_in(&pose, wi, range, component.weight) / own;
+        let chosen = pick(&mut u_lobe, component.poses(wi, mode).map(of_pose))?;
+        let pose = component.poses(wi, mode).nth(chosen)?;
+        let lobes = component.bxdf.lobes(component.local(&pose, wi));
         let probability = |l: &Lobe| if range.contains(l.roughness) { l.probability } else { 0.0 };
         let inside: f32 = lobes.iter().map(probability).sum();
         let lobe = pick(&mut u_lobe, lobes.iter().map(|l| probability(l) / inside))?;
-        let (wo, eta) = draw(component, lobe, wi, u_lobe, u)?;
-        let pdf = self.pdf_solid(wi, wo, range) * (self.total() / all);
+        let (wo, eta) = component.draw(&pose, lobe, wi, u_lobe, u)?;
+        let pdf = self.pdf_solid(wi, wo, mode, range) * (self.total() / all);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
         Some(SmoothSample { wo, weight, pdf, eta })
     }
-}
-
-fn draw(component: &Component, lobe: usize, wi: Vec3, u_lobe: f32, u: Vec2) -> Option<(Vec3, f32)> {
-    let frame = component.frame(wi);
-    let (wo, eta) = component.bxdf.draw(lobe, component.local(frame, wi), u_lobe.clamp(0.0, ONE_MINUS), u)?;
-    Some((component.outer(frame, wo), eta))
 }
 
 /// The largest float below 1.

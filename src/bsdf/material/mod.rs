@@ -95,7 +95,12 @@ impl Node {
             }
             Self::Tilted(perturbation, nested) => {
                 let tilt = perturbation.at(point);
-                nested.flatten(point, tilt.frame(wi).to_local(wi), Place { tilt: Some(tilt), ..place }, out);
+                nested.flatten(
+                    point,
+                    tilt.frame(tilt.flipped(wi)).to_local(wi),
+                    Place { tilt: Some(tilt), ..place },
+                    out,
+                );
             }
         }
     }

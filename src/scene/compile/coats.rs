@@ -46,7 +46,7 @@ impl Compiler<'_> {
         self.materials.coats += 1;
         let nested = self.node(nested);
         self.materials.coats -= 1;
-        let rough = microfacet.and_then(|m| self.roughness(m));
+        let rough = microfacet.and_then(|m| self.interface_roughness(m, eta));
         let coat = Coat { eta, absorption, specular, rough, interreflection: Interreflection::None };
         self.coating(coat, nested, origin)
     }
@@ -73,7 +73,7 @@ impl Compiler<'_> {
         let diffuse = self.param(reflectance, ColorSlot::Reflectance, origin);
         let walk = Walk::new(self.thickness(coat, origin), coat.max_depth, eta);
         let smooth = PlasticModel { eta, diffuse, specular: WHITE, between: DiffuseBase::Walk(walk) };
-        match self.roughness(&coat.microfacet) {
+        match self.interface_roughness(&coat.microfacet, eta) {
             Some(roughness) => self.rough_plastic(smooth, roughness).into(),
             None => smooth.into(),
         }
@@ -103,7 +103,7 @@ impl Compiler<'_> {
             }
             None => (ConductorModel { metal, reflectance }.into(), Interreflection::Mirror),
         };
-        let rough = self.roughness(&coat.microfacet);
+        let rough = self.interface_roughness(&coat.microfacet, eta);
         let absorption = Param::gray(thickness);
         let coat = Coat { eta, absorption, specular: WHITE, rough, interreflection };
         self.coating(coat, nested, origin)

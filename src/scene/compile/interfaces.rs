@@ -6,12 +6,18 @@ use caustica_formats::spectrum;
 use super::Compiler;
 use crate::bsdf::{
     ConductorModel, DielectricModel, DiffuseBase, Metal, Node, PlasticModel, RoughConductorModel,
-    RoughDielectricModel,
+    RoughDielectricModel, Roughness,
 };
 use crate::spectrum::rgb;
 use crate::texture::Param;
 
 impl Compiler<'_> {
+    /// [`Self::roughness`] of an interface of relative index `eta`. Without a step of the index no facet bends
+    /// or reflects anything: it is smooth, as in pbrt-v4.
+    pub(super) fn interface_roughness(&mut self, m: &ir::Microfacet, eta: f32) -> Option<Roughness> {
+        if eta == 1.0 { None } else { self.roughness(m) }
+    }
+
     pub(super) fn rough_dielectric(
         &mut self,
         interface: &ir::Dielectric,
@@ -19,13 +25,12 @@ impl Compiler<'_> {
         origin: ir::Origin,
     ) -> Node {
         let smooth = self.dielectric(interface, origin);
-        match self.roughness(microfacet) {
-            // Without a step of the index no facet bends or reflects anything.
-            Some(roughness) if smooth.eta != 1.0 => {
+        match self.interface_roughness(microfacet, smooth.eta) {
+            Some(roughness) => {
                 let DielectricModel { eta, reflectance, transmittance } = smooth;
                 RoughDielectricModel { eta, reflectance, transmittance, roughness }.into()
             }
-            _ => smooth.into(),
+            None => smooth.into(),
         }
     }
 

@@ -255,7 +255,9 @@ impl Compiler<'_> {
 
     fn tilted(&mut self, relief: Relief, shading: ir::PerturbedShading, nested: ir::Id<ir::Bsdf>) -> Node {
         let nested = self.node(nested);
-        let (flip_invalid, shadowing) = (shading.flip_invalid_normals, shading.shadowing);
+        // Lobes below a coat are drawn for one normal. No renderer has both: Mitsuba 3 flips, but has no coats.
+        let flip_invalid = shading.flip_invalid_normals && self.materials.coats == 0;
+        let shadowing = shading.shadowing;
         Node::Tilted(Perturbation { relief, flip_invalid, shadowing }, Box::new(nested))
     }
 

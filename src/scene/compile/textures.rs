@@ -50,7 +50,7 @@ impl TextureTable {
         }
     }
 
-    fn push(&mut self, texture: Texture) -> Param {
+    pub(super) fn push(&mut self, texture: Texture) -> Param {
         let below = texture.inputs().into_iter().map(|input| self.lookups(input));
         self.lookups.push(below.fold(1, u32::saturating_add));
         self.textures.0.push(texture);
