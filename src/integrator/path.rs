@@ -9,6 +9,7 @@ use crate::math::simd::widest;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Hit, Scene};
+use crate::transport::roulette::Length;
 use crate::transport::walk::{self, Next};
 use crate::transport::{PathClass, Vertex, roulette, shadow_ray, visibility};
 
@@ -243,7 +244,8 @@ impl PathTracer<'_> {
         walk.class = walk.class.after_camera_event(sample.event);
         *ray = s.leave(s.frame.to_world(sample.wo));
         if walk.depth >= self.rr_depth {
-            let survival = roulette::camera_survival(walk.throughput, walk.eta);
+            let length = Length { segments: walk.depth, most: self.max_depth };
+            let survival = roulette::camera_survival(walk.throughput, walk.eta, length);
             let Some(throughput) = roulette::survivor(walk.throughput, survival, sampler) else {
                 return false;
             };

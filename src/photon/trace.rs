@@ -12,6 +12,7 @@ use crate::film::Rejected;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::{Sampler, mix};
 use crate::scene::{LightStart, Scene};
+use crate::transport::roulette::Length;
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Owner, PathClass, Vertex, roulette};
 
@@ -213,7 +214,8 @@ fn trace_path(
             return first;
         }
         let Some((d, next, event)) = scatter(job, &vertex, flux, &mut sampler) else { return first };
-        let survival = roulette::light_survival(flux, next, depth);
+        let length = Length { segments: depth, most: job.max_depth };
+        let survival = roulette::light_survival(flux, next, length);
         let Some(survived) = roulette::survivor(next, survival, &mut sampler) else { return first };
         flux = survived;
         class = class.after_light_event(event);

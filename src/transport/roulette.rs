@@ -5,25 +5,43 @@ use crate::math::Color;
 use crate::sampling::Sampler;
 use crate::settings::Roulette;
 
-/// No path survives with a greater probability than this where it must end some time.
-const MOST: f32 = 0.95;
+/// The greatest probability of survival of a path that nothing else would end.
+const MOST: f32 = 0.98;
 
-/// Segments from which on a light path must end some time, even between perfect mirrors.
-const FORCED: u32 = 64;
+/// Segments after which such a path may end: those of a path that loses no light, between perfect mirrors or
+/// inside glass, have no limit but this. A lower one, or a smaller [`MOST`], would make the few survivors of
+/// long paths through glass heavy: 0.95 from the fifth segment on is a weight of 1800 after 150.
+const FORCED: u32 = 128;
+
+/// How long a path may become.
+#[derive(Clone, Copy, Debug)]
+pub struct Length {
+    /// Segments so far.
+    pub segments: u32,
+    /// Segments at most; `u32::MAX` is no limit.
+    pub most: u32,
+}
+
+impl Length {
+    /// `survival` as a probability, below 1 where nothing else ends the path.
+    #[inline(always)]
+    fn cap(self, survival: f32) -> f32 {
+        survival.min(if self.most == u32::MAX && self.segments >= FORCED { MOST } else { 1.0 })
+    }
+}
 
 /// Probability that a camera path goes on, from its throughput and the product of its relative indices of
 /// refraction: radiance is smaller by their square inside glass, and comes out again as it went in.
 #[inline(always)]
-pub fn camera_survival(throughput: Color, eta: f32) -> f32 {
-    (throughput.max_element() * eta * eta).min(MOST)
+pub fn camera_survival(throughput: Color, eta: f32, length: Length) -> f32 {
+    length.cap(throughput.max_element() * eta * eta)
 }
 
-/// Probability that a light path of so many `segments` goes on, from its flux before and after it
-/// scattered: survivors keep the flux that they had, so that stored photons stay alike.
+/// Probability that a light path goes on, from its flux before and after it scattered: survivors keep the
+/// flux that they had, so that stored photons stay alike.
 #[inline(always)]
-pub fn light_survival(before: Color, after: Color, segments: u32) -> f32 {
-    let survival = after.max_element() / before.max_element();
-    if segments >= FORCED { survival.min(MOST) } else { survival }
+pub fn light_survival(before: Color, after: Color, length: Length) -> f32 {
+    length.cap(after.max_element() / before.max_element())
 }
 
 /// What a path carries if it goes on, which it does with probability `survival`; `None` when it ends.
@@ -90,11 +108,17 @@ mod tests {
     #[test]
     fn survival_follows_what_is_carried_and_ends_every_path() {
         let gray = Color::splat;
-        assert_eq!(camera_survival(gray(0.25), 1.0), 0.25);
-        assert_eq!(camera_survival(gray(0.25), 1.5), 0.5625);
-        assert_eq!(camera_survival(gray(7.0), 1.0), MOST);
-        assert_eq!(light_survival(gray(4.0), gray(1.0), 1), 0.25);
-        assert_eq!(light_survival(gray(4.0), gray(4.0), FORCED - 1), 1.0);
-        assert_eq!(light_survival(gray(4.0), gray(4.0), FORCED), MOST);
+        let endless = |segments| Length { segments, most: u32::MAX };
+        let bounded = |segments| Length { segments, most: 100_000 };
+        assert_eq!(camera_survival(gray(0.25), 1.0, endless(5)), 0.25);
+        assert_eq!(camera_survival(gray(0.25), 1.5, endless(5)), 0.5625);
+        assert_eq!(light_survival(gray(4.0), gray(1.0), endless(1)), 0.25);
+        // What loses nothing goes on, unless nothing else would end it.
+        for survival in [|l| camera_survival(gray(1.0), 1.0, l), |l| light_survival(gray(4.0), gray(4.0), l)]
+        {
+            assert_eq!(survival(endless(FORCED - 1)), 1.0);
+            assert_eq!(survival(endless(FORCED)), MOST);
+            assert_eq!(survival(bounded(50_000)), 1.0);
+        }
     }
 }

@@ -8,6 +8,7 @@ use crate::bsdf::{DeltaLobe, Transport};
 use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
+use crate::transport::roulette::Length;
 use crate::transport::walk::{self, Next};
 use crate::transport::{PathClass, Vertex, roulette};
 
@@ -92,7 +93,8 @@ impl PhotonMapper<'_> {
                 Step::End => break,
             }
             if depth >= settings.rr_depth {
-                let survival = roulette::camera_survival(path.throughput, eta);
+                let length = Length { segments: depth, most: max_depth };
+                let survival = roulette::camera_survival(path.throughput, eta, length);
                 let Some(throughput) = roulette::survivor(path.throughput, survival, sampler) else { break };
                 path.throughput = throughput;
             }
