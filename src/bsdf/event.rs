@@ -32,6 +32,10 @@ impl Range {
     pub const ALL: Self = Self { min: 0.0, max: f32::INFINITY };
     /// Roughness of Lambertian lobes.
     pub const DIFFUSE: f32 = f32::MAX;
+    /// What counts as the roughness of lobes that camera paths follow however wide they are, unless all lobes
+    /// hold photons: rough glass, behind which light is found by rays that go on, not by the few photons that
+    /// come through.
+    pub const FOLLOWED: f32 = 0.0;
 
     /// Lobes of roughness `threshold` and above.
     pub fn rough(threshold: f32) -> Self {

@@ -33,7 +33,7 @@ impl Parameters for RoughDielectricModel {
 
     fn nature(&self) -> Nature {
         Nature {
-            smooth: Some(self.roughness.bounds()),
+            smooth: Some([Range::FOLLOWED; 2]),
             transmits: true,
             oriented: self.roughness.oriented(),
             ..Nature::default()
@@ -107,11 +107,11 @@ impl Meeting {
 
 impl Scatter for RoughDielectric {
     fn lobes(&self, _: Vec3) -> Lobes {
-        Lobes::one(self.microfacet.roughness())
+        Lobes::one(Range::FOLLOWED)
     }
 
     fn eval(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> Color {
-        if !range.contains(self.microfacet.roughness()) {
+        if !range.contains(Range::FOLLOWED) {
             return Color::ZERO;
         }
         let Some(meeting) = Meeting::new(wi, wo, self.eta) else { return Color::ZERO };
@@ -124,7 +124,7 @@ impl Scatter for RoughDielectric {
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
-        if !range.contains(self.microfacet.roughness()) {
+        if !range.contains(Range::FOLLOWED) {
             return 0.0;
         }
         let Some(meeting) = Meeting::new(wi, wo, self.eta) else { return 0.0 };
@@ -146,7 +146,7 @@ impl Scatter for RoughDielectric {
     }
 
     fn albedo(&self, wi: Vec3, range: Range) -> Color {
-        if !range.contains(self.microfacet.roughness()) {
+        if !range.contains(Range::FOLLOWED) {
             return Color::ZERO;
         }
         let r = fresnel::dielectric(wi.z, self.eta).reflectance;

@@ -114,8 +114,9 @@ mod tests {
         assert_eq!(camera_survival(gray(0.25), 1.5, endless(5)), 0.5625);
         assert_eq!(light_survival(gray(4.0), gray(1.0), endless(1)), 0.25);
         // What loses nothing goes on, unless nothing else would end it.
-        for survival in [|l| camera_survival(gray(1.0), 1.0, l), |l| light_survival(gray(4.0), gray(4.0), l)]
-        {
+        let camera = |l| camera_survival(gray(1.0), 1.0, l);
+        let light = |l| light_survival(gray(4.0), gray(4.0), l);
+        for survival in [&camera as &dyn Fn(Length) -> f32, &light] {
             assert_eq!(survival(endless(FORCED - 1)), 1.0);
             assert_eq!(survival(endless(FORCED)), MOST);
             assert_eq!(survival(bounded(50_000)), 1.0);
