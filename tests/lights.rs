@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use caustica::film::Layer;
 
 use crate::support::{
-    DOWN, Estimate, Stage, area, assert_agree, camera, diffuse, rectangle, render, scene, sphere,
+    DOWN, Estimate, Stage, area, assert_agree, camera, diffuse, pbrt_scene_seen, rectangle, render, scene,
+    sphere,
 };
 
 /// A patch of a large white plane around the origin, seen from above through one narrow pixel: 0.002
@@ -114,4 +115,41 @@ fn lamps_emit_from_their_front_only() {
     };
     assert!(lit(DOWN).iter().all(|&l| l > 0.01));
     assert_eq!(lit("<rotate x='1' angle='-90'/>"), [0.0; 2]);
+}
+
+/// Opacity cuts the light of a pbrt lamp as it cuts the lamp: by half, by half of its places, and by a texture
+/// that leaves one half of it. Opacity 0 makes it invisible, and it shines. Relative to lamps that are whole,
+/// so that only noise is left; seen by camera rays, by shadow rays, and by photons.
+#[test]
+fn opacity_cuts_the_light_of_a_lamp() {
+    let stage = |texture: &str, corner: f64, shape: &str| {
+        let lamp = format!(
+            "AttributeBegin\n{texture}\nAreaLightSource \"diffuse\" \"rgb L\" [ 2 2 2 ]\nShape \"trianglemesh\" \"point3 P\" \
+             [ -1 2 -1 {corner} 2 -1 {corner} 2 1 -1 2 1 ] \"integer indices\" [ 0 1 2 0 2 3 ] \
+             \"point2 uv\" [ 0 0 1 0 1 1 0 1 ] {shape}\nAttributeEnd\n"
+        );
+        let floor = "Shape \"trianglemesh\" \"point3 P\" [ -3 0 -3 3 0 -3 3 0 3 -3 0 3 ] \"integer indices\" [ 0 2 1 0 3 2 ]";
+        let view = "LookAt 0 3 6 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" 40\n\
+                    Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nPixelFilter \"box\"";
+        pbrt_scene_seen(view, &format!("{lamp}{floor}"), vec![])
+    };
+    let checks = "Texture \"a\" \"float\" \"checkerboard\" \"float uscale\" 2 \"float vscale\" 0.5 \
+                  \"float tex1\" 1 \"float tex2\" 0";
+    let (whole, half) = (stage("", 1.0, ""), stage("", 0.0, ""));
+    for (how, changes) in [
+        ("path", &[("integrator", "path"), ("max_depth", "2")][..]),
+        ("next event", &[("max_depth", "2")]),
+        ("photons", &[("max_depth", "2"), ("nee", "false"), ("photons", "20000")]),
+    ] {
+        let direct = |stage: &Stage| render(stage, changes, 256).estimate(&[Layer::Direct], 1);
+        let (all, some) = (direct(&whole), direct(&half));
+        let scaled = |e: Estimate, factor: f64| Estimate { mean: e.mean * factor, sigma: e.sigma * factor };
+        for (what, cut, expected) in [
+            ("opacity 0.5", stage("", 1.0, "\"float alpha\" 0.5"), scaled(all, 0.5)),
+            ("opacity 0", stage("", 1.0, "\"float alpha\" 0"), all),
+            ("half", stage(checks, 1.0, "\"texture alpha\" \"a\""), some),
+        ] {
+            assert_agree(&format!("{what}, {how}"), direct(&cut), expected, 0.03);
+        }
+    }
 }

@@ -176,3 +176,41 @@ fn plastic_with(attribute: &str) -> String {
     let diffuse = attribute.replace("'reflectance'", "'diffuse_reflectance'");
     bsdf("plastic", &(float("int_ior", 1.0) + &float("ext_ior", 1.0) + &diffuse))
 }
+
+/// Facets of an interface bend and reflect nothing where the index does not change: roughness means nothing
+/// there, in coats and alone (pbrt-v4's `DielectricBxDF`).
+#[test]
+fn a_rough_interface_without_a_step_of_the_index_is_smooth() {
+    let metal = "\"rgb reflectance\" [.6 .6 .6] \"float conductor.roughness\" 0.2 \"float interface.eta\" 1";
+    for (what, rough, smooth) in [
+        (
+            "coated diffuse",
+            "\"coateddiffuse\" \"float eta\" 1 \"float roughness\" 0.3".to_owned(),
+            "\"coateddiffuse\" \"float eta\" 1 \"float roughness\" 0".to_owned(),
+        ),
+        (
+            "coated conductor",
+            format!("\"coatedconductor\" {metal} \"float interface.roughness\" 0.3"),
+            format!("\"coatedconductor\" {metal} \"float interface.roughness\" 0"),
+        ),
+        (
+            "dielectric",
+            "\"dielectric\" \"float eta\" 1 \"float roughness\" 0.3".to_owned(),
+            "\"dielectric\" \"float eta\" 1 \"float roughness\" 0".to_owned(),
+        ),
+    ] {
+        let (rough, smooth) = (sphere(&rough), sphere(&smooth));
+        let mut rng = CounterRng::new(37, 0);
+        for theta in [10.0, 50.0, 85.0] {
+            let wi = direction(theta, 20.0);
+            for _ in 0..200 {
+                let (lobe, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
+                let drawn = |s: &Stage| {
+                    let sample = closure(s, wi).sample(wi, lobe, u, Transport::Radiance, 0.0);
+                    sample.map(|s| (s.wo, s.weight, s.event))
+                };
+                assert_eq!(drawn(&rough), drawn(&smooth), "{what} at {theta}");
+            }
+        }
+    }
+}
