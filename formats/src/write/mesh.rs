@@ -58,6 +58,11 @@ impl Output<'_> {
         self.make(&key, "meshes", name, "ply", |_| Ok(write_ply(&tessellate(quadric))))
     }
 
+    /// A unit disk with Mitsuba's uv: the distance from the middle, and the angle.
+    pub fn make_disk_ply(&mut self, name: &str) -> Result<String, WriteError> {
+        self.make("polar disk", "meshes", name, "ply", |_| Ok(write_ply(&polar_disk())))
+    }
+
     /// Whether all faces of a PLY file are triangles, so that every reader takes them alike.
     pub fn is_triangle_ply(&self, file: &MeshFile) -> Result<bool, WriteError> {
         let bytes = self.read(&file.path)?;
@@ -74,8 +79,36 @@ pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Steps around a whole circle: the chord is 0.12 % of the radius inside it.
-const STEPS: usize = 64;
+/// Steps around a whole circle: the chord is 0.03 % of the radius inside it.
+const STEPS: usize = 128;
+
+/// From the middle of a disk to its rim, where u and v are bilinear in each ring.
+const RINGS: usize = 16;
+
+fn polar_disk() -> Mesh {
+    let mut mesh = Mesh::default();
+    for column in 0..=STEPS {
+        let v = column as f64 / STEPS as f64;
+        let (sin, cos) = (TAU * v).sin_cos();
+        for ring in 0..=RINGS {
+            let r = ring as f64 / RINGS as f64;
+            mesh.positions.push([r * cos, r * sin, 0.0].map(|x| x as f32));
+            mesh.uvs.push([r as f32, v as f32]);
+        }
+    }
+    let rows = RINGS + 1;
+    for column in 0..STEPS {
+        for ring in 0..RINGS {
+            let at = |c: usize, r: usize| ((column + c) * rows + ring + r) as u32;
+            let (a, b, c, d) = (at(0, 0), at(0, 1), at(1, 1), at(1, 0));
+            mesh.triangles.push([a, b, c]);
+            if ring > 0 {
+                mesh.triangles.push([a, c, d]);
+            }
+        }
+    }
+    mesh
+}
 
 /// uv as pbrt has it: u = φ/phi_max; v from `z_min` to `z_max`, or from the rim to the middle.
 pub(crate) fn tessellate(quadric: &PartialQuadric) -> Mesh {

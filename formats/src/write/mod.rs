@@ -3,6 +3,7 @@
 mod image;
 mod mesh;
 mod output;
+mod sample;
 mod slide;
 
 use std::collections::HashSet;
@@ -14,6 +15,8 @@ use thiserror::Error;
 
 pub(crate) use image::Tone;
 pub(crate) use output::Output;
+pub(crate) use sample::Sampled;
+pub(crate) use slide::Cone;
 
 use crate::files::Files;
 use crate::image::atomic_write;

@@ -24,6 +24,8 @@ pub(crate) struct Output<'a> {
     /// Assets made from others, by a key of the writer's.
     made: HashMap<String, String>,
     taken: HashSet<String>,
+    /// Whether any textured shape has uv outside of 0 to 1, once that was asked.
+    pub(super) beyond: Option<bool>,
     /// Folder of the assets, named after the scene's file: scenes beside each other do not share one.
     own: String,
 }
@@ -51,6 +53,7 @@ impl<'a> Output<'a> {
             carried: HashMap::new(),
             made: HashMap::new(),
             taken,
+            beyond: None,
             own: format!("{}.files", plain(&path.file_name().unwrap_or_default().to_string_lossy())),
         }
     }
@@ -87,6 +90,10 @@ impl<'a> Output<'a> {
                 clamped
             }
         }
+    }
+
+    pub(super) fn assets_so_far(&self) -> usize {
+        self.assets.len()
     }
 
     pub fn losses(&self) -> &[Loss] {

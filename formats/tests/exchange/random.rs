@@ -175,8 +175,12 @@ fn finish_material(
             | BsdfKind::CoatedDiffuse { .. }
     );
     // Every third one blends two that are there.
-    if picks[2].is_multiple_of(3) && !finished.is_empty() {
-        let part = |pick: Pick| finished[pick % finished.len()];
+    // pbrt mixes materials only, and its `interface` is none.
+    let nothing = |id: Id<Bsdf>| matches!(scene.bsdfs[id].kind, BsdfKind::Null);
+    let parts: Vec<_> =
+        finished.iter().copied().filter(|id| language != Language::Pbrt || !nothing(*id)).collect();
+    if picks[2].is_multiple_of(3) && !parts.is_empty() {
+        let part = |pick: Pick| parts[pick % parts.len()];
         let weight = FloatInput::Value(0.25);
         let kind = BsdfKind::Blend { weight, first: part(picks[0]), second: part(picks[1]) };
         return scene.bsdfs.push(bsdf(name, kind));

@@ -77,18 +77,19 @@ impl Writer<'_, '_> {
         };
         let mut flip = shape.flip_normals ^ (by_object && shape.to_world.determinant3() < 0.0);
         let mut to_world = shape.to_world;
-        if matches!(&shape.kind, ShapeKind::Partial(quadric) if whole_sphere(quadric).is_some())
-            && self.query.textured(&self.scene.bsdfs, shape)
+        if let ShapeKind::Partial(quadric) = &shape.kind
+            && let Some([height, radius]) = self.whole_disk(shape, quadric)
         {
-            // pbrt's v runs from −Z upwards, Mitsuba's from +Z downwards; mirroring turns the normals.
-            to_world = to_world.after(&Transform::scale([1.0, 1.0, -1.0]));
-            flip = !flip;
+            let size = Transform::scale([radius, radius, 1.0]);
+            to_world = to_world.after(&Transform::translate([0.0, 0.0, height])).after(&size);
+            // Mitsuba's side of a disk is that of +Z, mirrored or not.
+            flip ^= shape.to_world.determinant3() < 0.0;
         }
         let mut element =
             element.transform("to_world", &to_world).boolean_unless("flip_normals", flip, false);
         element = element.children(self.material(shape)?);
         if let Some(emission) = &shape.emission {
-            element = element.child(self.emission(emission)?);
+            element = element.child(self.emission(emission, shape.alpha.as_ref())?);
         }
         Ok(Some(element))
     }
@@ -99,13 +100,6 @@ impl Writer<'_, '_> {
         let Some(alpha) = shape.alpha.as_ref().filter(|alpha| **alpha != FloatInput::Value(1.0)) else {
             return Ok(bsdf);
         };
-        if shape.emission.is_some() {
-            self.out.lose(
-                shape.origin,
-                "the opacity of a lamp",
-                "a mask on its material; it emits everywhere",
-            );
-        }
         // What a shape without material has.
         let bsdf =
             bsdf.unwrap_or_else(|| substitute::diffuse(if shape.emission.is_some() { 0.0 } else { 0.5 }));
@@ -151,32 +145,64 @@ impl Writer<'_, '_> {
         .boolean_unless("face_normals", flat, false))
     }
 
-    /// Whole spheres and cylinders stay analytic; other quadrics are tessellated.
+    /// Whether Mitsuba's analytic shapes show a quadric as pbrt does: with uv of their own, and undistorted.
+    fn alike(&mut self, shape: &Shape) -> bool {
+        let bsdfs = &self.scene.bsdfs;
+        let directed = self.query.textured(bsdfs, shape)
+            || shape.bsdf.is_some_and(|id| self.query.bsdf(bsdfs, id).anisotropic);
+        !directed && keeps_angles(&shape.to_world)
+    }
+
+    /// Height and radius of a disk that Mitsuba's shows as well; it may be distorted.
+    fn whole_disk(&mut self, shape: &Shape, quadric: &PartialQuadric) -> Option<[f64; 2]> {
+        let bsdfs = &self.scene.bsdfs;
+        match *quadric {
+            PartialQuadric::Disk { height, radius, inner_radius, phi_max }
+                if phi_max >= 360.0
+                    && inner_radius == 0.0
+                    && !self.query.textured(bsdfs, shape)
+                    && !shape.bsdf.is_some_and(|id| self.query.bsdf(bsdfs, id).anisotropic) =>
+            {
+                Some([height, radius])
+            }
+            _ => None,
+        }
+    }
+
+    /// Whole spheres, disks and cylinders stay analytic where they are shown alike; other quadrics are
+    /// tessellated.
     fn quadric(
         &mut self,
         shape: &Shape,
         quadric: &PartialQuadric,
         plugin: &dyn Fn(&str) -> Element,
     ) -> Result<Element, WriteError> {
-        if let Some(radius) = whole_sphere(quadric) {
+        if self.whole_disk(shape, quadric).is_some() {
+            return Ok(plugin("disk"));
+        }
+        let alike = self.alike(shape);
+        if let Some(radius) = whole_sphere(quadric).filter(|_| alike) {
             return Ok(plugin("sphere").float_unless("radius", radius, 1.0));
         }
         match *quadric {
-            PartialQuadric::Cylinder { radius, z_min, z_max, phi_max } if phi_max >= 360.0 => {
+            PartialQuadric::Cylinder { radius, z_min, z_max, phi_max } if phi_max >= 360.0 && alike => {
                 Ok(plugin("cylinder")
                     .triple("point", "p0", [0.0, 0.0, z_min])
                     .triple("point", "p1", [0.0, 0.0, z_max])
                     .float_unless("radius", radius, 1.0))
             }
             _ => {
-                self.out.lose(shape.origin, "a partial quadric", "a mesh of 64 segments around");
+                let what = "a quadric that is cut, stretched or textured in pbrt's way";
+                let instead = "a mesh of 128 segments around, up to 0.03 % of the radius inside of it";
+                self.out.lose(shape.origin, what, instead);
                 let name = self.out.make_quadric_ply(quadric, shape.name.as_deref().unwrap_or("quadric"))?;
                 Ok(plugin("ply").string("filename", &name))
             }
         }
     }
 
-    fn emission(&mut self, e: &AreaEmission) -> Result<Element, WriteError> {
+    /// pbrt's opacity dims a lamp, Mitsuba's mask does not.
+    fn emission(&mut self, e: &AreaEmission, opacity: Option<&FloatInput>) -> Result<Element, WriteError> {
         if e.two_sided {
             self.out.lose(e.origin, "a lamp that emits on both sides", "the side of its normal only");
         }
@@ -184,12 +210,31 @@ impl Writer<'_, '_> {
             self.out.lose(e.origin, format!("the power of a lamp, {power} W"), "its radiance as written");
         }
         let plugin = if e.collimated { "directionalarea" } else { "area" };
+        // An invisible lamp shines fully.
+        let share = match opacity {
+            Some(FloatInput::Value(opacity)) if *opacity > 0.0 => opacity.min(1.0),
+            _ => 1.0,
+        };
         let radiance = match &e.radiance {
-            ColorInput::Color(color) => self.light("radiance", color, e.scale, e.origin),
-            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, e.scale * self.light)?,
+            _ if matches!(opacity, Some(FloatInput::Texture(_))) => self.masked_light(e, opacity)?,
+            ColorInput::Color(color) => self.light("radiance", color, e.scale * share, e.origin),
+            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, e.scale * share * self.light)?,
         };
         Ok(Element::plugin("emitter", plugin).child(radiance))
     }
+}
+
+/// Whether the axes stay perpendicular and equally long.
+fn keeps_angles(m: &Transform) -> bool {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| m.vector(axis));
+    let dot = |a: usize, b: usize| (0..3).map(|i| axes[a][i] * axes[b][i]).sum::<f64>();
+    let size = dot(0, 0);
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * size;
+    same(dot(1, 1), size)
+        && same(dot(2, 2), size)
+        && same(dot(0, 1), 0.0)
+        && same(dot(0, 2), 0.0)
+        && same(dot(1, 2), 0.0)
 }
 
 /// The radius of a sphere that is not cut.
