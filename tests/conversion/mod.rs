@@ -90,9 +90,9 @@ impl Difference {
     }
 
     /// Two renders of a scene differ by √2 standard errors a pixel. Over 3000 values chance does not make
-    /// that a quarter more.
+    /// that a quarter more. Pictures that are made have pixels: 0.3 % of the mean at edges is theirs.
     pub fn is_noise(&self) -> bool {
-        self.rmse <= 1.25 * self.noise
+        self.rmse <= (1.25 * self.noise).max(0.003)
     }
 }
 

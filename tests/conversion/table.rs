@@ -104,7 +104,7 @@ fn mitsuba(shape: (&str, &str, &str, &str), usage: &str) -> Source {
     Source::new("source.xml", &text, &beside())
 }
 
-const PBRT: [(&str, &str); 11] = [
+const PBRT: [(&str, &str); 13] = [
     ("sphere", "Rotate 35 1 0.3 0\nShape \"sphere\""),
     ("mirrored sphere", "Rotate 35 1 0.3 0\nScale -1 1 1\nShape \"sphere\""),
     ("ellipsoid", "Rotate 35 1 0.3 0\nScale 1.2 0.5 0.8\nShape \"sphere\""),
@@ -119,6 +119,17 @@ const PBRT: [(&str, &str); 11] = [
     (
         "trianglemesh",
         "Rotate -30 1 0.3 0\nShape \"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0.2 1 1 0 -1 1 0.3]\n\
+         \"point2 uv\" [0.1 0 1 0.2 0.9 1 0 0.8] \"integer indices\" [0 1 2 0 2 3]",
+    ),
+    (
+        "mirrored trianglemesh",
+        "Rotate -30 1 0.3 0\nScale -1 1 1\nShape \"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0.2 1 1 0 -1 1 0.3]\n\
+         \"point2 uv\" [0.1 0 1 0.2 0.9 1 0 0.8] \"integer indices\" [0 1 2 0 2 3]",
+    ),
+    (
+        "mirrored mesh with normals",
+        "Rotate -30 1 0.3 0\nScale -1 1 1\nShape \"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0.2 1 1 0 -1 1 0.3]\n\
+         \"normal N\" [-0.1 0 1 0.1 0 1 0 0.2 1 0 0 1]\n\
          \"point2 uv\" [0.1 0 1 0.2 0.9 1 0 0.8] \"integer indices\" [0 1 2 0 2 3]",
     ),
     (
@@ -147,7 +158,7 @@ fn pbrt(shape: &str, usage: &str) -> Source {
     };
     let text = format!(
         "LookAt 0.3 0.8 4 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" 40\n\
-         Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 32\nPixelFilter \"box\"\n\
+         Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 32\nPixelFilter \"box\"\nSampler \"independent\"\n\
          Integrator \"path\" \"integer maxdepth\" 5\nWorldBegin\n\
          LightSource \"distant\" \"point3 from\" [0.4 0.6 1] \"point3 to\" [0 0 0] \"rgb L\" [2 1.5 1]\n\
          LightSource \"infinite\" \"rgb L\" [0.1 0.15 0.2]\n\

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use super::{Output, WriteError};
-use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric};
+use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Transform};
 use crate::mesh::{self, Mesh, MeshOptions, write_ply};
 
 impl Output<'_> {
@@ -58,6 +58,47 @@ impl Output<'_> {
         self.make(&key, "meshes", name, "ply", |_| Ok(write_ply(&tessellate(quadric))))
     }
 
+    /// A sphere with Mitsuba's uv, whose v runs down from +Z.
+    pub fn make_sphere_ply(
+        &mut self,
+        center: [f64; 3],
+        radius: f64,
+        name: &str,
+    ) -> Result<String, WriteError> {
+        self.make(&format!("sphere {center:?} {radius}"), "meshes", name, "ply", |_| {
+            let quadric = PartialQuadric::Sphere { radius, z_min: -radius, z_max: radius, phi_max: 360.0 };
+            let mut mesh = tessellate(&quadric);
+            for p in &mut mesh.positions {
+                *p = std::array::from_fn(|i| (f64::from(p[i]) + center[i]) as f32);
+            }
+            mesh.uvs.iter_mut().for_each(|uv| uv[1] = 1.0 - uv[1]);
+            Ok(write_ply(&mesh))
+        })
+    }
+
+    pub fn make_cylinder_ply(
+        &mut self,
+        p0: [f64; 3],
+        p1: [f64; 3],
+        radius: f64,
+        name: &str,
+    ) -> Result<String, WriteError> {
+        self.make(&format!("cylinder {p0:?} {p1:?} {radius}"), "meshes", name, "ply", |_| {
+            let axis: [f64; 3] = std::array::from_fn(|i| p1[i] - p0[i]);
+            let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let place = Transform::translate(p0).after(&about(axis.map(|v| v / length)));
+            let quadric = PartialQuadric::Cylinder { radius, z_min: 0.0, z_max: length, phi_max: 360.0 };
+            let mut mesh = tessellate(&quadric);
+            for p in &mut mesh.positions {
+                *p = place.point(p.map(f64::from)).map(|v| v as f32);
+            }
+            for n in &mut mesh.normals {
+                *n = place.vector(n.map(f64::from)).map(|v| v as f32);
+            }
+            Ok(write_ply(&mesh))
+        })
+    }
+
     /// A unit disk with Mitsuba's uv: the distance from the middle, and the angle.
     pub fn make_disk_ply(&mut self, name: &str) -> Result<String, WriteError> {
         self.make("polar disk", "meshes", name, "ply", |_| Ok(write_ply(&polar_disk())))
@@ -73,6 +114,19 @@ impl Output<'_> {
             .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })?;
         Ok(faces == Some(mesh.triangles.len()))
     }
+}
+
+/// The axes that Mitsuba's cylinders have about a unit vector (Duff et al. 2017).
+pub(crate) fn about([x, y, z]: [f64; 3]) -> Transform {
+    let sign = 1f64.copysign(z);
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    Transform([
+        [1.0 + sign * x * x * a, b, x, 0.0],
+        [sign * b, sign + y * y * a, y, 0.0],
+        [-sign * x, -y, z, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ])
 }
 
 pub(crate) fn stem(path: &Path) -> String {

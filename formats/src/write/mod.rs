@@ -14,6 +14,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 pub(crate) use image::Tone;
+pub(crate) use mesh::about;
 pub(crate) use output::Output;
 pub(crate) use sample::Sampled;
 pub(crate) use slide::Cone;
@@ -22,7 +23,7 @@ use crate::files::Files;
 use crate::image::atomic_write;
 
 /// Something in the scene that the written one cannot express.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
     /// What is lost.
     pub what: String,
@@ -30,6 +31,9 @@ pub struct Loss {
     pub place: Option<String>,
     /// What is written instead.
     pub instead: String,
+    /// How much more light there is in the result, in parts of what there was, where that was measured. Writers do
+    /// not measure.
+    pub size: Option<f64>,
 }
 
 /// A file beside the written scene.

@@ -65,7 +65,7 @@ impl<'a> Output<'a> {
     /// Records that `what` cannot be expressed, and what is written instead.
     pub fn lose(&mut self, origin: Origin, what: impl Into<String>, instead: impl Into<String>) {
         let place = origin.0.map(|span| self.sources.location(span));
-        let loss = Loss { what: what.into(), place, instead: instead.into() };
+        let loss = Loss { what: what.into(), place, instead: instead.into(), size: None };
         // An object that several others refer to may be written more than once.
         if !self.losses.contains(&loss) {
             self.losses.push(loss);

@@ -242,6 +242,17 @@ fn transform() -> impl Strategy<Value = Transform> + Clone {
     )
 }
 
+/// With axes of one length.
+fn even(mut m: Transform) -> Transform {
+    let length = |m: &Transform, j: usize| (0..3).map(|i| m.0[i][j] * m.0[i][j]).sum::<f64>().sqrt();
+    let first = length(&m, 0);
+    for j in 1..3 {
+        let factor = first / length(&m, j);
+        (0..3).for_each(|i| m.0[i][j] *= factor);
+    }
+    m
+}
+
 type Camera = (Transform, Projection, u32, u32);
 
 fn camera(language: Language) -> impl Strategy<Value = Camera> {
@@ -324,7 +335,12 @@ fn shape(language: Language) -> BoxedStrategy<Shape> {
         .boxed(),
     };
     (kind, transform(), any::<bool>())
-        .prop_map(|(kind, to_world, flip_normals)| Shape { flip_normals, ..plain_shape(kind, to_world) })
+        .prop_map(move |(kind, to_world, flip_normals)| {
+            // In Mitsuba these stay round whatever the transform says.
+            let round = matches!(kind, ShapeKind::Sphere { .. } | ShapeKind::Cylinder { .. });
+            let to_world = if round && language == Language::Mitsuba { even(to_world) } else { to_world };
+            Shape { flip_normals, ..plain_shape(kind, to_world) }
+        })
         .boxed()
 }
 

@@ -7,7 +7,7 @@ use crate::ir::{
     AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
     ShapeGroup, ShapeKind, Transform,
 };
-use crate::write::WriteError;
+use crate::write::{WriteError, about};
 
 impl Writer<'_, '_> {
     pub fn group(&mut self, id: Id<ShapeGroup>) -> Result<Option<Element>, WriteError> {
@@ -29,11 +29,35 @@ impl Writer<'_, '_> {
         Ok(Some(element))
     }
 
-    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
     pub fn shape(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
+        let stretched = self.stretched(shape)?;
+        // Mitsuba's side of a mirrored mesh is that of its mirrored winding, pbrt's is not; that of a quadric is
+        // turned by the mirror in both, that of the mesh it becomes is not.
+        let turned = match &shape.kind {
+            ShapeKind::Mesh(file) => file.authored_normals,
+            ShapeKind::Inline(_) => true,
+            ShapeKind::Partial(quadric) => !stays_analytic(quadric, &shape.to_world),
+            _ => stretched.is_some(),
+        };
+        let Some(element) = stretched.map_or_else(|| self.geometry(shape), |made| Ok(Some(made)))? else {
+            return Ok(None);
+        };
+        let flip = shape.flip_normals ^ (turned && shape.to_world.determinant3() < 0.0);
+        let mut element =
+            element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
+        element = element.children(self.material(shape)?);
+        if let Some(emission) = &shape.emission {
+            element = element.child(self.emission(emission, shape.alpha.as_ref())?);
+        }
+        Ok(Some(element))
+    }
+
+    /// The surface, before its transform.
+    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
+    fn geometry(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
         let plugin = |name: &str| Element::plugin("shape", name).id(shape.name.as_deref());
         let label = shape.name.as_deref().unwrap_or("mesh");
-        let element = match &shape.kind {
+        Ok(Some(match &shape.kind {
             ShapeKind::Mesh(file) => self.mesh(file, shape.origin, &|name| plugin(name))?,
             ShapeKind::Inline(mesh) => {
                 let name = mesh.made_from.as_deref().filter(|_| shape.name.is_none()).unwrap_or(label);
@@ -52,7 +76,7 @@ impl Writer<'_, '_> {
                 }
                 element.float_unless("radius", *radius, 1.0)
             }
-            ShapeKind::Partial(quadric) => self.quadric(shape, quadric, &|name| plugin(name))?,
+            ShapeKind::Partial(quadric) => self.quadric(shape, quadric)?,
             ShapeKind::Rectangle => plugin("rectangle"),
             ShapeKind::Cube => plugin("cube"),
             ShapeKind::Disk => plugin("disk"),
@@ -68,30 +92,7 @@ impl Writer<'_, '_> {
                 self.out.lose(shape.origin, format!("a shape of kind `{}`", other.name()), "no shape");
                 return Ok(None);
             }
-        };
-        // Mitsuba's side of a mirrored mesh is that of its mirrored winding, pbrt's is not.
-        let by_object = match &shape.kind {
-            ShapeKind::Mesh(file) => file.authored_normals,
-            ShapeKind::Inline(_) => true,
-            _ => false,
-        };
-        let mut flip = shape.flip_normals ^ (by_object && shape.to_world.determinant3() < 0.0);
-        let mut to_world = shape.to_world;
-        if let ShapeKind::Partial(quadric) = &shape.kind
-            && let Some([height, radius]) = self.whole_disk(shape, quadric)
-        {
-            let size = Transform::scale([radius, radius, 1.0]);
-            to_world = to_world.after(&Transform::translate([0.0, 0.0, height])).after(&size);
-            // Mitsuba's side of a disk is that of +Z, mirrored or not.
-            flip ^= shape.to_world.determinant3() < 0.0;
-        }
-        let mut element =
-            element.transform("to_world", &to_world).boolean_unless("flip_normals", flip, false);
-        element = element.children(self.material(shape)?);
-        if let Some(emission) = &shape.emission {
-            element = element.child(self.emission(emission, shape.alpha.as_ref())?);
-        }
-        Ok(Some(element))
+        }))
     }
 
     /// The shape's material, under its opacity.
@@ -145,60 +146,41 @@ impl Writer<'_, '_> {
         .boolean_unless("face_normals", flat, false))
     }
 
-    /// Whether Mitsuba's analytic shapes show a quadric as pbrt does: with uv of their own, and undistorted.
-    fn alike(&mut self, shape: &Shape) -> bool {
-        let bsdfs = &self.scene.bsdfs;
-        let directed = self.query.textured(bsdfs, shape)
-            || shape.bsdf.is_some_and(|id| self.query.bsdf(bsdfs, id).anisotropic);
-        !directed && keeps_angles(&shape.to_world)
+    /// Whole cylinders stay analytic; other quadrics that show uv, or are cut, are tessellated.
+    fn quadric(&mut self, shape: &Shape, quadric: &PartialQuadric) -> Result<Element, WriteError> {
+        if let PartialQuadric::Cylinder { radius, z_min, z_max, .. } = *quadric
+            && stays_analytic(quadric, &shape.to_world)
+        {
+            return Ok(Element::plugin("shape", "cylinder")
+                .id(shape.name.as_deref())
+                .triple("point", "p0", [0.0, 0.0, z_min])
+                .triple("point", "p1", [0.0, 0.0, z_max])
+                .float_unless("radius", radius, 1.0));
+        }
+        let file = self.out.make_quadric_ply(quadric, shape.name.as_deref().unwrap_or("quadric"))?;
+        Ok(self.tessellated(shape, &file))
     }
 
-    /// Height and radius of a disk that Mitsuba's shows as well; it may be distorted.
-    fn whole_disk(&mut self, shape: &Shape, quadric: &PartialQuadric) -> Option<[f64; 2]> {
-        let bsdfs = &self.scene.bsdfs;
-        match *quadric {
-            PartialQuadric::Disk { height, radius, inner_radius, phi_max }
-                if phi_max >= 360.0
-                    && inner_radius == 0.0
-                    && !self.query.textured(bsdfs, shape)
-                    && !shape.bsdf.is_some_and(|id| self.query.bsdf(bsdfs, id).anisotropic) =>
-            {
-                Some([height, radius])
+    /// Mitsuba 3 draws a stretched sphere or cylinder as a round one.
+    fn stretched(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
+        let label = shape.name.as_deref().unwrap_or("quadric");
+        let file = match shape.kind {
+            ShapeKind::Sphere { center, radius } if !keeps_angles(&shape.to_world) => {
+                self.out.make_sphere_ply(center, radius, label)?
             }
-            _ => None,
-        }
+            ShapeKind::Cylinder { p0, p1, radius } if !stays_round(&shape.to_world, along(p0, p1)) => {
+                self.out.make_cylinder_ply(p0, p1, radius, label)?
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some(self.tessellated(shape, &file)))
     }
 
-    /// Whole spheres, disks and cylinders stay analytic where they are shown alike; other quadrics are
-    /// tessellated.
-    fn quadric(
-        &mut self,
-        shape: &Shape,
-        quadric: &PartialQuadric,
-        plugin: &dyn Fn(&str) -> Element,
-    ) -> Result<Element, WriteError> {
-        if self.whole_disk(shape, quadric).is_some() {
-            return Ok(plugin("disk"));
-        }
-        let alike = self.alike(shape);
-        if let Some(radius) = whole_sphere(quadric).filter(|_| alike) {
-            return Ok(plugin("sphere").float_unless("radius", radius, 1.0));
-        }
-        match *quadric {
-            PartialQuadric::Cylinder { radius, z_min, z_max, phi_max } if phi_max >= 360.0 && alike => {
-                Ok(plugin("cylinder")
-                    .triple("point", "p0", [0.0, 0.0, z_min])
-                    .triple("point", "p1", [0.0, 0.0, z_max])
-                    .float_unless("radius", radius, 1.0))
-            }
-            _ => {
-                let what = "a quadric that is cut, stretched or textured in pbrt's way";
-                let instead = "a mesh of 128 segments around, up to 0.03 % of the radius inside of it";
-                self.out.lose(shape.origin, what, instead);
-                let name = self.out.make_quadric_ply(quadric, shape.name.as_deref().unwrap_or("quadric"))?;
-                Ok(plugin("ply").string("filename", &name))
-            }
-        }
+    fn tessellated(&mut self, shape: &Shape, file: &str) -> Element {
+        let what = "a quadric that is cut or stretched, or textured in pbrt's way";
+        let instead = "a mesh of 128 segments around, up to 0.03 % of the radius inside of it";
+        self.out.lose(shape.origin, what, instead);
+        Element::plugin("shape", "ply").id(shape.name.as_deref()).string("filename", file)
     }
 
     /// pbrt's opacity dims a lamp, Mitsuba's mask does not.
@@ -224,25 +206,44 @@ impl Writer<'_, '_> {
     }
 }
 
-/// Whether the axes stay perpendicular and equally long.
-fn keeps_angles(m: &Transform) -> bool {
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| m.vector(axis));
-    let dot = |a: usize, b: usize| (0..3).map(|i| axes[a][i] * axes[b][i]).sum::<f64>();
-    let size = dot(0, 0);
-    let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * size;
-    same(dot(1, 1), size)
-        && same(dot(2, 2), size)
-        && same(dot(0, 1), 0.0)
-        && same(dot(0, 2), 0.0)
-        && same(dot(1, 2), 0.0)
+/// Whether Mitsuba's analytic shape shows a quadric as pbrt does, with the same uv: whole cylinders.
+fn stays_analytic(quadric: &PartialQuadric, m: &Transform) -> bool {
+    match *quadric {
+        PartialQuadric::Cylinder { z_min, z_max, phi_max, .. } => {
+            phi_max >= 360.0 && stays_round(m, [0.0, 0.0, z_max - z_min]) && m.determinant3() > 0.0
+        }
+        _ => false,
+    }
 }
 
-/// The radius of a sphere that is not cut.
-fn whole_sphere(quadric: &PartialQuadric) -> Option<f64> {
-    match *quadric {
-        PartialQuadric::Sphere { radius, z_min, z_max, phi_max } => {
-            (phi_max >= 360.0 && z_min <= -radius && z_max >= radius).then_some(radius)
-        }
-        _ => None,
-    }
+fn along(from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| to[i] - from[i])
+}
+
+/// Whether the axes stay perpendicular and equally long.
+fn keeps_angles(m: &Transform) -> bool {
+    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| m.vector(axis));
+    same(dot(y, y), dot(x, x)) && same(dot(z, z), dot(x, x)) && square(x, y) && square(x, z) && square(y, z)
+}
+
+/// Whether a cylinder about this axis stays one: circles across it stay circles, and across it.
+fn stays_round(m: &Transform, axis: [f64; 3]) -> bool {
+    let length = dot(axis, axis).sqrt();
+    let frame = about(axis.map(|v| v / length));
+    let [s, t, n] =
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| m.vector(frame.vector(axis)));
+    same(dot(s, s), dot(t, t)) && square(s, t) && square(s, n) && square(t, n)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Up to the 1e-4 that matrices printed with six digits have.
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-4 * a.abs().max(b.abs())
+}
+
+fn square(a: [f64; 3], b: [f64; 3]) -> bool {
+    dot(a, b).abs() <= 1e-4 * (dot(a, a) * dot(b, b)).sqrt()
 }

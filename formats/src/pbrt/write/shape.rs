@@ -7,7 +7,7 @@ use crate::ir::{
     ShapeKind, Transform,
 };
 use crate::mesh::{Mesh, builtin};
-use crate::write::WriteError;
+use crate::write::{WriteError, about};
 
 /// Meshes up to this size stand in the scene file.
 const INLINE: usize = 64;
@@ -194,19 +194,6 @@ impl Writer<'_, '_> {
         }
         Ok((self.material(id)?, mask))
     }
-}
-
-/// The axes that Mitsuba's cylinders have about a unit vector (Duff et al. 2017).
-fn about([x, y, z]: [f64; 3]) -> Transform {
-    let sign = 1f64.copysign(z);
-    let a = -1.0 / (sign + z);
-    let b = x * y * a;
-    Transform([
-        [1.0 + sign * x * x * a, b, x, 0.0],
-        [sign * b, sign + y * y * a, y, 0.0],
-        [-sign * x, -y, z, 0.0],
-        [0.0, 0.0, 0.0, 1.0],
-    ])
 }
 
 fn object_name(group: &ShapeGroup, id: Id<ShapeGroup>) -> String {
