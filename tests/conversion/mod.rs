@@ -92,7 +92,12 @@ impl Difference {
     /// Two renders of a scene differ by √2 standard errors a pixel. Over 3000 values chance does not make
     /// that a quarter more. Pictures that are made have pixels: 0.3 % of the mean at edges is theirs.
     pub fn is_noise(&self) -> bool {
-        self.rmse <= (1.25 * self.noise).max(0.003)
+        self.is_noise_and(0.0)
+    }
+
+    /// The same with room for a known difference of so many parts of the mean.
+    pub fn is_noise_and(&self, known: f64) -> bool {
+        self.rmse <= (1.25 * self.noise.hypot(known)).max(0.003)
     }
 }
 

@@ -191,7 +191,9 @@ fn textured_shapes_keep_their_picture() {
         );
         let _ = writeln!(table, "{line}");
         let small = made.losses.iter().all(|loss| is_small(&loss.what, &loss.instead));
-        if !(found.is_noise() && small) {
+        // Normals that lean 1.4° aside change the light by 2.5 % at most, and half of that on average.
+        let room = if made.losses.is_empty() { 0.0 } else { 0.0125 };
+        if !(found.is_noise_and(room) && small) {
             wrong.push(line);
         }
     };

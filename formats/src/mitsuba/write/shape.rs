@@ -31,18 +31,21 @@ impl Writer<'_, '_> {
 
     pub fn shape(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
         let stretched = self.stretched(shape)?;
-        // Mitsuba's side of a mirrored mesh is that of its mirrored winding, pbrt's is not; that of a quadric is
-        // turned by the mirror in both, that of the mesh it becomes is not.
+        // Mitsuba's side of a mirrored mesh is that of its normals, or else of its mirrored winding; pbrt's is never
+        // mirrored. That of a quadric is turned by the mirror in both, that of the mesh it becomes is not.
+        let mirrored = shape.to_world.determinant3() < 0.0;
         let turned = match &shape.kind {
-            ShapeKind::Mesh(file) => file.authored_normals,
-            ShapeKind::Inline(_) => true,
+            ShapeKind::Mesh(file) => {
+                mirrored && file.authored_normals && self.out.mesh(file)?.normals.is_empty()
+            }
+            ShapeKind::Inline(mesh) => mesh.normals.is_empty(),
             ShapeKind::Partial(quadric) => !stays_analytic(quadric, &shape.to_world),
             _ => stretched.is_some(),
         };
         let Some(element) = stretched.map_or_else(|| self.geometry(shape), |made| Ok(Some(made)))? else {
             return Ok(None);
         };
-        let flip = shape.flip_normals ^ (turned && shape.to_world.determinant3() < 0.0);
+        let flip = shape.flip_normals ^ (turned && mirrored);
         let mut element =
             element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
         element = element.children(self.material(shape)?);
@@ -178,7 +181,8 @@ impl Writer<'_, '_> {
 
     fn tessellated(&mut self, shape: &Shape, file: &str) -> Element {
         let what = "a quadric that is cut or stretched, or textured in pbrt's way";
-        let instead = "a mesh of 128 segments around, up to 0.03 % of the radius inside of it";
+        let instead = "a mesh of 128 segments around, up to 0.03 % of the radius inside of it; normals mapped on it \
+                       lean up to 1.4° aside";
         self.out.lose(shape.origin, what, instead);
         Element::plugin("shape", "ply").id(shape.name.as_deref()).string("filename", file)
     }
