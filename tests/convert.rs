@@ -189,7 +189,7 @@ fn losses_of_materials_have_a_size() {
     let losses: Vec<serde_json::Value> = serde_json::from_str(&report).unwrap();
     let dimmed = losses.iter().find(|l| l["what"] == "the specular reflectance of a metal").unwrap();
     let size = dimmed["size"].as_f64().unwrap();
-    // Of two balls with the same paths; spectra differ by how they become RGB.
+    // Of balls with the same paths; spectra differ by how they become RGB.
     assert!((size - 1.0).abs() < 0.02, "{size}");
     assert!(text(&run.stderr).contains("size: +1"), "{}", text(&run.stderr));
 }

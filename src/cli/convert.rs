@@ -89,9 +89,8 @@ fn warn(read: &Read) {
 
 fn describe(loss: &Loss) -> String {
     let place = loss.place.as_ref().map_or(String::new(), |place| format!("{place}: "));
-    let size = loss.size.map_or(String::new(), |size| {
-        format!("\n  size: {:+.0} % of the light of a ball of it in even light", 100.0 * size)
-    });
+    let size =
+        loss.size.map_or(String::new(), |size| format!("\n  size: {:+.0} % of its light", 100.0 * size));
     format!("lost: {place}{}\n  instead: {}{size}", loss.what, loss.instead)
 }
 

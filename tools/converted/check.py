@@ -20,7 +20,7 @@ import tempfile
 DIFFERENCE = re.compile(r"check with .*: ([+-][\d.]+|[+-]?inf|NaN) % \(noise ([\d.]+|NaN) %\): (\w+)")
 # Losses that do not change the light.
 HARMLESS = ("the setting", "the integrator", "the sampler", "near and far clip", "a further sensor",
-            "black on its back", "the scale in a sensor's to_world")
+            "black on its back", "filter", "pictures as", "the scale in a sensor's to_world")
 
 
 def scenes(folders):

@@ -31,8 +31,8 @@ pub struct Loss {
     pub place: Option<String>,
     /// What is written instead.
     pub instead: String,
-    /// How much more light there is in the result, in parts of what there was, where that was measured. Writers do
-    /// not measure.
+    /// How much more light there is in the result, in parts of what there was, where that is known. Writers know
+    /// it of lights; of materials it has to be measured.
     pub size: Option<f64>,
 }
 

@@ -67,8 +67,26 @@ impl<'a> Output<'a> {
         let place = origin.0.map(|span| self.sources.location(span));
         let loss = Loss { what: what.into(), place, instead: instead.into(), size: None };
         // An object that several others refer to may be written more than once.
-        if !self.losses.contains(&loss) {
+        let known = |other: &Loss| {
+            (&other.what, &other.place, &other.instead) == (&loss.what, &loss.place, &loss.instead)
+        };
+        if !self.losses.iter().any(known) {
             self.losses.push(loss);
+        }
+    }
+
+    /// As `lose`, when the light changes by this part of what there was.
+    pub fn lose_light(
+        &mut self,
+        origin: Origin,
+        what: impl Into<String>,
+        instead: impl Into<String>,
+        size: f64,
+    ) {
+        let (what, instead) = (what.into(), instead.into());
+        self.lose(origin, what.clone(), instead);
+        if let Some(loss) = self.losses.iter_mut().rev().find(|loss| loss.what == what) {
+            loss.size = Some(size);
         }
     }
 

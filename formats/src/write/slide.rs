@@ -22,6 +22,29 @@ pub(crate) struct Cone {
 }
 
 impl Cone {
+    /// From half angles in degrees.
+    pub fn new(cutoff: f64, beam: f64, falloff: SpotFalloff) -> Self {
+        Self { cutoff: cutoff.to_radians(), beam: beam.min(cutoff).to_radians(), falloff }
+    }
+
+    /// Its light with the other falloff, in parts of its own, less one.
+    pub fn change(&self) -> f64 {
+        let (b, c) = (self.beam, self.cutoff);
+        let flux = |falloff| {
+            let rim = match falloff {
+                SpotFalloff::Linear if c > b => b.cos() - (c.sin() - b.sin()) / (c - b),
+                SpotFalloff::Linear => 0.0,
+                SpotFalloff::Smoothstep => 0.5 * (b.cos() - c.cos()),
+            };
+            1.0 - b.cos() + rim
+        };
+        let other = match self.falloff {
+            SpotFalloff::Linear => SpotFalloff::Smoothstep,
+            SpotFalloff::Smoothstep => SpotFalloff::Linear,
+        };
+        flux(other) / flux(self.falloff) - 1.0
+    }
+
     /// Share of the light on the axis, at this angle to it.
     fn share(&self, angle: f64) -> f64 {
         if angle >= self.cutoff {
@@ -119,6 +142,20 @@ fn fan(size: [usize; 2], lookup: impl Fn([f64; 2]) -> [f64; 3], tangent: f64, po
 mod tests {
     use super::*;
     use crate::ir::WrapMode;
+
+    /// Light by the sum over thin rings, for a wide rim: the closed form is the same.
+    #[test]
+    fn the_change_of_falloff_is_that_of_the_light() {
+        let cone = |falloff| Cone { cutoff: 1.0, beam: 0.2, falloff };
+        let sum = |cone: &Cone| -> f64 {
+            (0..10_000).map(|i| (f64::from(i) + 0.5) / 10_000.0).map(|a| a.sin() * cone.share(a)).sum()
+        };
+        let (linear, smooth) = (cone(SpotFalloff::Linear), cone(SpotFalloff::Smoothstep));
+        let right = sum(&smooth) / sum(&linear) - 1.0;
+        assert!((linear.change() - right).abs() < 1e-6, "{} {right}", linear.change());
+        assert!((smooth.change() - (1.0 / (1.0 + right) - 1.0)).abs() < 1e-6);
+        assert!(right > 0.05, "{right}");
+    }
 
     /// Two pixels, 0 and 1: at the left border, a hair inside, the left one is mixed half and half with
     /// what lies beyond.

@@ -9,7 +9,7 @@ use crate::ir::{
     Origin, Shape, SpotFalloff, TextureEncoding, Transform,
 };
 use crate::spectrum::luminance;
-use crate::write::WriteError;
+use crate::write::{Cone, WriteError};
 
 /// A goniometric light's pole is +Y of its own space, its picture's +Z.
 const POLE: Transform =
@@ -40,11 +40,9 @@ impl Writer<'_, '_> {
             }
             EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, falloff, texture } => {
                 if *falloff == SpotFalloff::Linear {
-                    self.out.lose(
-                        origin,
-                        "a spot with linear falloff in the angle",
-                        "smoothstep falloff in the cosine",
-                    );
+                    let what = "a spot with linear falloff in the angle";
+                    let size = Cone::new(*cutoff_angle, *beam_width, *falloff).change();
+                    self.out.lose_light(origin, what, "smoothstep falloff in the cosine", size);
                 }
                 let mut p = self.color(none.clone(), "I", intensity, emission, origin);
                 if let Some(texture) = *texture {

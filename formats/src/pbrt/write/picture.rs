@@ -118,7 +118,7 @@ impl Writer<'_, '_> {
     ) -> Result<Params, WriteError> {
         let rgb = self.out.rgb(intensity, ColorSlot::Emission, origin);
         let sampled = self.out.sampled(texture)?.unwrap_or(Sampled::Constant([1.0; 3]));
-        let cone = Cone { cutoff: cutoff.to_radians(), beam: beam.to_radians(), falloff };
+        let cone = Cone::new(cutoff, beam, falloff);
         let name = self.out.spot_intensity(texture, &sampled, rgb, &cone)?;
         Ok(Params::default().string("filename", &name).float("fov", 2.0 * cutoff))
     }
