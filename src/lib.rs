@@ -26,6 +26,8 @@
 //! downwards only; `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` and
 //! `session` (and `cli`, for arguments) alone read the scene representation of `caustica-formats`.
 
+#![warn(missing_docs, clippy::missing_errors_doc)]
+
 pub mod accel;
 pub mod bsdf;
 pub mod cli;

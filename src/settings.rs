@@ -202,6 +202,58 @@ impl Limit {
     }
 }
 
+/// How many nearest photons an estimate is made of, from 2 on. The k-th bounds the disc and is not counted:
+/// k − 1 photons over its area are the unbiased density, and of one photon alone nothing would be left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Neighbours(pub u32);
+
+impl fmt::Display for Neighbours {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl FromStr for Neighbours {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s.parse() {
+            Ok(n @ 2..) => Ok(Self(n)),
+            _ => {
+                Err("a whole number from 2 (the farthest photon bounds the disc and is not counted)"
+                    .to_owned())
+            }
+        }
+    }
+}
+
+/// Most photons of an estimate: as [`Neighbours`], or no limit, written -1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cap(pub u32);
+
+impl Cap {
+    /// Without limit.
+    pub const NONE: Self = Self(u32::MAX);
+}
+
+impl fmt::Display for Cap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if *self == Self::NONE { f.write_str("-1") } else { self.0.fmt(f) }
+    }
+}
+
+impl FromStr for Cap {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "-1" => Ok(Self::NONE),
+            _ => s
+                .parse::<Neighbours>()
+                .map(|n| Self(n.0))
+                .map_err(|wants| format!("{wants}, or -1 for no limit")),
+        }
+    }
+}
+
 /// Camera samples a pixel in one pass; `None` follows the size of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Samples(pub Option<u32>);
@@ -238,7 +290,19 @@ macro_rules! value_from_str {
         fn parse(s: &str) -> Result<Self, String> { s.parse() }
     })+ };
 }
-value_from_str!(IntegratorKind, Mode, Lookup, Roulette, Count, Radius, Limit, Samples, KernelKind);
+value_from_str!(
+    IntegratorKind,
+    Mode,
+    Lookup,
+    Roulette,
+    Count,
+    Radius,
+    Limit,
+    Neighbours,
+    Cap,
+    Samples,
+    KernelKind
+);
 
 impl Value for bool {
     fn parse(s: &str) -> Result<Self, String> {
@@ -319,9 +383,9 @@ settings! {
     photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels";
     caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is the number of pixels";
     lookup: Lookup = Lookup::Radius, "radius or nearest", "density from all photons within the radius, or from the nearest ones";
-    neighbours: u32 = 100, "a whole number from 1", "photons of a global estimate when lookup=nearest";
-    caustic_neighbours: u32 = 100, "a whole number from 1", "photons of a caustic estimate when lookup=nearest";
-    caustic_cap: Limit = Limit::NONE, "a whole number or -1", "most caustic photons of one estimate: the nearest are kept";
+    neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a global estimate when lookup=nearest; the farthest only bounds the disc";
+    caustic_neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a caustic estimate when lookup=nearest";
+    caustic_cap: Cap = Cap::NONE, "a whole number from 2, or -1", "most caustic photons of one estimate: the nearest are kept";
     radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "global search radius (of the first pass when progressive)";
     caustic_radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "caustic search radius (of the first pass when progressive)";
     alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction: share of new photons kept, global map";
@@ -388,6 +452,15 @@ mod tests {
             s.set("alpha", "2").unwrap_err().to_string(),
             "setting `alpha` wants a number between 0 and 1, got `2`"
         );
+        let one = "a whole number from 2 (the farthest photon bounds the disc and is not counted)";
+        for (name, value, wants) in [
+            ("neighbours", "1", one.to_owned()),
+            ("caustic_neighbours", "0", one.to_owned()),
+            ("caustic_cap", "1", format!("{one}, or -1 for no limit")),
+        ] {
+            let message = format!("setting `{name}` wants {wants}, got `{value}`");
+            assert_eq!(s.set(name, value).unwrap_err().to_string(), message);
+        }
         s.set("radius", "0.05R").unwrap();
         assert_eq!(s.radius, Radius::Relative(0.05));
         s.set("photons", "2.5e5").unwrap();

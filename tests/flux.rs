@@ -83,7 +83,7 @@ fn emitted(scene: &Scene) -> Color {
         let mut sampler = Sampler::new(11, i);
         let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
         if let Some(e) = scene.sample_emission(pick, place, direction) {
-            (0..3).for_each(|c| sum[c] += f64::from(e.flux.lanes()[c]));
+            (0..3).for_each(|c| sum[c] += f64::from(e.emission.flux.lanes()[c]));
         }
     }
     rgb(sum.map(|s| (s / f64::from(n)) as f32))

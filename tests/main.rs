@@ -27,6 +27,7 @@ mod imports;
 mod inspect;
 mod laws;
 mod layers;
+mod light_tracing;
 mod lights;
 mod map;
 mod nee;

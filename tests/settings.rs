@@ -10,10 +10,12 @@ use caustica_formats::files::Memory;
 use crate::support::{box_camera, plain};
 
 /// Of each of these a setting takes some.
-const VALUES: [&str; 11] = [
+const VALUES: [&str; 13] = [
     "path",
     "photonmap",
+    "progressive",
     "classic",
+    "radius",
     "7",
     "0.31",
     "0.05R",

@@ -1,7 +1,21 @@
 //! Every byte that enters or leaves caustica: scene languages, meshes, images, spectra.
 //!
-//! Invariants (checked by `tests/tidy.rs`): `ir` depends on `diagnostic` only; the scene
-//! languages never import each other; nothing here knows of rendering.
+//! ```
+//! use std::path::Path;
+//!
+//! use caustica_formats::files::Memory;
+//! use caustica_formats::{ReadOptions, read_scene, write_scene};
+//!
+//! let xml = "<scene version='3.0.0'><emitter type='constant'/><shape type='sphere'/></scene>";
+//! let files = Memory([("scene.xml".into(), xml.as_bytes().to_vec())].into_iter().collect());
+//! let read = read_scene(&files, Path::new("scene.xml"), &ReadOptions::default()).expect("a valid scene");
+//! assert_eq!(read.scene.shapes.len(), 1);
+//! let written = write_scene(&read, &files, Path::new("scene.pbrt")).expect("no asset is missing");
+//! assert!(written.text.contains("Shape \"sphere\""));
+//! ```
+//!
+//! Rules (checked by `tests/tidy.rs` and `tests/imports.rs`): `ir` depends on `diagnostic` only; the scene
+//! languages never import each other; no two files import each other; nothing here knows of rendering.
 
 #![warn(missing_docs, clippy::missing_errors_doc)]
 

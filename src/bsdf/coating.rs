@@ -1,11 +1,10 @@
 use std::sync::Arc;
 
-use super::layers::Layers;
-use super::material::flat;
+use super::material::{Composite, flat};
 use super::microfacet::{Microfacet, reflect};
 use super::roughconductor::reflected_pdf;
 use super::{
-    Bxdf, DeltaLobe, Deltas, Lobe, Lobes, Nature, Node, Parameters, Point, Range, Returned, Roughness,
+    Bxdf, DeltaLobe, Deltas, Lobe, Lobes, Nature, Node, Parameters, Point, Range, Roughness, RoundTrips,
     Scatter, Transmittance, Transport, fresnel,
 };
 use crate::math::{Color, Vec2, Vec3};
@@ -19,11 +18,13 @@ pub struct CoatingModel {
     pub eta: f32,
     /// Absorption over the thickness of the coat.
     pub absorption: Param,
+    /// Factor of the coat's own reflection; 1 is physical.
     pub specular: Param,
     /// A rough surface, with its transmittance; `None` is smooth.
     pub rough: Option<(Roughness, Arc<Transmittance>)>,
     /// Exact for a smooth coat over a smooth metal.
     pub interreflection: Interreflection<Roughness>,
+    /// What lies below the coat.
     pub nested: Box<Node>,
 }
 
@@ -34,7 +35,8 @@ pub enum Interreflection<R> {
     None,
     /// At the angle of the light.
     Mirror,
-    Rough(R, Arc<Returned>),
+    /// By a table for rough metal, at its roughness.
+    Rough(R, Arc<RoundTrips>),
 }
 
 impl Parameters for CoatingModel {
@@ -78,6 +80,7 @@ impl Parameters for CoatingModel {
     }
 }
 
+/// [`super::CoatingModel`] at a point.
 #[derive(Clone, Debug)]
 pub struct Coating {
     eta: f32,
@@ -86,11 +89,11 @@ pub struct Coating {
     rough: Option<(Microfacet, Arc<Transmittance>)>,
     interreflection: Interreflection<f32>,
     /// Above and below.
-    nested: [Layers; 2],
+    nested: [Composite; 2],
 }
 
 impl Coating {
-    fn below(&self, wi: Vec3) -> &Layers {
+    fn below(&self, wi: Vec3) -> &Composite {
         &self.nested[usize::from(wi.z < 0.0)]
     }
 
@@ -218,7 +221,7 @@ impl Scatter for Coating {
         }
         let (inside_i, inside_o) = (self.inside(wi), self.inside(wo));
         let (own, total) = self.weights(wi, inside_i);
-        let nested = self.below(wi).pdf(inside_i, inside_o, range);
+        let nested = self.below(wi).pdf(inside_i, inside_o, Transport::Radiance, range);
         // dω inside over dω outside.
         let jacobian = (wo.z / inside_o.z).abs() / (self.eta * self.eta);
         let mut pdf = (1.0 - self.coat_probability(wi)) * nested * jacobian;
@@ -235,8 +238,8 @@ impl Scatter for Coating {
             return (wo.z > 0.0).then(|| (wo * 1.0f32.copysign(wi.z), 1.0));
         }
         let inside = self.inside(wi);
-        let (entry, nested, _) = self.nested_lobes(inside).nth(lobe - 1)?;
-        let wo = self.below(wi).draw(entry, nested, inside, u_lobe, u)?.0;
+        let (component, nested, _) = self.nested_lobes(inside).nth(lobe - 1)?;
+        let wo = self.below(wi).draw(component, nested, inside, u_lobe, u)?.0;
         self.outside(wo).filter(|wo| wo.z * wi.z > 0.0).map(|wo| (wo, 1.0))
     }
 

@@ -6,7 +6,9 @@ use crate::texture::Param;
 /// Smooth metal or perfect mirror, reflecting from the front side.
 #[derive(Clone, Copy, Debug)]
 pub struct ConductorModel {
+    /// What the surface is made of: Fresnel's reflectance.
     pub metal: Metal,
+    /// Share of the reflected light that is kept, by colour; 1 is physical.
     pub reflectance: Param,
 }
 
@@ -24,6 +26,7 @@ impl Parameters for ConductorModel {
     }
 }
 
+/// [`super::ConductorModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Conductor {
     metal: MetalAt,

@@ -5,8 +5,11 @@ use crate::texture::Param;
 /// Smooth boundary between two dielectrics; `eta` = index behind the normal over index before it.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricModel {
+    /// Index of refraction behind the normal over that before it.
     pub eta: f32,
+    /// Share of the reflected light that is kept, by colour; 1 is physical.
     pub reflectance: Param,
+    /// Share of the transmitted light that is kept, by colour; 1 is physical.
     pub transmittance: Param,
 }
 
@@ -34,10 +37,14 @@ impl Parameters for DielectricModel {
     }
 }
 
+/// [`super::DielectricModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Dielectric {
+    /// Index of refraction behind the normal over that before it.
     pub eta: f32,
+    /// Factor of the reflection.
     pub reflectance: Color,
+    /// Factor of the refraction.
     pub transmittance: Color,
 }
 

@@ -9,7 +9,9 @@ use crate::texture::Param;
 /// Lambertian reflection and transmission, alike on both sides.
 #[derive(Clone, Copy, Debug)]
 pub struct DiffuseTransmissionModel {
+    /// Albedo of the side that light comes from.
     pub reflectance: Param,
+    /// Share of light that leaves from the other side.
     pub transmittance: Param,
 }
 
@@ -30,6 +32,7 @@ impl Parameters for DiffuseTransmissionModel {
     }
 }
 
+/// [`super::DiffuseTransmissionModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct DiffuseTransmission {
     reflectance: Color,

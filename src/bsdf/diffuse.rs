@@ -8,6 +8,7 @@ use crate::texture::Param;
 /// Lambertian reflection from the front side.
 #[derive(Clone, Copy, Debug)]
 pub struct DiffuseModel {
+    /// Albedo.
     pub reflectance: Param,
 }
 
@@ -32,6 +33,7 @@ impl Parameters for DiffuseModel {
 /// A closure that is nothing else than this is handled by [`super::Closure`] itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Diffuse {
+    /// Albedo.
     pub reflectance: Color,
 }
 

@@ -5,8 +5,18 @@ use crate::math::{Color, Vec3};
 /// What a path carries. Refraction scales radiance by 1/eta², importance (photons) not at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transport {
+    /// What cameras measure: paths from the camera carry it.
     Radiance,
+    /// What photons carry.
     Importance,
+}
+
+/// What importance is multiplied by where it is scattered by a shading normal (Veach 1997, eq. 5.19):
+/// |wi·ns||wo·ng| / (|wi·ng||wo·ns|), from the cosines of wi and wo to the `shading` and to the `geometric`
+/// normal. At grazing angles it has a finite mean but no bound; 100 is the most.
+#[inline]
+pub fn adjoint_correction(shading: [f32; 2], geometric: [f32; 2]) -> f32 {
+    ((shading[0] * geometric[1]) / (geometric[0] * shading[1])).abs().min(100.0)
 }
 
 /// Which smooth lobes are meant, by their roughness (α of a microfacet lobe; diffuse is endless).
@@ -18,6 +28,7 @@ pub struct Range {
 }
 
 impl Range {
+    /// Every smooth lobe.
     pub const ALL: Self = Self { min: 0.0, max: f32::INFINITY };
     /// Roughness of Lambertian lobes.
     pub const DIFFUSE: f32 = f32::MAX;
@@ -32,11 +43,13 @@ impl Range {
         Self { max: threshold, ..Self::ALL }
     }
 
+    /// Whether lobes of this roughness are meant.
     #[inline(always)]
     pub fn contains(self, roughness: f32) -> bool {
         self.min <= roughness && roughness < self.max
     }
 
+    /// Whether the range has lobes of `roughness` or less.
     pub fn begins_below(self, roughness: f32) -> bool {
         self.min <= roughness
     }
@@ -51,9 +64,11 @@ impl Range {
 /// A direction drawn from the smooth part of a BSDF.
 #[derive(Clone, Copy, Debug)]
 pub struct SmoothSample {
+    /// Where the path goes on: of unit length, in the shading frame.
     pub wo: Vec3,
     /// f·|cosθo|/pdf.
     pub weight: Color,
+    /// Density per solid angle.
     pub pdf: f32,
     /// As in [`DeltaLobe`].
     pub eta: f32,
@@ -62,6 +77,7 @@ pub struct SmoothSample {
 /// One perfectly specular direction.
 #[derive(Clone, Copy, Debug)]
 pub struct DeltaLobe {
+    /// Where the path goes on: of unit length, in the shading frame.
     pub wo: Vec3,
     /// Share of the incident quantity that goes this way.
     pub weight: Color,
@@ -86,6 +102,7 @@ impl Deltas {
         }
     }
 
+    /// All of them, in the order in which they were found.
     pub fn iter(&self) -> impl Iterator<Item = &DeltaLobe> {
         self.first.iter().flatten().chain(&self.more)
     }
@@ -102,6 +119,7 @@ pub enum Event {
     Smooth,
     /// A smooth lobe too narrow for that.
     Glossy,
+    /// A perfectly specular direction.
     Delta,
     /// Straight through an opening of a mask or an index-matched boundary.
     Null,
@@ -110,11 +128,15 @@ pub enum Event {
 /// A sampled continuation.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
+    /// Where the path goes on: of unit length, in the shading frame.
     pub wo: Vec3,
+    /// f·|cosθo|/pdf, or the share of the specular direction over its probability.
     pub weight: Color,
     /// Density of `wo` among the lobes of this kind of event, including the probability of choosing
     /// them; 0 for specular and null events.
     pub pdf: f32,
+    /// As in [`DeltaLobe`].
     pub eta: f32,
+    /// Which kind of lobe it came from.
     pub event: Event,
 }

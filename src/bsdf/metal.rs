@@ -8,9 +8,21 @@ pub enum Metal {
     /// Reflects everything.
     Mirror,
     /// Complex index, in units of the index outside.
-    Index { eta: Param, k: Param, outside: f32 },
+    Index {
+        /// Real part.
+        eta: Param,
+        /// Imaginary part: absorption.
+        k: Param,
+        /// Index of what lies above the metal.
+        outside: f32,
+    },
     /// η = 1 and the k with this reflectance at normal incidence in air (pbrt).
-    Reflectance { normal: Param, outside: f32 },
+    Reflectance {
+        /// At normal incidence in air.
+        normal: Param,
+        /// Index of what lies above the metal.
+        outside: f32,
+    },
 }
 
 impl Metal {
@@ -43,6 +55,7 @@ impl Metal {
 pub struct MetalAt(pub(super) Option<(Color, Color)>);
 
 impl MetalAt {
+    /// Reflectance by colour at the cosine `cos` of the angle to the normal.
     pub fn fresnel(&self, cos: f32) -> Color {
         self.0.map_or(Color::ONE, |(eta, k)| fresnel::conductor(cos, eta, k))
     }

@@ -9,8 +9,6 @@
 //! numbers at one point ([`Scatter`]). Adding one is one new file and a row in each of the two tables below.
 //! [`Material`] nests models (masks, blends, two sides, bumps); [`Closure`] is a material at a point.
 
-mod between;
-mod closure;
 mod coating;
 mod conductor;
 mod dielectric;
@@ -18,7 +16,7 @@ mod difftrans;
 mod diffuse;
 mod event;
 pub mod fresnel;
-mod layers;
+mod interreflection;
 mod lobes;
 mod material;
 mod metal;
@@ -27,43 +25,33 @@ mod phong;
 mod plastic;
 mod principled;
 mod principledthin;
-mod returned;
 mod roughconductor;
 mod roughdielectric;
 mod roughdiffuse;
-mod roughness;
 mod roughplastic;
-mod rows;
-mod special;
 mod thindielectric;
-mod tilt;
-mod transmittance;
 mod ward;
 
-pub use between::{Between, Walk};
-pub use closure::Closure;
 pub use coating::{Coating, CoatingModel, Interreflection};
 pub use conductor::{Conductor, ConductorModel};
 pub use dielectric::{Dielectric, DielectricModel};
 pub use difftrans::{DiffuseTransmission, DiffuseTransmissionModel};
 pub use diffuse::{Diffuse, DiffuseModel};
-pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport};
+pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport, adjoint_correction};
+pub use interreflection::{DiffuseBase, RoundTrips, Walk};
 pub use lobes::{Lobe, Lobes};
-pub use material::{Material, Node};
+pub use material::{Closure, Material, Node, Perturbation, Relief};
 pub use metal::Metal;
+pub use microfacet::{Roughness, Transmittance};
 pub use phong::{Phong, PhongModel};
 pub use plastic::{Plastic, PlasticModel};
 pub use principled::{Principled, PrincipledModel};
 pub use principledthin::{PrincipledThin, PrincipledThinModel};
-pub use returned::Returned;
 pub use roughconductor::{RoughConductor, RoughConductorModel};
 pub use roughdielectric::{RoughDielectric, RoughDielectricModel};
 pub use roughdiffuse::{RoughDiffuse, RoughDiffuseModel};
-pub use roughness::Roughness;
 pub use roughplastic::{RoughPlastic, RoughPlasticModel};
 pub use thindielectric::{ThinDielectric, ThinDielectricModel};
-pub use tilt::{Perturbation, Relief};
-pub use transmittance::Transmittance;
 pub use ward::{Ward, WardModel, WardVariant};
 
 use crate::math::{Color, Vec2, Vec3, closed_enum};
@@ -73,7 +61,9 @@ use crate::texture::{Param, Site, Textures};
 /// Where parameters are looked up.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<'a> {
+    /// Where textures are found.
     pub textures: &'a Textures,
+    /// What textures ask for.
     pub site: Site,
     /// ∂p/∂u and ∂p/∂v along the shading frame's s and t.
     pub tangents: [Vec2; 2],
@@ -94,6 +84,7 @@ impl<'a> Point<'a> {
         Self { site: Site { uv: self.site.uv + d, p, ..self.site }, ..*self }
     }
 
+    /// The colour of a parameter here.
     #[inline]
     pub fn color(&self, param: Param) -> Color {
         self.textures.eval(param, &self.site)

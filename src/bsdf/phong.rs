@@ -11,8 +11,11 @@ use crate::texture::Param;
 /// Modified Phong model (Lafortune and Willems 1994): a cosine power about the mirror direction.
 #[derive(Clone, Copy, Debug)]
 pub struct PhongModel {
+    /// Reflectance of the diffuse part.
     pub diffuse: Param,
+    /// Factor of the specular reflection; 1 is physical.
     pub specular: Param,
+    /// Exponent of the cosine; 0 is the widest lobe.
     pub exponent: Param,
 }
 
@@ -44,6 +47,7 @@ fn roughness(exponent: f32) -> f32 {
     (2.0 / (exponent + 2.0)).sqrt()
 }
 
+/// [`super::PhongModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Phong {
     diffuse: Color,

@@ -2,7 +2,8 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::diffuse::cosine_pdf;
 use super::{
-    Between, Bxdf, DeltaLobe, Deltas, Lobes, Nature, Parameters, Point, Range, Scatter, Transport, fresnel,
+    Bxdf, DeltaLobe, Deltas, DiffuseBase, Lobes, Nature, Parameters, Point, Range, Scatter, Transport,
+    fresnel,
 };
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
@@ -14,9 +15,12 @@ use crate::texture::Param;
 pub struct PlasticModel {
     /// Index of the coat over the index outside.
     pub eta: f32,
+    /// Reflectance of the diffuse part.
     pub diffuse: Param,
+    /// Factor of the specular reflection; 1 is physical.
     pub specular: Param,
-    pub between: Between,
+    /// What becomes of light between coat and base.
+    pub between: DiffuseBase,
 }
 
 impl Parameters for PlasticModel {
@@ -49,13 +53,14 @@ pub(super) fn specular_weight(diffuse: Color, specular: Color) -> f32 {
     if d + s > 0.0 { s / (d + s) } else { 0.0 }
 }
 
+/// [`super::PlasticModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Plastic {
     eta: f32,
     /// ρ / (1 − ρₓ·F̄) / η².
     base: Color,
     leaves: f32,
-    between: Between,
+    between: DiffuseBase,
     specular: Color,
     specular_weight: f32,
 }

@@ -1,7 +1,7 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use super::diffuse::cosine_pdf;
-use super::microfacet::{Kind, Microfacet, Shadowing, reflect, refract};
+use super::microfacet::{Distribution, Microfacet, Shadowing, reflect, refract};
 use super::roughdielectric::Meeting;
 use super::{Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Scatter, Transport, fresnel};
 use crate::math::{Color, Vec2, Vec3};
@@ -12,17 +12,29 @@ use crate::texture::Param;
 /// Disney's principled model in Mitsuba 3's form (Burley 2012, 2015).
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledModel {
+    /// Colour of the diffuse part, and of the reflection of metal.
     pub base_color: Param,
+    /// 0 to 1; the α of the distribution is its square.
     pub roughness: Param,
+    /// 0 to 1: how far the highlight is stretched along the tangent.
     pub anisotropic: Param,
+    /// 0 to 1: from dielectric to metal.
     pub metallic: Param,
+    /// 0 to 1: share of light that is refracted instead of scattered diffusely.
     pub spec_trans: Param,
+    /// Index of refraction behind the normal over that before it.
     pub eta: f32,
+    /// 0 to 1: how much the reflection takes the base colour.
     pub spec_tint: Param,
+    /// Strength of the soft reflection at grazing angles.
     pub sheen: Param,
+    /// 0 to 1: how much the sheen takes the base colour.
     pub sheen_tint: Param,
+    /// 0 to 1: from the diffuse lobe to one that imitates subsurface scattering.
     pub flatness: Param,
+    /// 0 to 1: strength of the second, colourless reflection.
     pub clearcoat: Param,
+    /// 0 to 1: how narrow that is.
     pub clearcoat_gloss: Param,
 }
 
@@ -95,7 +107,7 @@ pub(super) fn distribution(roughness: f32, anisotropic: f32) -> Microfacet {
     let aspect = (1.0 - 0.9 * anisotropic).sqrt();
     let r2 = roughness * roughness;
     let [au, av] = [r2 / aspect, r2 * aspect].map(|a| a.max(0.001));
-    Microfacet::new(Kind::Ggx, Shadowing::Separable, au, av)
+    Microfacet::new(Distribution::Ggx, Shadowing::Separable, au, av)
 }
 
 /// A colour without its brightness.
@@ -120,6 +132,7 @@ pub(super) fn schlick_between(cos: f32, eta: f32) -> f32 {
     schlick((1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0).sqrt())
 }
 
+/// [`super::PrincipledModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Principled {
     base: Color,
@@ -168,7 +181,7 @@ impl Principled {
     /// Without the 1/(4 cosθi cosθo) that a microfacet lobe would have: so it is in Disney's code.
     fn coat(&self, wi: Vec3, wo: Vec3, h: Vec3) -> f32 {
         let f = 0.04 + 0.96 * schlick_between(wi.dot(h), self.eta);
-        let shadow = Microfacet::new(Kind::Ggx, Shadowing::Separable, 0.25, 0.25);
+        let shadow = Microfacet::new(Distribution::Ggx, Shadowing::Separable, 0.25, 0.25);
         self.clearcoat * f * gtr1(h.z, self.clearcoat_alpha) * shadow.g(wi, wo, h)
     }
 

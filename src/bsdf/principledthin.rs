@@ -13,14 +13,23 @@ use crate::texture::Param;
 /// Disney's model for thin sheets: both sides are alike, and what is refracted leaves at once, blurred.
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledThinModel {
+    /// Colour of the diffuse part, and of the reflection of metal.
     pub base_color: Param,
+    /// 0 to 1; the α of the distribution is its square.
     pub roughness: Param,
+    /// 0 to 1: how far the highlight is stretched along the tangent.
     pub anisotropic: Param,
+    /// 0 to 1: share of light that is refracted instead of scattered diffusely.
     pub spec_trans: Param,
+    /// Index of refraction of the sheet over that outside.
     pub eta: Param,
+    /// 0 to 1: how much the reflection takes the base colour.
     pub spec_tint: Param,
+    /// Strength of the soft reflection at grazing angles.
     pub sheen: Param,
+    /// 0 to 1: how much the sheen takes the base colour.
     pub sheen_tint: Param,
+    /// 0 to 1: from the diffuse lobe to one that imitates subsurface scattering.
     pub flatness: Param,
     /// 0..2: half of it is transmitted.
     pub diff_trans: Param,
@@ -84,6 +93,7 @@ impl Parameters for PrincipledThinModel {
     }
 }
 
+/// [`super::PrincipledThinModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledThin {
     base: Color,

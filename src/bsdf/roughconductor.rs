@@ -7,8 +7,11 @@ use crate::texture::Param;
 /// Metal with a rough surface, reflecting from the front side (Walter et al. 2007).
 #[derive(Clone, Copy, Debug)]
 pub struct RoughConductorModel {
+    /// What the surface is made of: Fresnel's reflectance.
     pub metal: Metal,
+    /// Share of the reflected light that is kept, by colour; 1 is physical.
     pub reflectance: Param,
+    /// Microfacets of the surface.
     pub roughness: Roughness,
 }
 
@@ -35,6 +38,7 @@ impl Parameters for RoughConductorModel {
     }
 }
 
+/// [`super::RoughConductorModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughConductor {
     metal: MetalAt,

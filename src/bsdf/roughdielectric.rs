@@ -6,9 +6,13 @@ use crate::texture::Param;
 /// Rough boundary between two dielectrics (Walter et al. 2007); `eta` as in `DielectricModel`.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughDielectricModel {
+    /// Index of refraction behind the normal over that before it.
     pub eta: f32,
+    /// Share of the reflected light that is kept, by colour; 1 is physical.
     pub reflectance: Param,
+    /// Share of the transmitted light that is kept, by colour; 1 is physical.
     pub transmittance: Param,
+    /// Microfacets of the surface.
     pub roughness: Roughness,
 }
 
@@ -37,6 +41,7 @@ impl Parameters for RoughDielectricModel {
     }
 }
 
+/// [`super::RoughDielectricModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughDielectric {
     eta: f32,
@@ -49,7 +54,9 @@ pub struct RoughDielectric {
 pub(super) struct Meeting {
     /// Microfacet normal, on the upper side.
     pub m: Vec3,
+    /// Both directions are on one side.
     pub reflected: bool,
+    /// Reflectance at the microfacet.
     pub fresnel: f32,
     /// Index on the far side of `wi` over that on its own.
     pub eta: f32,

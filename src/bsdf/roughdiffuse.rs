@@ -9,7 +9,9 @@ use crate::texture::Param;
 /// Oren and Nayar 1994: V-shaped grooves of diffuse walls, slopes of standard deviation σ = α/√2.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughDiffuseModel {
+    /// Albedo of the walls of the grooves.
     pub reflectance: Param,
+    /// √2 times the standard deviation of the grooves' slope.
     pub alpha: Param,
     /// Without interreflection in the grooves (the paper's qualitative model).
     pub fast: bool,
@@ -31,6 +33,7 @@ impl Parameters for RoughDiffuseModel {
     }
 }
 
+/// [`super::RoughDiffuseModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughDiffuse {
     reflectance: Color,

@@ -6,7 +6,7 @@ use super::microfacet::{Microfacet, reflect};
 use super::plastic::specular_weight;
 use super::roughconductor::reflected_pdf;
 use super::{
-    Between, Bxdf, Lobe, Lobes, Nature, Parameters, Point, Range, Roughness, Scatter, Transmittance,
+    Bxdf, DiffuseBase, Lobe, Lobes, Nature, Parameters, Point, Range, Roughness, Scatter, Transmittance,
     Transport, fresnel,
 };
 use crate::math::{Color, Vec2, Vec3};
@@ -18,9 +18,13 @@ use crate::texture::Param;
 pub struct RoughPlasticModel {
     /// Index of the coat over the index outside.
     pub eta: f32,
+    /// Reflectance of the diffuse part.
     pub diffuse: Param,
+    /// Factor of the specular reflection; 1 is physical.
     pub specular: Param,
-    pub between: Between,
+    /// What becomes of light between coat and base.
+    pub between: DiffuseBase,
+    /// Microfacets of the surface.
     pub roughness: Roughness,
     /// For this `eta`.
     pub transmittance: Arc<Transmittance>,
@@ -58,12 +62,13 @@ impl Parameters for RoughPlasticModel {
     }
 }
 
+/// [`super::RoughPlasticModel`] at a point.
 #[derive(Clone, Debug)]
 pub struct RoughPlastic {
     eta: f32,
     base: Color,
     leaves: f32,
-    between: Between,
+    between: DiffuseBase,
     specular: Color,
     specular_weight: f32,
     microfacet: Microfacet,

@@ -23,6 +23,7 @@ impl Parameters for ThinDielectricModel {
     }
 }
 
+/// [`super::ThinDielectricModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinDielectric(Dielectric);
 

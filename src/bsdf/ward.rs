@@ -23,10 +23,15 @@ pub enum WardVariant {
 /// Anisotropic Gaussian reflection with a diffuse part (Ward 1992).
 #[derive(Clone, Copy, Debug)]
 pub struct WardModel {
+    /// Which normalisation.
     pub variant: WardVariant,
+    /// Reflectance of the diffuse part.
     pub diffuse: Param,
+    /// Factor of the specular reflection; 1 is physical.
     pub specular: Param,
+    /// Roughness along the tangent.
     pub alpha_u: Param,
+    /// Roughness across it.
     pub alpha_v: Param,
 }
 
@@ -55,6 +60,7 @@ impl Parameters for WardModel {
     }
 }
 
+/// [`super::WardModel`] at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Ward {
     variant: WardVariant,

@@ -12,6 +12,7 @@ use super::scene::{SpectralRule, pair};
 use super::{check, outside, report, sizes};
 use crate::session::check_place;
 
+/// Arguments of `convert`.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
     /// Scene to read: Mitsuba .xml of any version, pbrt-v4 .pbrt (v3 is upgraded)
@@ -45,6 +46,10 @@ pub struct ConvertArgs {
     pub allow_path: Vec<PathBuf>,
 }
 
+/// Converts a scene. The exit status is 0, or with `--check` 1 where the pictures differ.
+///
+/// # Errors
+/// When the scene cannot be read, or the result cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     let options = ReadOptions {
         defines: args.define.clone(),

@@ -17,6 +17,9 @@ pub struct Interrupt {
 
 impl Interrupt {
     /// Signals end the program, with the status that stands for them, until [`Self::watch`].
+    ///
+    /// # Errors
+    /// When a handler cannot be installed.
     pub fn begin() -> Result<Self, String> {
         let watched = Self { stop: Arc::new(AtomicBool::new(true)), signal: Arc::default() };
         for signal in [SIGINT, SIGTERM] {

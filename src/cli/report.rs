@@ -16,7 +16,10 @@ pub fn error(message: &str) {
     }
 }
 
-/// Prints data for machines and pagers to stdout. A pager that was closed has seen enough.
+/// Prints data for machines and pagers to stdout. A closed pipe is no error.
+///
+/// # Errors
+/// When stdout cannot be written for another reason.
 pub fn data(text: &str) -> Result<(), String> {
     match writeln!(std::io::stdout(), "{text}") {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(format!("cannot write to stdout: {e}")),

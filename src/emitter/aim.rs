@@ -4,54 +4,58 @@ use std::collections::BTreeMap;
 
 use super::SceneSphere;
 use crate::math::{Frame, Vec2, Vec3};
-use crate::sampling::{Discrete, warp};
+use crate::sampling::{Density, Discrete, warp};
 
-/// Spheres that are worth more of the light from infinity than the rest of the scene: what led to photons passed through
-/// them, windows for example, or they are where the camera looks. Light that starts towards them carries less each, so
-/// that nothing is added.
+/// Spheres that get more of the paths from infinity than the rest of the scene: those through which paths came that
+/// left photons (windows, for example), or those around what the camera sees. Each path towards them carries less, so
+/// the light stays the same.
 #[derive(Clone, Debug)]
 pub struct Aim {
-    /// The whole scene is one of them: no light is left out.
+    /// Includes the whole scene, so that no light is lost.
     targets: Vec<SceneSphere>,
-    /// Of a target.
+    /// Probabilities of the targets.
     choice: Discrete,
 }
 
-/// A ray from outside of the scene to what it met first, and what it brought.
+/// The first segment of a light path from infinity: from outside of the scene to what it meets there.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrow {
+pub struct EntrySegment {
+    /// Where it starts, before the scene.
     pub from: Vec3,
+    /// The first surface point that it meets.
     pub to: Vec3,
+    /// Flux of the photons that the path left, of the channel with most.
     pub weight: f32,
 }
 
-/// Targets, at most.
+/// Most targets.
 const MOST: usize = 64;
 
-/// Targets across the scene's radius: the first of these with which one has [`HITS`] or more on the average.
+/// Sizes of targets to try: the scene's radius over these. The first is taken whose targets have [`HITS`] segments each
+/// on average.
 const ACROSS: [f32; 4] = [16.0, 8.0, 4.0, 2.0];
 
-/// With fewer arrows a target, much of the light would pass through none, and weigh too much.
+/// With fewer segments a target, much of the light would pass outside of all targets and get a large weight.
 const HITS: usize = 4;
 
-/// Share that goes everywhere as before: what the pilot missed is not lost, and weighs four times as much at most.
+/// Share of the paths that are not aimed: what the pilot missed is not lost, and its weight is at most four.
 const EVERYWHERE: f64 = 0.25;
 
-/// A scene this many times larger than what the camera sees of it gets hardly any light there.
+/// If the scene is this many times larger than what the camera sees of it, hardly any unaimed light arrives there.
 const VAST: f32 = 8.0;
 
-/// Radius of each of the spheres around what the camera sees, against that of the next smaller.
+/// Ratio of the radii of consecutive spheres around what the camera sees.
 const WIDER: f32 = 2.0;
 
-/// Radius of the smallest of them against the scene's: single precision puts light on the disk as finely as 2⁻²⁴ of it.
+/// Smallest radius, as a share of the scene's: single precision places light on the disk in steps of 2⁻²⁴ of it.
 const FINEST: f32 = 1.0 / 16384.0;
 
 impl Aim {
-    /// From what reached places that matter. `None` where few targets do not tell its way.
-    pub fn new(scene: &SceneSphere, arrows: &[Arrow]) -> Option<Self> {
+    /// From the first segments of paths that left photons. `None` if few targets do not cover them.
+    pub fn new(scene: &SceneSphere, segments: &[EntrySegment]) -> Option<Self> {
         ACROSS.into_iter().find_map(|across| {
             let size = scene.radius / across;
-            let found = cover(scene, arrows, size).filter(|cells| cells.len() * HITS <= arrows.len())?;
+            let found = cover(scene, segments, size).filter(|cells| cells.len() * HITS <= segments.len())?;
             let center = |cell: Cell| scene.center + (Vec3::from(cell.map(|x| x as f32)) + 0.5) * size;
             // Half of a cell's diagonal.
             let radius = size * 0.75f32.sqrt();
@@ -65,8 +69,8 @@ impl Aim {
         })
     }
 
-    /// As much to `seen` as to a sphere around it twice as wide, to the next, and to the whole scene: on a vast
-    /// floor, no other light comes near the camera. `None` where the scene is not vast.
+    /// Equal shares to `seen`, to spheres around it that double in radius, and to the whole scene: on a vast floor,
+    /// hardly any unaimed light comes near the camera. `None` if the scene is not that large.
     pub fn around(scene: &SceneSphere, seen: &SceneSphere) -> Option<Self> {
         if seen.radius.is_nan() || seen.radius <= 0.0 || scene.radius <= VAST * seen.radius {
             return None;
@@ -80,7 +84,7 @@ impl Aim {
         Some(Self { targets, choice })
     }
 
-    /// A place on the disk that the scene shows, and the density of an even choice over the one it was chosen with.
+    /// A point of the disk, and its weight: the density of an even choice over that of the choice made.
     fn place(&self, scene: &SceneSphere, frame: &Frame, u: Vec2) -> (Vec2, f32) {
         let at = |target: &SceneSphere| {
             let local = frame.to_local(target.center - scene.center);
@@ -103,22 +107,22 @@ impl Aim {
 
 type Cell = [i32; 3];
 
-/// Few cells of a grid through which nearly all that the arrows bring has passed: always the one through which most of
-/// the rest has. `None` when [`MOST`] do not do.
-fn cover(scene: &SceneSphere, arrows: &[Arrow], size: f32) -> Option<Vec<(Cell, f64)>> {
+/// Few cells of a grid that the segments of nearly all flux pass through, chosen greedily by the flux that is not yet
+/// covered. `None` if [`MOST`] cells are not enough.
+fn cover(scene: &SceneSphere, segments: &[EntrySegment], size: f32) -> Option<Vec<(Cell, f64)>> {
     let mut through: BTreeMap<Cell, Vec<usize>> = BTreeMap::new();
-    for (i, arrow) in arrows.iter().enumerate() {
-        let way = arrow.to - arrow.from;
+    for (i, segment) in segments.iter().enumerate() {
+        let way = segment.to - segment.from;
         let steps = (2.0 * way.length() / size).ceil().clamp(1.0, 1024.0) as u16;
         for k in 0..=steps {
-            let p = arrow.from + way * (f32::from(k) / f32::from(steps)) - scene.center;
+            let p = segment.from + way * (f32::from(k) / f32::from(steps)) - scene.center;
             let list = through.entry((p / size).floor().to_array().map(|x| x as i32)).or_default();
             if list.last() != Some(&i) {
                 list.push(i);
             }
         }
     }
-    let mut left: Vec<f64> = arrows.iter().map(|a| f64::from(a.weight)).collect();
+    let mut left: Vec<f64> = segments.iter().map(|a| f64::from(a.weight)).collect();
     let all: f64 = left.iter().sum();
     let mut found = Vec::new();
     let mut covered = 0.0;
@@ -136,28 +140,44 @@ fn cover(scene: &SceneSphere, arrows: &[Arrow], size: f32) -> Option<Vec<(Cell, 
     (!found.is_empty()).then_some(found)
 }
 
-/// The scene as light from infinity finds it.
+/// The scene as emitters need to know it: light from infinity starts on a disk that covers it.
 #[derive(Clone, Copy, Debug)]
-pub struct Arena<'a> {
+pub struct EmissionBounds<'a> {
+    /// The sphere around everything in the scene.
     pub sphere: SceneSphere,
+    /// Where on the disk light starts; evenly all over it without.
     pub aim: Option<&'a Aim>,
 }
 
-impl Arena<'_> {
-    /// Where all places are alike.
+/// Where light from infinity enters.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Before the scene, on the disk across the light's direction.
+    pub o: Vec3,
+    /// Density of an even choice over the disk against that of the choice made: 1 on the average.
+    pub weight: f32,
+    /// Of `o`, per area of the disk.
+    pub density: Density,
+}
+
+impl EmissionBounds<'_> {
+    /// Without an aim.
     pub fn even(sphere: SceneSphere) -> Self {
         Self { sphere, aim: None }
     }
 
-    /// Start of light that travels along `d`, before the scene, and its weight: 1 on the average over the disk.
-    pub fn enter(&self, d: Vec3, u: Vec2) -> (Vec3, f32) {
+    /// Where light that travels along the unit direction `d` enters. `None` where rounding put it outside of
+    /// what it was aimed at.
+    pub fn enter(&self, d: Vec3, u: Vec2) -> Option<Entry> {
         let SceneSphere { center, radius } = self.sphere;
         let frame = Frame::from_normal(d);
         let (at, weight) = match self.aim {
             Some(aim) => aim.place(&self.sphere, &frame, u),
             None => (warp::disk(u) * radius, 1.0),
         };
-        (center + frame.to_world(Vec3::new(at.x, at.y, -radius)), weight)
+        let o = center + frame.to_world(Vec3::new(at.x, at.y, -radius));
+        let density = Density::Finite(1.0 / (self.sphere.disk() * weight));
+        (weight > 0.0).then_some(Entry { o, weight, density })
     }
 }
 
@@ -176,15 +196,15 @@ mod tests {
             (Vec3::new(1.0, 3.7, 3.1), 1.0),
             (Vec3::new(-0.8, 2.0, 3.0), 0.5),
         ];
-        let arrow = |(to, weight): (Vec3, f32)| Arrow { from: to - Vec3::Z * 4.0, to, weight };
-        let arrows: Vec<Arrow> = [ends; 4].concat().into_iter().map(arrow).collect();
-        even(sphere, &Aim::new(&sphere, &arrows).expect("targets"), 4.0);
+        let segment = |(to, weight): (Vec3, f32)| EntrySegment { from: to - Vec3::Z * 4.0, to, weight };
+        let segments: Vec<EntrySegment> = [ends; 4].concat().into_iter().map(segment).collect();
+        even(sphere, &Aim::new(&sphere, &segments).expect("targets"), 4.0);
         let seen = SceneSphere { center: Vec3::new(1.5, 2.5, 3.0), radius: 0.1 };
         even(sphere, &Aim::around(&sphere, &seen).expect("much larger"), 5.0);
     }
 
     fn even(sphere: SceneSphere, aim: &Aim, most: f32) {
-        let arena = Arena { sphere, aim: Some(aim) };
+        let bounds = EmissionBounds { sphere, aim: Some(aim) };
         let d = Vec3::new(0.2, -0.3, 0.9).normalize();
         let mut rng = CounterRng::new(5, 0);
         let n = 1_000_000;
@@ -194,7 +214,10 @@ mod tests {
         let first = frame.to_local(aim.targets[1].center - sphere.center);
         let first = Vec2::new(first.x, first.y);
         for _ in 0..n {
-            let (o, weight) = arena.enter(d, Vec2::from(rng.next_2d()));
+            let Some(Entry { o, weight, density }) = bounds.enter(d, Vec2::from(rng.next_2d())) else {
+                continue;
+            };
+            assert!((density.factor() * sphere.disk() * weight - 1.0).abs() < 1e-5);
             let local = frame.to_local(o - sphere.center);
             assert!((local.z + sphere.radius).abs() < 1e-5 && weight <= most * 1.001, "{weight}");
             let at = Vec2::new(local.x, local.y);

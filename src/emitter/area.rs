@@ -1,9 +1,9 @@
 use std::f32::consts::PI;
 
 use super::table::Table;
-use super::{Arena, DirectSample, Emission, Light, SceneSphere};
+use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere};
 use crate::math::{Color, Frame, LIFT, Ray, Vec2, Vec3};
-use crate::sampling::{Discrete, warp};
+use crate::sampling::{Density, Discrete, warp};
 use crate::shape::{Analytic, AreaSample, Shape, triangle};
 use crate::spectrum::luminance;
 use crate::texture::{OnMesh, Param, Site, Textures};
@@ -11,25 +11,37 @@ use crate::texture::{OnMesh, Param, Site, Textures};
 /// The lamp's own copy of its geometry, for sampling.
 #[derive(Clone, Debug)]
 pub enum Surface {
-    Mesh { triangles: Vec<MeshTriangle>, by_area: Discrete },
+    /// A mesh.
+    Mesh {
+        /// In world space.
+        triangles: Vec<MeshTriangle>,
+        /// Chooses a triangle by its area.
+        by_area: Discrete,
+    },
+    /// A sphere, disk or cylinder, chosen from evenly.
     Analytic(Analytic),
 }
 
 /// World-space triangle with uv; the normal is that of the emitting side.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshTriangle {
+    /// Corners.
     pub v: [[f32; 3]; 3],
+    /// Texture coordinates of the corners.
     pub uv: [Vec2; 3],
+    /// Unit.
     pub normal: Vec3,
 }
 
 impl Surface {
+    /// From world-space triangles; triangles without area are never chosen.
     pub fn mesh(triangles: Vec<MeshTriangle>) -> Self {
         let by_area =
             Discrete::new(triangles.iter().map(|t| f64::from(triangle::cross_product(&t.v).length()) * 0.5));
         Self::Mesh { triangles, by_area }
     }
 
+    /// World area in square scene units.
     pub fn area(&self) -> f32 {
         match self {
             Self::Mesh { by_area, .. } => by_area.total() as f32,
@@ -69,15 +81,20 @@ pub(super) fn site(s: &AreaSample) -> Site {
 /// Which sides of a lamp shine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
+    /// Only the side that the normals point to.
     Front,
+    /// Both sides, with the same radiance.
     Both,
 }
 
 /// A shape that emits the same radiance in all directions of a side.
 #[derive(Clone, Debug)]
 pub struct Area {
+    /// Where it shines from.
     pub surface: Surface,
+    /// W/(m²·sr).
     pub radiance: Param,
+    /// Which sides shine.
     pub sides: Sides,
     /// Lift off the surface that rounding needs (see `Scene::offset`).
     pub lift: f32,
@@ -102,6 +119,7 @@ const LOOKS: usize = 2;
 const FLOOR: f32 = 0.1;
 
 impl Area {
+    /// Surveys a textured `radiance` over the surface, so that photons start where it is bright.
     pub fn new(surface: Surface, radiance: Param, sides: Sides, lift: f32, textures: &Textures) -> Self {
         let area = surface.area();
         let (mean, places) = match radiance {
@@ -152,17 +170,6 @@ impl Area {
         Some(DirectSample { dir, target: Some(self.above(local.p, n, p)), value, pdf })
     }
 
-    /// Density with which [`Area::sample_direct`] chooses the point `q` with geometric normal `n` seen
-    /// from `p` along the unit direction `dir`.
-    #[inline]
-    pub fn pdf_direct(&self, p: Vec3, dir: Vec3, q: Vec3, n: Vec3) -> f32 {
-        if let Some((_, gap)) = self.visible_cone(p) {
-            return 1.0 / (2.0 * PI * gap);
-        }
-        let cos = dir.dot(n).abs();
-        if cos > 0.0 { (q - p).length_squared() / (cos * self.area) } else { 0.0 }
-    }
-
     /// World area in square scene units.
     pub fn area(&self) -> f32 {
         self.area
@@ -201,7 +208,7 @@ impl Light for Area {
     fn sample_emission(
         &self,
         textures: &Textures,
-        _arena: &Arena<'_>,
+        _bounds: &EmissionBounds<'_>,
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
@@ -217,7 +224,33 @@ impl Light for Area {
         }
         let d = Frame::from_normal(n).to_world(warp::cosine_hemisphere(u));
         let flux = textures.eval(self.radiance, &site(&s)) * (sides * PI * self.area / density);
-        (flux.max_element() > 0.0).then_some(Emission { o: s.p + n * self.lift, d, flux })
+        let cos = n.dot(d).max(0.0);
+        (flux.max_element() > 0.0).then_some(Emission {
+            o: s.p + n * self.lift,
+            d,
+            cos,
+            flux,
+            position: Density::Finite(density / self.area),
+            direction: Density::Finite(cos / (sides * PI)),
+        })
+    }
+
+    #[inline(always)]
+    fn emitted(&self, textures: &Textures, site: &Site, front: bool) -> Color {
+        if front || self.sides == Sides::Both { textures.eval(self.radiance, site) } else { Color::ZERO }
+    }
+
+    #[inline(always)]
+    fn pdf_direct_surface(&self, p: Vec3, d: Vec3, q: Vec3, n: Vec3) -> f32 {
+        if let Some((_, gap)) = self.visible_cone(p) {
+            return 1.0 / (2.0 * PI * gap);
+        }
+        let cos = d.dot(n).abs();
+        if cos > 0.0 { (q - p).length_squared() / (cos * self.area) } else { 0.0 }
+    }
+
+    fn visible_area(&self) -> f32 {
+        self.area
     }
 
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {

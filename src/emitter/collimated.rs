@@ -1,9 +1,9 @@
 use std::ops::Range;
 
 use super::area::site;
-use super::{Arena, DirectSample, Emission, Light, MeshTriangle, SceneSphere, Surface};
+use super::{DirectSample, Emission, EmissionBounds, Light, MeshTriangle, SceneSphere, Surface};
 use crate::math::{Color, Vec2, Vec3};
-use crate::sampling::Discrete;
+use crate::sampling::{Density, Discrete};
 use crate::shape::triangle;
 use crate::texture::{OnMesh, Param, Site, Textures};
 
@@ -22,6 +22,7 @@ pub struct Collimated {
 }
 
 impl Collimated {
+    /// Neighbouring triangles with the same normal become one face. `lift` is how far samples start off the surface.
     pub fn new(triangles: Vec<MeshTriangle>, radiance: Param, lift: f32) -> Self {
         let area = |t: &MeshTriangle| f64::from(triangle::cross_product(&t.v).length()) * 0.5;
         let by_area = Discrete::new(triangles.iter().map(area));
@@ -36,6 +37,7 @@ impl Collimated {
         Self { faces_by_area: Discrete::new(areas), faces, by_area, triangles, radiance, lift }
     }
 
+    /// World area in square scene units.
     pub fn area(&self) -> f32 {
         self.by_area.total() as f32
     }
@@ -58,13 +60,20 @@ impl Light for Collimated {
     fn sample_emission(
         &self,
         textures: &Textures,
-        _arena: &Arena<'_>,
+        _bounds: &EmissionBounds<'_>,
         place: Vec2,
         _direction: Vec2,
     ) -> Option<Emission> {
         let s = Surface::sample_triangles(&self.triangles, &self.by_area, place);
         let flux = textures.eval(self.radiance, &site(&s)) * self.area();
-        (flux.max_element() > 0.0).then_some(Emission { o: s.p + s.n * self.lift, d: s.n, flux })
+        (flux.max_element() > 0.0).then_some(Emission {
+            o: s.p + s.n * self.lift,
+            d: s.n,
+            cos: 1.0,
+            flux,
+            position: Density::Finite(1.0 / self.area()),
+            direction: Density::Delta,
+        })
     }
 
     fn power(&self, textures: &Textures, _scene: &SceneSphere) -> Color {

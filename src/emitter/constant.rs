@@ -1,24 +1,19 @@
 use std::f32::consts::PI;
 
-use super::{Arena, DirectSample, Emission, Light, SceneSphere};
+use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere};
 use crate::math::{Color, Vec2, Vec3};
-use crate::sampling::warp;
+use crate::sampling::{Density, warp};
 use crate::texture::Textures;
 
 /// The same radiance from every direction.
 #[derive(Clone, Debug)]
 pub struct Constant {
+    /// W/(m²·sr).
     pub radiance: Color,
 }
 
 /// Density of [`Constant::sample_direct`] per solid angle.
 const UNIFORM: f32 = 1.0 / (4.0 * PI);
-
-impl Constant {
-    pub fn pdf_direct(&self) -> f32 {
-        UNIFORM
-    }
-}
 
 impl Light for Constant {
     fn sample_direct(&self, _textures: &Textures, _p: Vec3, u: Vec2) -> Option<DirectSample> {
@@ -34,13 +29,19 @@ impl Light for Constant {
     fn sample_emission(
         &self,
         textures: &Textures,
-        arena: &Arena<'_>,
+        bounds: &EmissionBounds<'_>,
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
         let d = warp::sphere(direction);
-        let (o, weight) = arena.enter(d, place);
-        Some(Emission { o, d, flux: self.power(textures, &arena.sphere) * weight })
+        let entry = bounds.enter(d, place)?;
+        let flux = self.power(textures, &bounds.sphere) * entry.weight;
+        Some(Emission::from_infinity(entry, d, flux, Density::Finite(UNIFORM)))
+    }
+
+    #[inline(always)]
+    fn background(&self, _d: Vec3) -> (Color, f32) {
+        (self.radiance, UNIFORM)
     }
 
     fn power(&self, _textures: &Textures, scene: &SceneSphere) -> Color {

@@ -1,7 +1,8 @@
 use std::f32::consts::PI;
 
-use super::{Arena, DirectSample, Emission, Light, SceneSphere};
+use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere};
 use crate::math::{Color, Vec2, Vec3};
+use crate::sampling::Density;
 use crate::texture::Textures;
 
 /// Parallel light from infinity; `irradiance` on a plane perpendicular to it, W/m².
@@ -9,6 +10,7 @@ use crate::texture::Textures;
 pub struct Directional {
     /// Unit direction of travel.
     pub direction: Vec3,
+    /// W/m² on a plane across `direction`.
     pub irradiance: Color,
 }
 
@@ -20,12 +22,13 @@ impl Light for Directional {
     fn sample_emission(
         &self,
         textures: &Textures,
-        arena: &Arena<'_>,
+        bounds: &EmissionBounds<'_>,
         place: Vec2,
         _direction: Vec2,
     ) -> Option<Emission> {
-        let (o, weight) = arena.enter(self.direction, place);
-        Some(Emission { o, d: self.direction, flux: self.power(textures, &arena.sphere) * weight })
+        let entry = bounds.enter(self.direction, place)?;
+        let flux = self.power(textures, &bounds.sphere) * entry.weight;
+        Some(Emission::from_infinity(entry, self.direction, flux, Density::Delta))
     }
 
     fn power(&self, _textures: &Textures, scene: &SceneSphere) -> Color {

@@ -1,8 +1,9 @@
 use std::f64::consts::PI;
 
 use super::table::{Table, linear};
-use super::{Arena, DirectSample, Emission, Light, Picture, SceneSphere, equal_area};
+use super::{DirectSample, Emission, EmissionBounds, Light, Picture, SceneSphere, equal_area};
 use crate::math::{Color, Frame, Vec2, Vec3};
+use crate::sampling::Density;
 use crate::spectrum::{luminance, rgb, to_rgb};
 use crate::texture::Textures;
 
@@ -189,6 +190,7 @@ impl Environment {
         (pdf > 0.0 && pdf.is_finite()).then(|| (self.axes.to_world(local).normalize(), radiance / pdf, pdf))
     }
 
+    /// Memory of the picture and of its sampling table.
     pub fn bytes(&self) -> usize {
         self.picture.bytes() + self.table.bytes()
     }
@@ -204,13 +206,19 @@ impl Light for Environment {
     fn sample_emission(
         &self,
         _textures: &Textures,
-        arena: &Arena<'_>,
+        bounds: &EmissionBounds<'_>,
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
-        let (dir, value, _) = self.sample(direction)?;
-        let (o, weight) = arena.enter(-dir, place);
-        Some(Emission { o, d: -dir, flux: value * (arena.sphere.disk() * weight) })
+        let (dir, value, pdf) = self.sample(direction)?;
+        let entry = bounds.enter(-dir, place)?;
+        let flux = value * (bounds.sphere.disk() * entry.weight);
+        Some(Emission::from_infinity(entry, -dir, flux, Density::Finite(pdf)))
+    }
+
+    #[inline(always)]
+    fn background(&self, d: Vec3) -> (Color, f32) {
+        (self.radiance(d), self.pdf_direct(d))
     }
 
     fn power(&self, _textures: &Textures, scene: &SceneSphere) -> Color {

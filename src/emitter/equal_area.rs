@@ -5,6 +5,7 @@ use std::f32::consts::{FRAC_2_PI, FRAC_PI_4};
 
 use crate::math::{Vec2, Vec3};
 
+/// Unit direction of a point of the unit square.
 pub fn to_direction(u: Vec2) -> Vec3 {
     let p = u * 2.0 - Vec2::ONE;
     let (ax, ay) = (p.x.abs(), p.y.abs());

@@ -4,6 +4,7 @@ use crate::math::{Frame, Vec2, Vec3};
 /// left of the picture and +Y on top.
 #[derive(Clone, Debug)]
 pub struct Frustum {
+    /// Where the light comes from, in the world.
     pub position: Vec3,
     /// Orthonormal, possibly mirroring.
     pub axes: Frame,

@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use super::table::Table;
-use super::{Arena, DirectSample, Emission, Light, Picture, SceneSphere, equal_area, just_before};
+use super::{DirectSample, Emission, EmissionBounds, Light, Picture, SceneSphere, equal_area, just_before};
 use crate::math::{Color, Frame, Vec2, Vec3};
 use crate::spectrum::scalar;
 use crate::texture::Textures;
@@ -9,6 +9,7 @@ use crate::texture::Textures;
 /// A point light whose intensity is scaled by the nearest pixel of an equal-area picture around it.
 #[derive(Clone, Debug)]
 pub struct Goniometric {
+    /// In the world.
     pub position: Vec3,
     /// Orthonormal, possibly mirroring; `n` points to the middle of the picture.
     axes: Frame,
@@ -55,15 +56,18 @@ impl Light for Goniometric {
     fn sample_emission(
         &self,
         _textures: &Textures,
-        _arena: &Arena<'_>,
+        _bounds: &EmissionBounds<'_>,
         _place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
         let (x, y, rest) = self.table.sample(direction);
         let size = Vec2::new(self.picture.width as f32, self.picture.height as f32);
         let local = equal_area::to_direction((Vec2::new(x as f32, y as f32) + rest) / size);
-        let flux = self.flux();
-        (flux.max_element() > 0.0).then(|| Emission { o: self.position, d: self.axes.to_world(local), flux })
+        let (flux, d) = (self.flux(), self.axes.to_world(local));
+        // Texels are chosen by their light and cover equal solid angles.
+        let texels = (self.picture.width * self.picture.height) as f32;
+        let density = scalar(self.picture.texel(x, y)) * texels / (4.0 * PI * self.table.total() as f32);
+        (flux.max_element() > 0.0).then_some(Emission::from_point(self.position, d, flux, density))
     }
 
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {

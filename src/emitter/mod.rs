@@ -17,7 +17,7 @@ mod projector;
 mod spot;
 mod table;
 
-pub use aim::{Aim, Arena, Arrow};
+pub use aim::{Aim, EmissionBounds, Entry, EntrySegment};
 pub use area::{Area, MeshTriangle, Sides, Surface};
 pub use collimated::Collimated;
 pub use constant::Constant;
@@ -32,7 +32,8 @@ pub use projector::Projector;
 pub use spot::{Falloff, Spot};
 
 use crate::math::{Color, Vec2, Vec3, closed_enum};
-use crate::texture::Textures;
+use crate::sampling::Density;
+use crate::texture::{Site, Textures};
 
 /// Light arriving at a point from one sampled direction, before visibility.
 #[derive(Clone, Copy, Debug)]
@@ -53,20 +54,52 @@ fn just_before(lamp: Vec3, d: Vec3) -> Vec3 {
     lamp - d * 1e-5
 }
 
-/// The start of a light path.
+/// The start of a light path, with the densities of its place and of its direction there.
+///
+/// For every kind, `flux` is the light that leaves `o` along `d`, times `cos`, over both densities:
+///
+/// | kind | light | `position` | `direction` |
+/// |---|---|---|---|
+/// | area | radiance | per area of the lamp | per solid angle |
+/// | point, spot, projector, projection, goniometric | intensity | delta | per solid angle |
+/// | collimated | exitance (W/m²) | per area of the lamp | delta |
+/// | constant, environment | radiance | per area of the disk across `d` | per solid angle |
+/// | directional | irradiance (W/m²) | per area of the disk across `d` | delta |
 #[derive(Clone, Copy, Debug)]
 pub struct Emission {
+    /// Where the path starts, lifted off the surface of a lamp that has one.
     pub o: Vec3,
     /// Unit.
     pub d: Vec3,
+    /// Cosine between `d` and the normal of the area that `position` is a density of; 1 where that area lies
+    /// across `d`, and for lamps at a point.
+    pub cos: f32,
     /// Power carried by the sample: its expectation is the emitter's power in W per channel.
     pub flux: Color,
+    /// Of `o`. The lift of `o` off the lamp's surface does not count.
+    pub position: Density,
+    /// Of `d`, given `o`.
+    pub direction: Density,
+}
+
+impl Emission {
+    /// From a lamp at a point.
+    fn from_point(o: Vec3, d: Vec3, flux: Color, direction: f32) -> Self {
+        Self { o, d, cos: 1.0, flux, position: Density::Delta, direction: Density::Finite(direction) }
+    }
+
+    /// From infinity.
+    fn from_infinity(entry: Entry, d: Vec3, flux: Color, direction: Density) -> Self {
+        Self { o: entry.o, d, cos: 1.0, flux, position: entry.density, direction }
+    }
 }
 
 /// The sphere around everything, which light from infinity has to cover.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneSphere {
+    /// In the coordinates of the scene.
     pub center: Vec3,
+    /// In scene units.
     pub radius: f32,
 }
 
@@ -92,11 +125,11 @@ closed_enum! {
 
         /// Start of a light path: `place` chooses where, `direction` whither. The flux is the power per unit of
         /// `place` and `direction` (its mean over both is [`Emitter::power`]), the cosine at the lamp included, and
-        /// light from infinity starts outside of the sphere of `arena`. `None` where the sample carries no light.
+        /// light from infinity starts outside of the sphere of `bounds`. `None` where the sample carries no light.
         fn sample_emission(
             &self,
             textures: &Textures,
-            arena: &Arena<'_>,
+            bounds: &EmissionBounds<'_>,
             place: Vec2,
             direction: Vec2,
         ) -> Option<Emission>;
@@ -105,6 +138,33 @@ closed_enum! {
         /// textures, whose mean is sampled. Decides how often the emitter is chosen, and is never 0 for one that
         /// shines.
         fn power(&self, textures: &Textures, scene: &SceneSphere) -> Color;
+
+        /// Radiance that a surface of the emitter sends from `site` along a direction on the side of its shading
+        /// normal (`front`) or on the other one. Black for emitters without a surface.
+        #[inline(always)]
+        fn emitted(&self, _textures: &Textures, _site: &Site, _front: bool) -> Color {
+            Color::ZERO
+        }
+
+        /// Density per solid angle at `p` with which [`Emitter::sample_direct`] chooses the point `q` of the
+        /// emitter's surface, of geometric normal `n`, that a ray from `p` along `d` meets. 0 for emitters without
+        /// a surface.
+        #[inline(always)]
+        fn pdf_direct_surface(&self, _p: Vec3, _d: Vec3, _q: Vec3, _n: Vec3) -> f32 {
+            0.0
+        }
+
+        /// Radiance arriving from infinity, seen along `d`, and the density per solid angle with which
+        /// [`Emitter::sample_direct`] chooses that direction. Black and 0 for emitters that do not fill the sky.
+        #[inline(always)]
+        fn background(&self, _d: Vec3) -> (Color, f32) {
+            (Color::ZERO, 0.0)
+        }
+
+        /// Area of the emitter's surface that scattered rays can find shining; 0 for emitters without one.
+        fn visible_area(&self) -> f32 {
+            0.0
+        }
 
         /// Whether its light comes from infinity: such an emitter covers the whole scene's sphere.
         fn is_infinite(&self) -> bool {
@@ -115,15 +175,25 @@ closed_enum! {
     /// Every kind of emitter.
     #[derive(Clone, Debug)]
     pub enum Emitter {
+        /// A shape that shines alike in all directions.
         Area(Area),
+        /// A point that shines alike in all directions.
         Point(Point),
+        /// A point that shines into a cone.
         Spot(Spot),
+        /// Parallel light from infinity.
         Directional(Directional),
+        /// The same radiance from all of the sky.
         Constant(Constant),
+        /// A picture of the sky.
         Environment(Box<Environment>),
+        /// Mitsuba's projector.
         Projector(Projector),
+        /// pbrt's projection light.
         Projection(Box<Projection>),
+        /// A point with a measured or painted distribution.
         Goniometric(Box<Goniometric>),
+        /// A shape that shines along its normals only.
         Collimated(Box<Collimated>),
     }
 }

@@ -4,7 +4,9 @@ use crate::spectrum::{luminance, rgb};
 /// The picture of an emitter: linear, row 0 at the top.
 #[derive(Clone, Debug)]
 pub struct Picture {
+    /// Texels in a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
     texels: Vec<[f32; 3]>,
 }
@@ -18,15 +20,18 @@ impl Picture {
         Self { width, height, texels }
     }
 
+    /// The value of a texel.
     #[inline]
     pub fn texel(&self, x: usize, y: usize) -> Color {
         rgb(self.texels[y * self.width + x])
     }
 
+    /// The Rec. 709 luminance of a texel.
     pub fn luminance(&self, x: usize, y: usize) -> f32 {
         luminance(self.texel(x, y))
     }
 
+    /// Multiplies all texels.
     pub fn scale(&mut self, factor: f32) {
         self.texels.iter_mut().flatten().for_each(|v| *v *= factor);
     }
@@ -41,6 +46,7 @@ impl Picture {
         ]
     }
 
+    /// Memory of the texels.
     pub fn bytes(&self) -> usize {
         size_of_val(self.texels.as_slice())
     }

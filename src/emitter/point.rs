@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use super::{Arena, DirectSample, Emission, Light, SceneSphere, just_before};
+use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere, just_before};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::Textures;
@@ -8,7 +8,9 @@ use crate::texture::Textures;
 /// Isotropic point light; `intensity` in W/sr.
 #[derive(Clone, Debug)]
 pub struct Point {
+    /// In the world.
     pub position: Vec3,
+    /// W/sr.
     pub intensity: Color,
 }
 
@@ -27,15 +29,12 @@ impl Light for Point {
     fn sample_emission(
         &self,
         textures: &Textures,
-        arena: &Arena<'_>,
+        bounds: &EmissionBounds<'_>,
         _place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
-        Some(Emission {
-            o: self.position,
-            d: warp::sphere(direction),
-            flux: self.power(textures, &arena.sphere),
-        })
+        let flux = self.power(textures, &bounds.sphere);
+        Some(Emission::from_point(self.position, warp::sphere(direction), flux, 1.0 / (4.0 * PI)))
     }
 
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {

@@ -1,6 +1,6 @@
 use super::frustum::Frustum;
 use super::table::Table;
-use super::{Arena, DirectSample, Emission, Light, Picture, SceneSphere, just_before};
+use super::{DirectSample, Emission, EmissionBounds, Light, Picture, SceneSphere, just_before};
 use crate::math::{Color, Vec2, Vec3};
 use crate::spectrum::{luminance, rgb, to_rgb};
 use crate::texture::Textures;
@@ -54,7 +54,7 @@ impl Light for Projection {
     fn sample_emission(
         &self,
         _textures: &Textures,
-        _arena: &Arena<'_>,
+        _bounds: &EmissionBounds<'_>,
         _place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
@@ -67,8 +67,9 @@ impl Light for Projection {
         let solid = self.frustum.solid_angle(corner / size, (corner + 1.0) / size);
         let density = f64::from(p.luminance(x, y)) * solid / self.table.total();
         let cell = self.frustum.area() / (p.width * p.height) as f32;
-        let flux = p.texel(x, y) * (cell * cos.powi(3) / density as f32);
-        flux.is_finite().then_some(Emission { o: self.frustum.position, d, flux })
+        let weight = cell * cos.powi(3) / density as f32;
+        let flux = p.texel(x, y) * weight;
+        flux.is_finite().then_some(Emission::from_point(self.frustum.position, d, flux, 1.0 / weight))
     }
 
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {

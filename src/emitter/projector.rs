@@ -1,14 +1,16 @@
 use std::f32::consts::PI;
 
 use super::frustum::Frustum;
-use super::{Arena, DirectSample, Emission, Light, SceneSphere, just_before};
+use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere, just_before};
 use crate::math::{Color, Vec2, Vec3};
 use crate::texture::{Param, Site, Textures};
 
 /// Mitsuba's projector: the plane at distance 1 across the axis receives the irradiance π·texture.
 #[derive(Clone, Debug)]
 pub struct Projector {
+    /// Where the picture is thrown.
     pub frustum: Frustum,
+    /// The picture; times π it is the irradiance of the plane at distance 1.
     pub irradiance: Param,
 }
 
@@ -25,13 +27,15 @@ impl Light for Projector {
     fn sample_emission(
         &self,
         textures: &Textures,
-        _arena: &Arena<'_>,
+        _bounds: &EmissionBounds<'_>,
         _place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
-        let (d, _) = self.frustum.through(direction);
+        let (d, cos) = self.frustum.through(direction);
         let flux = textures.eval(self.irradiance, &Site::flat(direction)) * (PI * self.frustum.area());
-        (flux.max_element() > 0.0).then_some(Emission { o: self.frustum.position, d, flux })
+        // Even on the picture, which covers cos³ of its area at distance 1.
+        let density = 1.0 / (self.frustum.area() * cos.powi(3));
+        (flux.max_element() > 0.0).then_some(Emission::from_point(self.frustum.position, d, flux, density))
     }
 
     fn power(&self, textures: &Textures, _scene: &SceneSphere) -> Color {

@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use super::{Arena, DirectSample, Emission, Light, SceneSphere, just_before};
+use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere, just_before};
 use crate::math::{Color, Frame, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::texture::{Param, Site, Textures};
@@ -17,13 +17,19 @@ pub enum Falloff {
 /// Point light with a cone: full intensity (W/sr) up to the angle `beam`, none from `cutoff` on (radians).
 #[derive(Clone, Debug)]
 pub struct Spot {
+    /// In the world.
     pub position: Vec3,
     /// `n` is the axis; `s` and `t` orient the texture.
     pub frame: Frame,
+    /// W/sr within the beam.
     pub intensity: Color,
+    /// Half angle of the cone, radians.
     pub cutoff: f32,
+    /// Half angle of full intensity, radians.
     pub beam: f32,
+    /// Between the two.
     pub falloff: Falloff,
+    /// Scales the intensity, thrown along the axis.
     pub texture: Option<Param>,
 }
 
@@ -69,14 +75,16 @@ impl Light for Spot {
     fn sample_emission(
         &self,
         textures: &Textures,
-        _arena: &Arena<'_>,
+        _bounds: &EmissionBounds<'_>,
         _place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
         let gap = 2.0 * (self.cutoff * 0.5).sin().powi(2);
         let local = warp::cone(direction, gap);
         let flux = self.toward(textures, local) * (2.0 * PI * gap);
-        (flux.max_element() > 0.0).then(|| Emission { o: self.position, d: self.frame.to_world(local), flux })
+        let d = self.frame.to_world(local);
+        (flux.max_element() > 0.0)
+            .then(|| Emission::from_point(self.position, d, flux, 1.0 / (2.0 * PI * gap)))
     }
 
     /// Without the texture: 2π∫ falloff·sinθ dθ, in closed form.
@@ -129,13 +137,13 @@ mod tests {
     fn adds_up(s: &Spot) {
         let textures = Textures::default();
         let scene = SceneSphere { center: Vec3::ZERO, radius: 1.0 };
-        let arena = Arena::even(scene);
+        let bounds = EmissionBounds::even(scene);
         let n = 64;
         let mut sum = 0.0;
         for i in 0..n * n {
             let u = Vec2::new(((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32);
             sum += s
-                .sample_emission(&textures, &arena, Vec2::ZERO, u)
+                .sample_emission(&textures, &bounds, Vec2::ZERO, u)
                 .map_or(0.0, |e| f64::from(e.flux.lanes()[0]));
         }
         let mean = sum / f64::from(n * n);

@@ -43,6 +43,7 @@ impl Table {
         (x, y, Vec2::new(if rest_x.is_nan() { 0.5 } else { rest_x }, rest_y))
     }
 
+    /// Memory of the table.
     pub fn bytes(&self) -> usize {
         size_of_val(self.columns.as_slice())
     }

@@ -34,7 +34,7 @@ fn emitted(e: &Emitter) -> Color {
     let mut sum = [0.0f64; 3];
     for (i, u) in square(n).enumerate() {
         let place = Vec2::new((i as f32 * 0.618_034).fract(), (i as f32 * 0.754_877_7).fract());
-        if let Some(s) = e.sample_emission(&Textures::default(), &Arena::even(SCENE), place, u) {
+        if let Some(s) = e.sample_emission(&Textures::default(), &EmissionBounds::even(SCENE), place, u) {
             (0..3).for_each(|c| sum[c] += f64::from(s.flux.lanes()[c]));
         }
     }
@@ -106,5 +106,121 @@ fn both_sides_of_a_lamp_are_sampled() {
             let sum: f32 = samples.map(|s| s.map_or(0.0, |s| s.value.lanes()[0])).sum();
             assert!((sum / 4096.0 / (2.0 * solid) - 1.0).abs() < 0.005, "{inward} {p}: {}", sum / 4096.0);
         }
+    }
+}
+
+/// Every kind of emitter that is built without a scene.
+fn every_kind() -> Vec<(&'static str, Emitter)> {
+    let sphere = |inward| {
+        let to_object = axes();
+        Surface::Analytic(Analytic::Sphere(Sphere { center: DVec3::X, radius: 0.5, to_object, inward }))
+    };
+    let radiance = Param::Constant(rgb([1.0, 2.0, 3.0]));
+    let area = |inward, sides| Area::new(sphere(inward), radiance, sides, 0.0, &Textures::default());
+    let triangle = |x: f32| MeshTriangle {
+        v: [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 2.0, 0.5]],
+        uv: [Vec2::ZERO, Vec2::X, Vec2::Y],
+        normal: Vec3::new(0.0, -0.5, 2.0).normalize(),
+    };
+    let beam = Collimated::new(vec![triangle(0.0), triangle(3.0)], radiance, 0.0);
+    let spot = Spot {
+        position: Vec3::new(0.1, 0.2, 0.3),
+        frame: axes(),
+        intensity: rgb([1.0, 2.0, 3.0]),
+        cutoff: 0.6,
+        beam: 0.3,
+        falloff: Falloff::Smoothstep,
+        texture: None,
+    };
+    let environment = Environment::new(picture(6), EnvironmentMapping::EqualArea, axes());
+    let gonio = Goniometric::new(Vec3::Y, axes(), rgb([3.0, 2.0, 1.0]), &picture(4));
+    vec![
+        ("area", area(false, Sides::Front).into()),
+        ("two-sided area", area(true, Sides::Both).into()),
+        ("point", Point { position: Vec3::X, intensity: rgb([1.0, 2.0, 3.0]) }.into()),
+        ("spot", spot.into()),
+        ("directional", Directional { direction: Vec3::Z, irradiance: rgb([1.0, 2.0, 3.0]) }.into()),
+        ("constant", Constant { radiance: rgb([1.0, 2.0, 3.0]) }.into()),
+        ("environment", Box::new(environment).into()),
+        ("projector", Projector { frustum: frustum(), irradiance: radiance }.into()),
+        ("projection", Box::new(Projection::new(frustum(), picture(3), None)).into()),
+        ("goniometric", Box::new(gonio).into()),
+        ("collimated", Box::new(beam).into()),
+    ]
+}
+
+/// The integral of 1 over the places and of the cosine over the directions that each kind chooses from: m² and
+/// sr, `None` for a delta.
+fn measures(e: &Emitter) -> [Option<f32>; 2] {
+    use std::f32::consts::PI;
+    let disk = Some(SCENE.disk());
+    match e {
+        Emitter::Area(a) => [Some(a.area()), Some(if a.sides == Sides::Both { 2.0 } else { 1.0 } * PI)],
+        Emitter::Point(_) | Emitter::Goniometric(_) => [None, Some(4.0 * PI)],
+        Emitter::Spot(s) => [None, Some(2.0 * PI * (1.0 - s.cutoff.cos()))],
+        Emitter::Directional(_) => [disk, None],
+        Emitter::Constant(_) | Emitter::Environment(_) => [disk, Some(4.0 * PI)],
+        Emitter::Projector(_) | Emitter::Projection(_) => {
+            [None, Some(frustum().solid_angle(Vec2::ZERO, Vec2::ONE) as f32)]
+        }
+        Emitter::Collimated(c) => [Some(c.area()), None],
+    }
+}
+
+/// Where choices follow a density p that integrates to 1, E(g/p) = ∫g for any g: here 1, and the cosine for
+/// directions, which keeps g/p bounded. It varies by the light of a picture's texels, of which the brightest
+/// has 30 times as much as the darkest; 2¹⁶ stratified choices know the mean to a percent.
+#[test]
+fn densities_of_emission_integrate_to_one() {
+    for (what, e) in every_kind() {
+        let n = 256;
+        let mut sums = [0.0f64; 2];
+        for (i, u) in square(n).enumerate() {
+            let place = Vec2::new((i as f32 * 0.618_034).fract(), (i as f32 * 0.754_877_7).fract());
+            let sample = e.sample_emission(&Textures::default(), &EmissionBounds::even(SCENE), place, u);
+            let Some(s) = sample else { continue };
+            let weighed = [1.0 / s.position.factor(), s.cos / s.direction.factor()];
+            for (sum, value) in sums.iter_mut().zip(weighed) {
+                *sum += f64::from(value) / (n * n) as f64;
+            }
+            let deltas = [s.position, s.direction].map(|density| density == Density::Delta);
+            assert_eq!(deltas, measures(&e).map(|m| m.is_none()), "{what}");
+        }
+        for (sum, measure) in sums.into_iter().zip(measures(&e)) {
+            let measure = f64::from(measure.unwrap_or(1.0));
+            assert!((sum / measure - 1.0).abs() < 0.01, "{what}: {sum} of {measure}");
+        }
+    }
+}
+
+/// Flux = light · cos / (both densities), with the light looked up by another way: from the sample's own
+/// place and direction, as a surface lit there finds it. Equal but for rounding; where a picture is looked
+/// up again, rounding may find a neighbouring texel at its edges.
+#[test]
+fn the_flux_of_emission_is_light_over_density() {
+    let textures = Textures::default();
+    for (what, e) in every_kind() {
+        let (mut seen, mut wrong) = (0, 0);
+        for (i, u) in square(64).enumerate() {
+            let place = Vec2::new((i as f32 * 0.618_034).fract(), (i as f32 * 0.754_877_7).fract());
+            let sample = e.sample_emission(&textures, &EmissionBounds::even(SCENE), place, u);
+            let Some(s) = sample else { continue };
+            let light = match &e {
+                Emitter::Area(_) => e.emitted(&textures, &Site::flat(Vec2::ZERO), true),
+                Emitter::Constant(_) | Emitter::Environment(_) => e.background(-s.d).0,
+                // Light of one direction, which any place in the beam sees.
+                Emitter::Directional(_) => {
+                    e.sample_direct(&textures, s.o, u).map_or(Color::ZERO, |d| d.value)
+                }
+                Emitter::Collimated(_) => rgb([1.0, 2.0, 3.0]),
+                // Intensity is irradiance at distance 1.
+                _ => e.sample_direct(&textures, s.o + s.d, u).map_or(Color::ZERO, |d| d.value),
+            };
+            let expected = light * (s.cos / (s.position.factor() * s.direction.factor()));
+            seen += 1;
+            wrong += usize::from((s.flux - expected).abs().max_element() > 1e-3 * s.flux.max_element());
+        }
+        assert!(seen > 3000, "{what}: {seen}");
+        assert!(wrong <= seen / 100, "{what}: {wrong} of {seen}");
     }
 }

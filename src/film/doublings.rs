@@ -34,6 +34,7 @@ impl Doublings {
         (&self.luminance, &self.steps)
     }
 
+    /// From what [`Doublings::parts`] gave.
     pub fn from_parts(luminance: Vec<f64>, steps: Vec<f64>) -> Self {
         Self { luminance, steps }
     }

@@ -5,24 +5,28 @@ pub mod filter;
 mod pixels;
 mod rejected;
 mod response;
+mod splats;
 
 pub use doublings::Doublings;
 pub use filter::Filter;
 pub use pixels::{LAYERS, Layer, Mean, Pixels, Radiance, STRIDE};
 pub use rejected::{Rejected, RejectedLayer};
 pub use response::Response;
+pub use splats::{SplatList, Splats};
 
 /// Size of the picture and the part of it that is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmSize {
     /// Full film, which decides the field of view.
     pub width: u32,
+    /// Rows of the full film.
     pub height: u32,
     /// Rendered part: x, y, width, height in pixels of the full film.
     pub crop: [u32; 4],
 }
 
 impl FilmSize {
+    /// A film all of which is rendered.
     pub fn full(width: u32, height: u32) -> Self {
         Self { width, height, crop: [0, 0, width, height] }
     }

@@ -26,12 +26,14 @@ pub const LAYERS: [(Layer, &str); 4] = [
 /// One camera sample, by layer.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Radiance {
+    /// Radiance by layer, indexed by `Layer as usize`.
     pub layers: [Color; LAYERS.len()],
     /// 1 where the camera ray met a surface.
     pub alpha: f32,
 }
 
 impl Radiance {
+    /// Adds light to a layer.
     #[inline]
     pub fn add(&mut self, layer: Layer, value: Color) {
         self.layers[layer as usize] += value;
@@ -43,6 +45,7 @@ impl Radiance {
         self.layers.iter_mut().for_each(|l| *l = change(*l));
     }
 
+    /// The beauty: all layers together.
     pub fn sum(&self) -> Color {
         self.layers.iter().copied().sum()
     }
@@ -64,34 +67,37 @@ const SQUARE: usize = ALPHA + 1;
 pub const STRIDE: usize = SQUARE + 1;
 
 impl Pixels {
+    /// Empty sums of `count` pixels.
     pub fn new(count: usize) -> Self {
         Self { sums: vec![[0.0; STRIDE]; count], samples_a_pass: 1, doublings: Doublings::default() }
     }
 
+    /// Pixels.
     pub fn len(&self) -> usize {
         self.sums.len()
     }
 
+    /// Whether there are no pixels.
     pub fn is_empty(&self) -> bool {
         self.sums.is_empty()
     }
 
-    pub fn rows_mut(&mut self, width: usize) -> std::slice::ChunksMut<'_, [f64; STRIDE]> {
-        self.sums.chunks_mut(width)
-    }
-
+    /// The sums, row by row: layers × RGB, then alpha, then the square of the luminance.
     pub fn as_slice(&self) -> &[[f64; STRIDE]] {
         &self.sums
     }
 
+    /// The same, to add to.
     pub fn as_mut_slice(&mut self) -> &mut [[f64; STRIDE]] {
         &mut self.sums
     }
 
+    /// What the noise is estimated from.
     pub fn doublings(&self) -> &Doublings {
         &self.doublings
     }
 
+    /// Puts back what a file kept.
     pub fn set_doublings(&mut self, doublings: Doublings) {
         self.doublings = doublings;
     }
@@ -116,6 +122,7 @@ impl Pixels {
         })
     }
 
+    /// Mean coverage after `passes`.
     pub fn alpha(&self, pixel: usize, passes: u32) -> f64 {
         self.sums[pixel][ALPHA] / f64::from(passes.max(1))
     }
@@ -167,6 +174,12 @@ impl Mean {
             }
         }
         self.0[ALPHA] += f64::from(sample.alpha * weight);
+    }
+
+    /// Times a number.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self(self.0.map(|value| value * factor))
     }
 
     /// Adds it to a pixel's sums.

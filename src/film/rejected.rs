@@ -7,16 +7,22 @@ use super::Layer;
 /// Camera samples of one layer that were left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RejectedLayer {
+    /// Samples in which the layer was NaN.
     pub nan: u64,
+    /// Samples in which the layer was infinite, or too large for the sum.
     pub infinite: u64,
 }
 
 /// What was left out, by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Rejected {
+    /// Of the emission layer.
     pub emission: RejectedLayer,
+    /// Of the direct layer.
     pub direct: RejectedLayer,
+    /// Of the caustic layer.
     pub caustic: RejectedLayer,
+    /// Of the indirect layer.
     pub indirect: RejectedLayer,
     /// Photons whose flux is no finite number.
     pub photon_flux: u64,
@@ -36,6 +42,7 @@ impl Rejected {
         *(if nan { &mut layer.nan } else { &mut layer.infinite }) += 1;
     }
 
+    /// Adds the counts of another part.
     pub fn add(&mut self, other: &Self) {
         for ((_, sum), (_, more)) in self.counts_mut().into_iter().zip(other.causes()) {
             *sum += more;
@@ -48,6 +55,7 @@ impl Rejected {
         copy.counts_mut().map(|(name, count)| (name, *count))
     }
 
+    /// All of them.
     pub fn total(&self) -> u64 {
         self.causes().iter().map(|(_, count)| count).sum()
     }

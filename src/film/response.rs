@@ -12,6 +12,7 @@ pub enum Response {
 }
 
 impl Response {
+    /// Turns radiance into what the film stores, in place.
     #[inline]
     pub fn apply(&self, radiance: &mut Radiance) {
         match self {

@@ -9,7 +9,7 @@ use crate::scene::{Facts, Scene};
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Vertex, transparency, visibility};
 
-/// β = 2.
+/// The power heuristic with β = 2: the weight of a sample of density `a` that another strategy finds with density `b`.
 #[inline]
 pub fn power_heuristic(a: f32, b: f32) -> f32 {
     // Ratios first: squares of densities near a small lamp overflow f32.
@@ -19,11 +19,12 @@ pub fn power_heuristic(a: f32, b: f32) -> f32 {
     if a >= b { larger } else { r * r * larger }
 }
 
-/// Light that would arrive from a sampled emitter point if nothing were in its way.
+/// Light of a sampled emitter point, before visibility.
 #[derive(Clone, Copy, Debug)]
 pub struct Proposal {
     /// Scattered towards the viewer.
     pub value: Color,
+    /// Where it comes from.
     pub light: DirectSample,
 }
 
@@ -51,12 +52,15 @@ pub fn propose(
     if f.max_element() <= 0.0 {
         return None;
     }
-    let weight =
-        if mis && light.pdf > 0.0 { power_heuristic(light.pdf, closure.pdf(wi, wo, lobes)) } else { 1.0 };
+    let weight = if mis && light.pdf > 0.0 {
+        power_heuristic(light.pdf, closure.pdf(wi, wo, Transport::Radiance, lobes))
+    } else {
+        1.0
+    };
     Some(Proposal { value: f * light.value * weight, light })
 }
 
-/// [`propose`], and what is visible of it.
+/// [`propose`] times visibility.
 #[inline(always)]
 pub fn next_event(
     scene: &Scene,
@@ -75,7 +79,7 @@ pub fn next_event(
     p.value * visibility(scene, vertex.surface, &p.light, facts.transparent_shadows, segments)
 }
 
-/// The other half of multiple importance sampling: a direction from `lobes` of the BSDF, and the lamp it
+/// The other half of multiple importance sampling: light of the lamp that a direction drawn from `lobes` of the BSDF
 /// meets.
 pub fn scattered_lamp(
     scene: &Scene,
@@ -93,7 +97,7 @@ pub fn scattered_lamp(
     let sample = closure.sample_smooth(wi, u_lobe, u, Transport::Radiance, lobes);
     let Some(sample) = sample else { return Color::ZERO };
     // The density that next_event compares with includes the choice of the lobes.
-    let pdf = closure.pdf(wi, sample.wo, lobes);
+    let pdf = closure.pdf(wi, sample.wo, Transport::Radiance, lobes);
     let d = s.frame.to_world(sample.wo);
     let mut ray = s.leave(d);
     let mut through = 1.0;

@@ -35,42 +35,56 @@ pub struct Task<'a> {
 /// Scratch and counters of one thread's share of a pass.
 #[derive(Debug, Default)]
 pub struct Scratch {
+    /// Rays traced.
     pub rays: u64,
+    /// Of photon lookups.
     pub gather: Gather,
+    /// Of path tracing.
     pub wave: path::Wave,
 }
 
-/// What a pass prepared, as counted.
+/// Counters of what a pass prepared.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PassStats {
+    /// Light paths started.
     pub light_paths: u64,
-    /// Time was up before all light paths were traced.
+    /// The deadline passed before all light paths were traced.
     pub cut: bool,
+    /// Photons stored.
     pub photons: u64,
+    /// Rays of light paths.
     pub photon_rays: u64,
+    /// Memory of the photon maps.
     pub map_bytes: u64,
+    /// Photons that were not finite, and were left out.
     pub rejected: Rejected,
     /// Seconds of tracing photons and of building maps.
     pub trace_seconds: f64,
+    /// Of building maps.
     pub build_seconds: f64,
     /// Search radii of the pass, 0 without a map.
     pub radius: f32,
+    /// The same for the caustic map.
     pub caustic_radius: f32,
 }
 
 /// A camera ray, the numbers of its path, and what came of it.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraSample {
+    /// From the sensor.
     pub ray: Ray,
+    /// Random numbers of the path, those of the film position taken.
     pub sampler: Sampler,
+    /// What the ray brings.
     pub out: Radiance,
 }
 
 /// See the module's contract.
 pub trait Integrator: Sync {
+    /// What all pixels of a pass share.
     type Pass: Sync + Send;
 
-    /// Pairs of random numbers of a camera path that are worth low-discrepancy points.
+    /// How many pairs of random numbers of a camera path are low-discrepancy points.
     const STRATIFIED_PAIRS: u32;
 
     /// Search radii of pass 0 (global, caustic), 0 without a map.
@@ -83,6 +97,7 @@ pub trait Integrator: Sync {
         1
     }
 
+    /// Prepares pass `pass`, counted from 0.
     fn begin_pass(&self, pass: u32) -> (Self::Pass, PassStats);
 
     /// Fills `out` of each sample. What a sample becomes does not depend on those it comes with.

@@ -12,6 +12,7 @@ use crate::scene::{Facts, Hit, Scene};
 use crate::transport::walk::{self, Next};
 use crate::transport::{PathClass, Vertex, roulette, shadow_ray, visibility};
 
+/// See the module.
 #[derive(Debug)]
 pub struct PathTracer<'a> {
     scene: &'a Scene,
@@ -26,6 +27,7 @@ pub struct PathTracer<'a> {
 }
 
 impl<'a> PathTracer<'a> {
+    /// Takes what it needs of the task; nothing is measured.
     pub fn new(task: Task<'a>) -> Self {
         let settings = task.settings;
         Self {

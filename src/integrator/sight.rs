@@ -23,6 +23,7 @@ pub struct Sight {
 /// What a camera path is when its next ray is traced.
 #[derive(Clone, Copy, Debug)]
 pub struct Carried {
+    /// Of the path up to the ray.
     pub throughput: Color,
     /// Where the light belongs that it meets.
     pub class: PathClass,

@@ -51,6 +51,8 @@ macro_rules! closed_enum {
             })+
         }
         $(#[$enum_meta])*
+        // A variant is documented by the model that it holds.
+        #[allow(missing_docs)]
         $vis enum $Enum $variants
         impl $Enum {
             $($crate::math::closed_enum! {

@@ -2,16 +2,20 @@
 
 mod closed_enum;
 mod color;
+mod erf;
 mod frame;
 pub mod kernel;
 mod octahedral;
+mod quadrature;
 pub mod simd;
 
 pub(crate) use closed_enum::closed_enum;
 pub use color::{Color, LANES};
+pub use erf::{erf, erf_inv};
 pub use frame::Frame;
 pub use glam::{DVec3, Vec2, Vec3A as Vec3};
 pub use octahedral::{decode_direction, encode_direction};
+pub use quadrature::gauss_legendre;
 
 /// Offset that keeps a ray from hitting the surface it starts on or ends at, relative to the largest
 /// absolute coordinate involved: 2⁻¹⁹, which is 16 times `f32::EPSILON` (measured errors of barycentric

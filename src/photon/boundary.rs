@@ -17,22 +17,26 @@ use crate::scene::{Facts, Scene, Surface};
 
 /// Points that must be found on the surface.
 const WANTED: u32 = 2;
-/// Trials at most; reached only where less than a tenth of the disc is surface.
+/// Most trials; reached only where less than a tenth of the disc is surface.
 const MOST: u32 = 20;
 
-/// What the trials need.
+/// The scene and the random numbers for the trials.
 #[derive(Debug)]
 pub struct Boundary<'a> {
+    /// What obstacles are looked for in.
     pub scene: &'a Scene,
+    /// Of the scene: without transmission all surfaces are opaque.
     pub facts: &'a Facts,
+    /// Where the trials are drawn.
     pub sampler: &'a mut Sampler,
+    /// Counts the rays of the trials.
     pub rays: &'a mut u64,
 }
 
 /// What the trials found.
 #[derive(Clone, Copy, Debug)]
 pub struct Correction {
-    /// For the estimate.
+    /// The estimate is multiplied by this.
     pub factor: f32,
     /// Something stands on the disc: photons count where [`Boundary::sees`] them.
     pub obstructed: bool,

@@ -17,18 +17,25 @@ use crate::transport::Vertex;
 /// How one map is read.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimator {
+    /// Weight of a photon by its distance.
     pub kernel: KernelKind,
+    /// Of the disc that is searched, in scene units.
     pub radius: f32,
-    /// Most photons of one estimate: beyond it the nearest count, in their own smaller disc.
+    /// Most photons of one estimate: beyond it the nearest count, in their own smaller disc. At least 2.
     pub cap: usize,
     /// The lobes that photons are for.
     pub lobes: Range,
 }
 
+/// The k-th nearest photon bounds the disc and is not counted itself, so fewer than two show nothing.
+const LEAST: usize = 2;
+
 impl Estimator {
+    /// Reads all photons within `radius`, or with [`Lookup::Nearest`] the `neighbours` nearest of them, and never
+    /// more than `cap` (`u32::MAX` for no cap). Fewer than two neighbours count as two.
     pub fn new(kernel: KernelKind, radius: f32, lookup: Lookup, neighbours: u32, cap: u32) -> Self {
         let nearest = if lookup == Lookup::Nearest { neighbours as usize } else { usize::MAX };
-        let cap = nearest.min(if cap == u32::MAX { usize::MAX } else { cap as usize });
+        let cap = nearest.min(if cap == u32::MAX { usize::MAX } else { cap as usize }).max(LEAST);
         Self { kernel, radius, cap, lobes: Range::ALL }
     }
 }
@@ -36,6 +43,7 @@ impl Estimator {
 /// Where a camera path gathers, and what of the photons there counts.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint<'a> {
+    /// The surface, and the direction that light is wanted along.
     pub vertex: &'a Vertex<'a>,
     /// The side whose photons tell of the light that is sent back.
     pub side: PhotonSide,
@@ -50,7 +58,9 @@ pub struct GatherPoint<'a> {
 pub struct Gather {
     found: Vec<(f32, u32)>,
     hint: f32,
+    /// Estimates made.
     pub lookups: u64,
+    /// Photons found by them.
     pub photons: u64,
 }
 

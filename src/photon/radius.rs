@@ -7,8 +7,11 @@ use crate::math::Vec3;
 /// A place where the density is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
+    /// In the world.
     pub p: Vec3,
+    /// Unit normal of the side.
     pub n: Vec3,
+    /// Rounding of positions there.
     pub lift: f32,
     /// Size of a pixel there, 0 where unknown.
     pub footprint: f32,
@@ -18,7 +21,7 @@ pub struct Place {
 /// slowly (measured: 2.4 are four times worse, 100 slightly).
 const TARGET: usize = 25;
 
-/// Places that are measured, at most.
+/// Most places that are measured.
 pub const PLACES: usize = 1024;
 
 /// Largest first radius, in pixels: a wider blur hides what is seen, whatever the density, and where
@@ -29,8 +32,8 @@ const MOST_PIXELS: f32 = 8.0;
 /// No radius falls below this: a smaller square, or its inverse, leaves the range of f32.
 pub const LEAST: f32 = 1e-18;
 
-/// Radius within which a `share` of the places find [`TARGET`] photons or more. It is looked for up to a
-/// tenth of `scene_radius`, that of the bounding sphere; what lies beyond is told from the photons within.
+/// Radius within which a `share` of the places find [`TARGET`] photons or more. The search goes up to
+/// a tenth of `scene_radius`, that of the bounding sphere; larger radii are extrapolated from the photons within it.
 pub fn measured(photons: &[Photon], places: &[Place], share: f32, scene_radius: f32) -> f32 {
     let most = largest(scene_radius);
     let map = PhotonMap::build_for_nearest(photons, TARGET, most);
@@ -61,13 +64,13 @@ fn largest(scene_radius: f32) -> f32 {
     0.1 * scene_radius
 }
 
-/// Size of a pixel at the middle one of the places the camera gathers at; 0 when it gathers nowhere.
+/// Median size of a pixel at the places where the camera gathers; 0 when it gathers nowhere.
 pub fn pixel(places: &[Place]) -> f32 {
     let mut footprints: Vec<f32> = places.iter().map(|p| p.footprint).collect();
     quantile(&mut footprints, 0.5).unwrap_or(0.0)
 }
 
-/// A sphere around most of the places, three in four; its radius is 0 without any.
+/// A sphere around three quarters of the places; its radius is 0 without any.
 pub fn around(places: &[Place]) -> SceneSphere {
     let middle = |axis: usize| {
         let mut along: Vec<f32> = places.iter().map(|at| at.p[axis]).collect();
@@ -84,8 +87,8 @@ pub fn clamped(radius: f32, pixel: f32, scene_radius: f32) -> f32 {
     if pixel > 0.0 { radius.clamp(0.5 * pixel, MOST_PIXELS * pixel) } else { radius }
 }
 
-/// How many times more light paths let a lookup find its photons within [`MOST_PIXELS`]: density grows
-/// with their number. Bounded, because a pass should stay short.
+/// Factor on the number of light paths that lets a lookup find its photons within [`MOST_PIXELS`], since density
+/// grows with that number. Bounded, because a pass should stay short.
 pub fn more_paths(radius: f32, pixel: f32) -> f32 {
     const MOST: f32 = 16.0;
     if pixel > 0.0 { (radius / (MOST_PIXELS * pixel)).powi(2).clamp(1.0, MOST) } else { 1.0 }
@@ -99,7 +102,7 @@ fn quantile(values: &mut [f32], share: f32) -> Option<f32> {
     Some(*values.select_nth_unstable_by(at.min(values.len() - 1), f32::total_cmp).1)
 }
 
-/// The photons themselves as places: where they are is where their density matters.
+/// The photons themselves as places: density matters where they lie.
 pub fn photon_places(photons: &[Photon]) -> Vec<Place> {
     let step = photons.len().div_ceil(PLACES).max(1);
     photons

@@ -12,6 +12,7 @@ use crate::math::{Bounds, Color, Vec3, encode_direction};
 /// A photon as traced.
 #[derive(Clone, Copy, Debug)]
 pub struct Photon {
+    /// In the world.
     pub p: Vec3,
     /// W per channel.
     pub flux: Color,
@@ -19,6 +20,7 @@ pub struct Photon {
     pub wi: Vec3,
     /// Unit geometric normal of the side it arrived at.
     pub n: Vec3,
+    /// Of the light path that left it.
     pub class: PathClass,
     /// Path segments from the lamp, saturating.
     pub depth: u8,
@@ -27,11 +29,13 @@ pub struct Photon {
 /// A disc on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
+    /// In the world.
     pub p: Vec3,
     /// Unit geometric normal of the side whose photons are wanted.
     pub n: Vec3,
     /// Rounding of positions at this place: photons this near to the tangent plane always count.
     pub lift: f32,
+    /// In scene units.
     pub radius: f32,
 }
 
@@ -58,13 +62,14 @@ pub struct PhotonMap {
     dims: [usize; 3],
     /// All photons are of this class.
     pub uniform_class: Option<PathClass>,
+    /// Path segments of the deepest photon.
     pub deepest: u8,
 }
 
-/// Photons that decide the cell size of a map for k-nearest queries.
+/// Size of the sample of photons that decides the cell size of a map for k-nearest queries.
 const SAMPLE: usize = 1 << 17;
 
-/// Cells a grid may have for `n` photons: more cost time to clear than they save in tests.
+/// Most cells of a grid for `n` photons: more take longer to clear than they save.
 fn cell_budget(n: usize) -> f32 {
     (16 * n).clamp(1 << 12, 1 << 27) as f32
 }
@@ -164,10 +169,12 @@ impl PhotonMap {
         Self::build(photons, cell.min(2.0 * max_radius))
     }
 
+    /// Photons stored.
     pub fn len(&self) -> usize {
         self.count
     }
 
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -180,10 +187,12 @@ impl PhotonMap {
         self.count * Self::PHOTON_BYTES + LANES * (6 * 4 + 3) + self.starts.len() * size_of::<u32>()
     }
 
+    /// Where photon `i` lies.
     pub fn photon_position(&self, i: usize) -> Vec3 {
         Vec3::new(self.position[0][i], self.position[1][i], self.position[2][i])
     }
 
+    /// The unit normal of photon `i`, to the precision of its three bytes.
     pub fn photon_normal(&self, i: usize) -> Vec3 {
         let n = |c: usize| f32::from(self.normal[c][i]);
         Vec3::new(n(0), n(1), n(2)).normalize_or(Vec3::Z)
@@ -201,7 +210,7 @@ impl PhotonMap {
         (self.coordinate(p.z, 2) * ny + self.coordinate(p.y, 1)) * nx + self.coordinate(p.x, 0)
     }
 
-    /// Runs of photons whose cells the cube around the query touches.
+    /// Runs of photons in the cells that the cube around the query touches.
     #[inline(always)]
     pub(super) fn runs(&self, q: &Query) -> Runs<'_> {
         let (lo, hi) = (q.p - q.radius, q.p + q.radius);
@@ -255,7 +264,7 @@ impl PhotonMap {
     }
 }
 
-/// Photons of a part of the order, by column.
+/// Columns of a part of the sorted photons.
 #[derive(Default)]
 struct Columns {
     position: [Vec<f32>; 3],

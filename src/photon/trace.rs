@@ -6,25 +6,27 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::Photon;
-use crate::bsdf::{Event, Range, Transport};
-use crate::emitter::{Aim, Arrow, Emitter, SceneSphere};
+use crate::bsdf::{Event, Range, Transport, adjoint_correction};
+use crate::emitter::{Aim, Emitter, EntrySegment, SceneSphere};
 use crate::film::Rejected;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::{Sampler, mix};
-use crate::scene::{Scene, Surface};
+use crate::scene::{LightStart, Scene};
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Owner, PathClass, Vertex, roulette};
 
-/// Which photons a trace is for.
+/// Which photons to trace.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceJob {
-    /// Number family of this (seed, pass, map).
+    /// Random sequence of this (seed, pass, map).
     pub key: u64,
     /// Paths to start. Each carries the scene's power divided by this.
     pub paths: u64,
     /// Photons of other owners are not stored.
     pub owner: Owner,
+    /// Whether next event estimation owns direct light.
     pub next_event: bool,
+    /// Whether caustics have a map of their own.
     pub caustic_map: bool,
     /// Roughness below which lobes hold no photons.
     pub glossy: f32,
@@ -32,44 +34,48 @@ pub struct TraceJob {
     pub max_depth: u32,
 }
 
-/// When not to go on.
+/// When to stop work before it is complete.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Halt<'a> {
-    /// Set from outside: what is not done yet is left, what was done is of no use.
+    /// Cancel: abandon the remaining work and discard the result.
     pub stop: Option<&'a AtomicBool>,
-    /// From then on nothing more is begun.
+    /// No new work begins after this time; what is complete is kept.
     pub deadline: Option<Instant>,
 }
 
 impl Halt<'_> {
+    /// Whether work was cancelled.
     pub fn stopped(&self) -> bool {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
+    /// Whether the deadline has passed.
     pub fn late(&self) -> bool {
         self.deadline.is_some_and(|end| Instant::now() >= end)
     }
 }
 
-/// Stored photons with what happened on the way.
+/// The photons stored by a job, with counters.
 #[derive(Debug, Default)]
 pub struct Traced {
-    /// Fewer than asked for where the time was up. The photons carry the whole power nevertheless.
+    /// Paths traced: fewer than asked for if the deadline passed. The photons carry the whole power either way.
     pub paths: u64,
+    /// In the order of the paths.
     pub photons: Vec<Photon>,
+    /// Rays traced.
     pub rays: u64,
-    /// Photons that were not finite, and were dropped.
+    /// Photons dropped because they were not finite.
     pub rejected: Rejected,
 }
 
-/// Light paths of one unit of parallel work. Fixed, so that results are joined in the same order always.
+/// Light paths of one unit of parallel work. Fixed, so that results are always joined in the same order.
 pub const CHUNK: u64 = 2048;
 
-/// Chunks that are traced however late it is: a map of fewer paths shows nothing.
+/// Chunks that are traced even after the deadline: a map of fewer paths would be useless.
 const LEAST_CHUNKS: u64 = 32;
 
-/// What `trace` makes of each chunk of the paths, in order; of chunks that are left when it is time to halt, nothing. The
-/// first `least` are made however late it is.
+/// Runs `trace` on every chunk of the paths, in parallel, and returns the results in order. Chunks skipped because of
+/// `halt` give the default; the first `least` chunks ignore the deadline.
 fn in_chunks<T: Default + Send>(
     paths: u64,
     least: u64,
@@ -90,11 +96,12 @@ pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
     trace_until(scene, job, None, Halt::default())
 }
 
-/// The same, but with fewer paths when the deadline comes first, and none once it was stopped.
+/// [`trace`] with light from infinity sent where `aim` says, with fewer paths if the deadline comes first, and
+/// without a result if work is cancelled.
 pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> Traced {
     let chunks = in_chunks(job.paths, LEAST_CHUNKS, halt, |paths| {
         let mut out = Traced { paths: paths.end - paths.start, ..Traced::default() };
-        // A path may take long: what is stopped from outside is of no use anyway.
+        // A single path may take long; the result of cancelled work is discarded anyway.
         for i in paths.take_while(|_| !halt.stopped()) {
             trace_path(scene, job, aim, i, &mut out);
         }
@@ -120,11 +127,12 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<
     all
 }
 
-/// Share of the paths from infinity that leave photons above which they need no aim.
+/// If more than this share of the paths from infinity leave photons, they need no aim.
 const ENOUGH: f64 = 0.2;
 
-/// Where light from infinity is to be sent: around what the camera sees (`seen`) of a scene that is much larger, else
-/// by a pilot of `job` and, aimed by that, another; `None` where it comes in anyway, or nowhere.
+/// Where to send light from infinity: around what the camera sees (`seen`) if the scene is much larger; otherwise
+/// where a pilot of `job`, and a second one aimed by the first, found that it leaves photons. `None` if unaimed light
+/// does well, or if none leaves photons.
 pub fn aim(scene: &Scene, job: &TraceJob, seen: &SceneSphere, halt: Halt<'_>) -> Option<Aim> {
     if !scene.emitters.iter().any(Emitter::is_infinite) {
         return None;
@@ -132,22 +140,28 @@ pub fn aim(scene: &Scene, job: &TraceJob, seen: &SceneSphere, halt: Halt<'_>) ->
     if let Some(aim) = Aim::around(&scene.sphere, seen) {
         return Some(aim);
     }
-    let (met, found) = arrows(scene, job, None, halt);
+    let (met, found) = entry_segments(scene, job, None, halt);
     if found.len() as f64 > ENOUGH * met as f64 {
         return None;
     }
     let coarse = Aim::new(&scene.sphere, &found)?;
     let again = TraceJob { key: mix(job.key), ..*job };
-    let (_, found) = arrows(scene, &again, Some(&coarse), halt);
-    let few: Vec<Arrow> = found.iter().step_by(found.len().div_ceil(ARROWS).max(1)).copied().collect();
+    let (_, found) = entry_segments(scene, &again, Some(&coarse), halt);
+    let few: Vec<EntrySegment> =
+        found.iter().step_by(found.len().div_ceil(SEGMENTS).max(1)).copied().collect();
     Aim::new(&scene.sphere, &few).or(Some(coarse))
 }
 
-/// Arrows that tell enough.
-const ARROWS: usize = 2048;
+/// Most entry segments that an aim is made from.
+const SEGMENTS: usize = 2048;
 
-/// How many paths from infinity met the scene, and the ways of those that left photons.
-fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (u64, Vec<Arrow>) {
+/// How many paths from infinity met the scene, and the first segments of those that left photons.
+fn entry_segments(
+    scene: &Scene,
+    job: &TraceJob,
+    aim: Option<&Aim>,
+    halt: Halt<'_>,
+) -> (u64, Vec<EntrySegment>) {
     let chunks = in_chunks(job.paths, 0, halt, |paths| {
         let (mut met, mut found) = (0, Vec::new());
         let mut out = Traced::default();
@@ -157,7 +171,7 @@ fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (
             met += 1;
             let weight: f32 = out.photons.iter().map(|p| p.flux.max_element()).sum();
             if weight > 0.0 {
-                found.push(Arrow { weight, ..first });
+                found.push(EntrySegment { weight, ..first });
             }
         }
         (met, found)
@@ -165,18 +179,20 @@ fn arrows(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> (
     (chunks.iter().map(|c: &(u64, _)| c.0).sum(), chunks.into_iter().flat_map(|c| c.1).collect())
 }
 
-/// The way of light from infinity to what it met first; `None` for other light, and for what missed the scene.
+/// Traces one path. Returns the first segment of light from infinity; `None` for other light, and for paths that miss
+/// the scene.
 fn trace_path(
     scene: &Scene,
     job: &TraceJob,
     aim: Option<&Aim>,
     index: u64,
     out: &mut Traced,
-) -> Option<Arrow> {
+) -> Option<EntrySegment> {
     // Sobol indices have 32 bits; every further 2³² paths use a family of their own.
     let mut sampler = Sampler::new(job.key ^ mix(index >> 32), index as u32);
     let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-    let (start, from_infinity) = scene.sample_aimed(pick, place, direction, aim)?;
+    let LightStart { emission: start, from_infinity, .. } =
+        scene.sample_aimed(pick, place, direction, aim)?;
     let mut flux = start.flux / job.paths as f32;
     let mut ray = Ray::new(start.o, start.d);
     let mut class = PathClass::FROM_LAMP;
@@ -186,7 +202,7 @@ fn trace_path(
         out.rays += 1;
         let Next::Surface(surface) = walk::next(scene, &mut ray, Lamps::Solid) else { return first };
         if depth == 1 && from_infinity {
-            first = Some(Arrow { from: start.o, to: surface.p, weight: 0.0 });
+            first = Some(EntrySegment { from: start.o, to: surface.p, weight: 0.0 });
         }
         let vertex = Vertex::new(scene, &surface, -ray.d);
         if class.owner(job.next_event, job.caustic_map) == job.owner && holds_photons(scene, job, &vertex) {
@@ -228,38 +244,22 @@ fn scatter(
         return None;
     }
     let d = vertex.surface.frame.to_world(sample.wo);
-    let correction = adjoint(vertex.surface, vertex.back, vertex.wi.z, d, sample.wo.z, sample.event)?;
-    Some((d, flux * sample.weight * correction, sample.event))
+    Some((d, flux * sample.weight * adjoint(vertex, d, sample.wo.z, sample.event), sample.event))
 }
 
-/// Correction for scattering with a shading normal when light is traced (Veach 1997, eq. 5.19):
-/// |wi·ns||wo·ng| / (|wi·ng||wo·ns|), `wi` towards the lamp. `None` when a direction lies on different
-/// sides of the two normals. Specular events keep the flux of the ray itself.
-fn adjoint(s: &Surface, wi: Vec3, wi_ns: f32, wo: Vec3, wo_ns: f32, event: Event) -> Option<f32> {
+/// [`adjoint_correction`] of light that goes on along `wo`. Straight through, nothing is scattered.
+fn adjoint(vertex: &Vertex<'_>, wo: Vec3, wo_ns: f32, event: Event) -> f32 {
+    let s = vertex.surface;
     if event == Event::Null || s.ng == s.frame.n {
-        return Some(1.0);
+        return 1.0;
     }
-    let (wi_ng, wo_ng) = (wi.dot(s.ng), wo.dot(s.ng));
-    if wi_ng * wi_ns <= 0.0 || wo_ng * wo_ns <= 0.0 {
-        return None;
-    }
-    match event {
-        Event::Smooth | Event::Glossy => Some(((wi_ns * wo_ng) / (wi_ng * wo_ns)).abs().min(MAX_CORRECTION)),
-        Event::Delta | Event::Null => Some(1.0),
-    }
+    adjoint_correction([vertex.wi.z, wo_ns], [vertex.back.dot(s.ng), wo.dot(s.ng)])
 }
-
-/// Grazing light on a strongly bent normal: the correction has a finite mean but no bound.
-const MAX_CORRECTION: f32 = 100.0;
 
 fn store(scene: &Scene, vertex: &Vertex<'_>, flux: Color, class: PathClass, depth: u32, out: &mut Traced) {
     let (s, wi) = (vertex.surface, vertex.back);
-    let (wi_ns, wi_ng) = (vertex.wi.z, wi.dot(s.ng));
-    if wi_ng * wi_ns <= 0.0 {
-        return;
-    }
     // Density is counted per geometric area, but irradiance is wanted on the shading plane.
-    let flux = flux * (wi_ns / wi_ng).min(MAX_CORRECTION);
+    let flux = flux * adjoint_correction([vertex.wi.z, 1.0], [wi.dot(s.ng), 1.0]);
     if !s.p.is_finite() {
         out.rejected.photon_place += 1;
         return;

@@ -253,8 +253,7 @@ fn run<I: Integrator>(
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         progress(&Progress { pixels: &pixels, passes, elapsed: start.elapsed(), pass });
     };
-    stats.passes = passes;
-    stats.seconds = start.elapsed().as_secs_f64();
+    (stats.passes, stats.seconds) = (passes, start.elapsed().as_secs_f64());
     Outcome { pixels, statistics: stats, stop }
 }
 

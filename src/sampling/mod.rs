@@ -1,12 +1,14 @@
 //! Random and low-discrepancy numbers that depend only on (seed, pass, index, dimension), and the
 //! distributions sampled with them.
 
+mod density;
 mod distribution;
 mod hash;
 mod sampler;
 mod sobol;
 pub mod warp;
 
+pub use density::Density;
 pub use distribution::Discrete;
 pub use hash::{CounterRng, mix};
 pub use sampler::Sampler;

@@ -37,10 +37,7 @@ impl Facts {
     /// Looks at every material and emitter of `scene`.
     pub fn of(scene: &Scene) -> Self {
         let natures = || scene.materials.iter().map(|m| m.nature());
-        let large = |e: &Emitter| match e {
-            Emitter::Area(a) => a.area() > 0.02 * scene.sphere.radius * scene.sphere.radius,
-            _ => false,
-        };
+        let large = |e: &Emitter| e.visible_area() > 0.02 * scene.sphere.radius * scene.sphere.radius;
         let environment = !scene.environments.is_empty();
         let widened = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self {

@@ -1,23 +1,29 @@
 //! What shines in a scene: emission met by rays, light sampled at a point, starts of light paths.
 
 use super::{Scene, Surface};
-use crate::emitter::{Aim, Arena, DirectSample, Emission, Emitter, SceneSphere, Sides};
+use crate::emitter::{Aim, DirectSample, Emission, EmissionBounds, Emitter, SceneSphere};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::Discrete;
 use crate::spectrum::luminance;
 use crate::texture::Textures;
+
+/// The start of a light path from one emitter of the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct LightStart {
+    /// Its flux is that of the emitter over `probability`; its densities are the emitter's own.
+    pub emission: Emission,
+    /// With which the emitter was chosen.
+    pub probability: f32,
+    /// The light comes from outside of the scene.
+    pub from_infinity: bool,
+}
 
 impl Scene {
     /// Radiance that the surface itself emits towards `w` (world).
     #[inline(always)]
     pub fn emitted(&self, s: &Surface, w: Vec3) -> Color {
         match self.shapes[s.shape as usize].emitter {
-            Some(e) => match &self.emitters[e as usize] {
-                Emitter::Area(a) if s.frame.n.dot(w) > 0.0 || a.sides == Sides::Both => {
-                    self.textures.eval(a.radiance, &s.site())
-                }
-                _ => Color::ZERO,
-            },
+            Some(e) => self.emitters[e as usize].emitted(&self.textures, &s.site(), s.frame.n.dot(w) > 0.0),
             None => Color::ZERO,
         }
     }
@@ -33,11 +39,7 @@ impl Scene {
     #[inline]
     pub fn background(&self, d: Vec3) -> impl Iterator<Item = (Color, f32)> {
         self.environments.iter().map(move |&e| {
-            let (radiance, pdf) = match &self.emitters[e as usize] {
-                Emitter::Constant(c) => (c.radiance, c.pdf_direct()),
-                Emitter::Environment(e) => (e.radiance(d), e.pdf_direct(d)),
-                _ => (Color::ZERO, 0.0),
-            };
+            let (radiance, pdf) = self.emitters[e as usize].background(d);
             (radiance, pdf * self.direct.probability(e as usize))
         })
     }
@@ -47,10 +49,10 @@ impl Scene {
     #[inline]
     pub fn pdf_direct_surface(&self, p: Vec3, d: Vec3, s: &Surface) -> f32 {
         match self.shapes[s.shape as usize].emitter {
-            Some(e) => match &self.emitters[e as usize] {
-                Emitter::Area(a) => a.pdf_direct(p, d, s.p, s.ng) * self.direct.probability(e as usize),
-                _ => 0.0,
-            },
+            Some(e) => {
+                let pdf = self.emitters[e as usize].pdf_direct_surface(p, d, s.p, s.ng);
+                pdf * self.direct.probability(e as usize)
+            }
             None => 0.0,
         }
     }
@@ -72,29 +74,30 @@ impl Scene {
         Some(s)
     }
 
-    /// Start of a light path; the expected flux over all draws is the scene's power.
-    pub fn sample_emission(&self, pick: f32, place: Vec2, direction: Vec2) -> Option<Emission> {
-        self.sample_aimed(pick, place, direction, None).map(|(e, _)| e)
+    /// Start of a light path; the expected flux over all draws is the scene's power. `None` where the sample
+    /// carries no light, and in a scene without any.
+    pub fn sample_emission(&self, pick: f32, place: Vec2, direction: Vec2) -> Option<LightStart> {
+        self.sample_aimed(pick, place, direction, None)
     }
 
-    /// [`Scene::sample_emission`] with light from infinity aimed by `aim`; the flag is true for light from
-    /// infinity.
+    /// [`Scene::sample_emission`] with light from infinity aimed by `aim`.
     pub fn sample_aimed(
         &self,
         pick: f32,
         place: Vec2,
         direction: Vec2,
         aim: Option<&Aim>,
-    ) -> Option<(Emission, bool)> {
+    ) -> Option<LightStart> {
         if self.emitters.is_empty() {
             return None;
         }
         let (i, _) = self.emission.sample(pick);
         let emitter = &self.emitters[i];
-        let arena = Arena { sphere: self.sphere, aim };
-        let mut e = emitter.sample_emission(&self.textures, &arena, place, direction)?;
-        e.flux /= self.emission.probability(i);
-        Some((e, emitter.is_infinite()))
+        let bounds = EmissionBounds { sphere: self.sphere, aim };
+        let mut emission = emitter.sample_emission(&self.textures, &bounds, place, direction)?;
+        let probability = self.emission.probability(i);
+        emission.flux /= probability;
+        Some(LightStart { emission, probability, from_infinity: emitter.is_infinite() })
     }
 
     /// Total emitted power, W per channel.

@@ -9,6 +9,7 @@ mod view;
 
 pub use facts::Facts;
 pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
+pub use lamps::LightStart;
 pub use surface::{PhotonSide, Surface};
 pub use view::View;
 

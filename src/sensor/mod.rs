@@ -1,14 +1,17 @@
 //! Cameras. One file per projection, one for the lens before it; [`Sensor`] holds what they share.
 
+mod importance;
 mod orthographic;
 mod perspective;
 mod thinlens;
 
+pub use importance::{Importance, Line, SensorSample};
 pub use orthographic::Orthographic;
 pub use perspective::{Axis, Perspective};
 pub use thinlens::ThinLens;
 
 use crate::math::{Ray, Vec2, Vec3, closed_enum};
+use crate::sampling::Density;
 
 closed_enum! {
     /// What every kind of camera can do, in camera space: it looks along +Z, +Y is up, +X is to the left of the picture
@@ -20,12 +23,33 @@ closed_enum! {
         /// Half of the extent in y that the film shows at `distance` along the axis, in world units; `scale` is the
         /// length of the image of the camera's Y axis.
         fn half_height(&self, distance: f32, scale: f32) -> f32;
+
+        /// What the film shows.
+        fn window(&self) -> Window;
+
+        /// The point of the window whose ray passes through `p`, which lies before the camera.
+        fn window_point(&self, p: Vec3) -> Vec2;
+
+        /// Where the ray of a point of the window crosses the plane z = 0.
+        fn start(&self, on_window: Vec2) -> Vec2;
+
+        /// The line through `p` that leaves the lens, whose focus lies at depth `focus`, at the place `lens` of it.
+        fn through(&self, p: Vec3, lens: Vec2, focus: f32) -> Line;
+
+        /// Densities of position and direction of a ray whose cosine to the axis is `cos`, for an even choice over
+        /// the film and over the lens; `scale` is the area in the world of a unit of area in camera space.
+        fn densities(&self, cos: f32, scale: f32, lens: Option<&ThinLens>) -> [Density; 2];
+
+        /// Whether all rays of a sharp picture run along the axis.
+        fn is_parallel(&self) -> bool;
     }
 
     /// How a film position becomes a ray in camera space.
     #[derive(Clone, Debug)]
     pub enum Projection {
+        /// All rays pass one point.
         Perspective(Perspective),
+        /// All rays are parallel.
         Orthographic(Orthographic),
     }
 }
@@ -33,6 +57,7 @@ closed_enum! {
 /// A camera-space ray: looks along +Z, +Y up, +X to the left of the picture (Mitsuba's frame).
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
+    /// On the plane z = 0.
     pub o: Vec3,
     /// Unit.
     pub d: Vec3,
@@ -41,7 +66,9 @@ pub struct CameraRay {
 /// A rectangle across the optical axis, at distance 1 of a pinhole: what the film shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
+    /// Where the optical axis would be (0, 0).
     pub center: Vec2,
+    /// Half of width and height.
     pub half: Vec2,
 }
 
@@ -52,6 +79,7 @@ impl Window {
         Self { center: vec(-0.5 * (x0 + x1), 0.5 * (y0 + y1)), half: vec(0.5 * (x1 - x0), 0.5 * (y1 - y0)) }
     }
 
+    /// Larger or smaller around the optical axis.
     #[must_use]
     pub fn scaled(self, factor: f32) -> Self {
         Self { center: self.center * factor, half: self.half * factor }
@@ -61,20 +89,32 @@ impl Window {
     fn at(&self, s: Vec2) -> Vec2 {
         self.center + (Vec2::ONE - s * 2.0) * self.half
     }
+
+    /// The film position of a point of the window.
+    fn inverse(&self, p: Vec2) -> Vec2 {
+        (Vec2::ONE - (p - self.center) / self.half) * 0.5
+    }
+
+    fn area(&self) -> f32 {
+        (4.0 * self.half.x * self.half.y).abs()
+    }
 }
 
 /// A camera in the world.
 #[derive(Clone, Debug)]
 pub struct Sensor {
+    /// From film positions to rays.
     pub projection: Projection,
     /// `None`: all is sharp.
     pub lens: Option<ThinLens>,
     /// Columns: images of the camera's X, Y and Z axes. Z has unit length; so have X and Y but for
     /// orthographic cameras.
     pub axes: [Vec3; 3],
+    /// Of the pinhole, or of the middle of the lens or plane.
     pub position: Vec3,
     /// Nothing nearer or farther along the optical axis is seen.
     pub near: f32,
+    /// See `near`.
     pub far: f32,
     /// Added to the film position, in fractions of the film.
     pub principal_point_offset: Vec2,
@@ -86,10 +126,9 @@ impl Sensor {
         let s = s + self.principal_point_offset;
         let sharp = self.projection.ray(s);
         let local = self.lens.as_ref().map_or(sharp, |lens| lens.refract(sharp, aperture));
-        let world = |v: Vec3| self.axes[0] * v.x + self.axes[1] * v.y + self.axes[2] * v.z;
-        let d = world(local.d);
+        let d = self.to_world(local.d);
         let per_z = 1.0 / local.d.z;
-        let o = self.position + world(local.o);
+        let o = self.position + self.to_world(local.o);
         Ray { o: o + d * (self.near * per_z), d, tmax: (self.far - self.near) * per_z }
     }
 

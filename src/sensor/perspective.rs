@@ -1,5 +1,6 @@
-use super::{CameraRay, Project, Window};
+use super::{CameraRay, Line, Project, ThinLens, Window};
 use crate::math::{Vec2, Vec3};
+use crate::sampling::Density;
 
 /// Pinhole camera.
 #[derive(Clone, Debug)]
@@ -11,10 +12,15 @@ pub struct Perspective {
 /// Which extent a field-of-view angle spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
+    /// Its width.
     X,
+    /// Its height.
     Y,
+    /// From corner to corner.
     Diagonal,
+    /// The smaller of width and height.
     Smaller,
+    /// The larger of width and height.
     Larger,
 }
 
@@ -42,6 +48,35 @@ impl Project for Perspective {
 
     fn half_height(&self, distance: f32, _scale: f32) -> f32 {
         self.window.half.y * distance
+    }
+
+    fn window(&self) -> Window {
+        self.window
+    }
+
+    fn window_point(&self, p: Vec3) -> Vec2 {
+        Vec2::new(p.x, p.y) / p.z
+    }
+
+    fn start(&self, _on_window: Vec2) -> Vec2 {
+        Vec2::ZERO
+    }
+
+    fn through(&self, p: Vec3, lens: Vec2, _focus: f32) -> Line {
+        Line { at: lens, slope: (Vec2::new(p.x, p.y) - lens) / p.z }
+    }
+
+    /// Even over the window, which at distance 1 covers a solid angle of cos³ times its area.
+    fn densities(&self, cos: f32, scale: f32, lens: Option<&ThinLens>) -> [Density; 2] {
+        let position = match lens {
+            Some(lens) => Density::Finite(1.0 / (lens.area() * scale)),
+            None => Density::Delta,
+        };
+        [position, Density::Finite(1.0 / (self.window.area() * cos.powi(3)))]
+    }
+
+    fn is_parallel(&self) -> bool {
+        false
     }
 }
 

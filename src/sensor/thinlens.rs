@@ -5,6 +5,7 @@ use crate::sampling::warp;
 /// Thin lens: points at depth `focus_distance` are sharp.
 #[derive(Clone, Debug)]
 pub struct ThinLens {
+    /// In scene units.
     pub aperture_radius: f32,
     /// z of the plane of focus.
     pub focus_distance: f32,

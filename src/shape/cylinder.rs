@@ -6,10 +6,15 @@ use crate::math::{Bounds, Frame, Ray, Vec2, Vec3};
 /// Open circular cylinder along `axis.n` from `p0`.
 #[derive(Clone, Debug)]
 pub struct Cylinder {
+    /// Middle of the circle at v = 0.
     pub p0: Vec3,
+    /// `n` is the axis; u begins at `s`.
     pub axis: Frame,
+    /// In world units.
     pub length: f32,
+    /// In world units.
     pub radius: f32,
+    /// Normals point at the axis.
     pub inward: bool,
 }
 

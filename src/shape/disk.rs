@@ -8,17 +8,22 @@ use crate::sampling::warp;
 /// is as precise as those of what stands on it.
 #[derive(Clone, Debug)]
 pub struct Disk {
+    /// In world space.
     pub center: DVec3,
+    /// From the centre to the rim; uv begin here.
     pub u: Vec3,
+    /// The other half-axis.
     pub v: Vec3,
     /// Unit normal of the side that faces local +Z (or −Z when flipped).
     pub normal: Vec3,
     /// Dual basis: `x = du·(p − center)`, `y = dv·(p − center)`.
     pub du: Vec3,
+    /// See `du`.
     pub dv: Vec3,
 }
 
 impl Disk {
+    /// From the half-axes and the unit normal of the front side.
     pub fn new(center: DVec3, u: Vec3, v: Vec3, normal: Vec3) -> Self {
         let n = u.cross(v);
         let inv = 1.0 / n.length_squared();

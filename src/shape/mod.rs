@@ -21,14 +21,18 @@ pub struct Local {
     pub p: Vec3,
     /// Unit normal of the front side.
     pub n: Vec3,
+    /// Of the shape's own parametrisation, in [0, 1]².
     pub uv: Vec2,
 }
 
 /// A point chosen with density 1/area.
 #[derive(Clone, Copy, Debug)]
 pub struct AreaSample {
+    /// On the shape, in world space.
     pub p: Vec3,
+    /// Unit normal of the front side.
     pub n: Vec3,
+    /// Of the shape's own parametrisation, in [0, 1]².
     pub uv: Vec2,
 }
 

@@ -7,7 +7,9 @@ use crate::sampling::warp;
 /// World-space sphere. In f64: f32 loses small spheres far away, and where large ones begin.
 #[derive(Clone, Debug)]
 pub struct Sphere {
+    /// In world space.
     pub center: DVec3,
+    /// In world units.
     pub radius: f64,
     /// Rows take a world direction to object space, for uv.
     pub to_object: Frame,

@@ -14,6 +14,7 @@ pub struct Shear {
 }
 
 impl Shear {
+    /// For a ray of any length.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.d.to_array();
@@ -205,8 +206,10 @@ pub struct Block {
 }
 
 impl Block {
+    /// No triangle in any lane.
     pub const EMPTY: Self = Self { v: [[[f32::NAN; WIDTH]; 3]; 3] };
 
+    /// Puts a triangle into a lane.
     pub fn set(&mut self, lane: usize, corners: &[[f32; 3]; 3]) {
         for (vertex, corner) in self.v.iter_mut().zip(corners) {
             for (axis, &c) in vertex.iter_mut().zip(corner) {
@@ -215,6 +218,7 @@ impl Block {
         }
     }
 
+    /// A vertex of the triangle in a lane.
     #[inline(always)]
     pub fn corner(&self, vertex: usize, lane: usize) -> Vec3 {
         let v = &self.v[vertex];

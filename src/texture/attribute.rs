@@ -5,20 +5,25 @@ use crate::spectrum::rgb;
 /// Values stored with the meshes that show them (Mitsuba's `mesh_attribute`).
 #[derive(Clone, Debug)]
 pub struct MeshAttribute {
+    /// As the mesh file calls it, with `vertex_` or `face_` before it.
     pub name: String,
+    /// Factor of all values.
     pub scale: f32,
     /// By shape; `None` for those that do not use it.
     pub by_shape: Vec<Option<Values>>,
 }
 
+/// Values of one mesh.
 #[derive(Clone, Debug)]
 pub struct Values {
     /// The three vertices of every triangle; empty when the values are those of the triangles.
     pub corners: Vec<[u32; 3]>,
+    /// By vertex or by triangle.
     pub values: Vec<[f32; 3]>,
 }
 
 impl MeshAttribute {
+    /// Hands over the values that shape number `shape` shows.
     pub fn give(&mut self, shape: u32, values: Values) {
         let shape = shape as usize;
         if self.by_shape.len() <= shape {

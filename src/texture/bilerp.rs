@@ -6,6 +6,7 @@ use crate::math::Color;
 pub struct Bilerp {
     /// At (u, v) = 00, 01, 10, 11.
     pub corners: [Color; 4],
+    /// From a point of the surface to the plane of the texture.
     pub mapping: Mapping,
 }
 

@@ -5,36 +5,52 @@ use crate::spectrum::rgb;
 /// What lies outside the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
+    /// The picture again.
     Repeat,
+    /// The picture mirrored.
     Mirror,
+    /// The nearest texel of the edge.
     Clamp,
+    /// Black.
     Zero,
+    /// White.
     One,
 }
 
 /// Linear texels, row 0 at v = 0; texel centres at (i + ½)/width (Mitsuba's convention).
 #[derive(Clone, Debug)]
 pub struct Bitmap {
+    /// In texels.
     pub width: usize,
+    /// In texels.
     pub height: usize,
+    /// Row by row.
     pub texels: Texels,
+    /// Between four texels; else the nearest.
     pub bilinear: bool,
+    /// Along u and along v.
     pub wrap: [Wrap; 2],
+    /// From a point of the surface to the plane of the texture.
     pub mapping: Mapping,
 }
 
+/// How texels are stored.
 #[derive(Clone, Debug)]
 pub enum Texels {
+    /// Linear colours.
     Floats(Vec<[f32; 3]>),
     /// Bytes as a file holds them, a quarter of the memory and nothing to convert.
     Bytes(Box<Bytes>),
 }
 
+/// Texels as a file holds them.
 #[derive(Clone, Debug)]
 pub struct Bytes {
+    /// Row by row.
     pub data: Vec<u8>,
     /// Bytes a pixel, and which of them are red, green and blue.
     pub stride: usize,
+    /// See `stride`.
     pub channels: [usize; 3],
     /// What each byte means.
     pub table: [f32; 256],
@@ -51,7 +67,9 @@ impl Texels {
 }
 
 enum Texel {
+    /// Number of a texel along an axis.
     At(usize),
+    /// Outside, where nothing of the picture is seen.
     Constant(f32),
 }
 

@@ -4,7 +4,9 @@ use crate::math::Color;
 /// Two colours by the parity of floor(2u) and floor(2v) (Mitsuba's `checkerboard`).
 #[derive(Clone, Debug)]
 pub struct Checkerboard {
+    /// Of the two kinds of cell.
     pub colors: [Param; 2],
+    /// From the uv of the surface to that of the cells.
     pub to_uv: UvTransform,
 }
 

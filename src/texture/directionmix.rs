@@ -4,7 +4,9 @@ use crate::math::{Color, Vec3};
 /// (1 − |n·direction|)·first + |n·direction|·second.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectionMix {
+    /// The two that are mixed.
     pub inputs: [Param; 2],
+    /// Unit, in world space.
     pub direction: Vec3,
 }
 

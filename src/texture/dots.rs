@@ -7,6 +7,7 @@ use crate::math::{Color, Vec2, Vec3};
 pub struct Dots {
     /// Outside, inside.
     pub colors: [Param; 2],
+    /// From a point of the surface to the plane of the texture.
     pub mapping: Mapping,
 }
 

@@ -6,7 +6,9 @@ use crate::math::Color;
 pub struct Grid {
     /// Cells, lines.
     pub colors: [Param; 2],
+    /// Half of the width of a line, in uv.
     pub line: f32,
+    /// From the uv of the surface to that of the cells.
     pub to_uv: UvTransform,
 }
 

@@ -6,11 +6,14 @@ use crate::math::{Vec2, Vec3};
 /// Affine map of uv.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UvTransform {
+    /// u' = u[0]·u + u[1]·v + u[2].
     pub u: [f32; 3],
+    /// v' likewise.
     pub v: [f32; 3],
 }
 
 impl UvTransform {
+    /// The transformed uv.
     #[inline]
     pub fn apply(&self, uv: Vec2) -> Vec2 {
         let row = |r: &[f32; 3]| r[0] * uv.x + r[1] * uv.y + r[2];
@@ -28,6 +31,7 @@ fn affine(row: &[f32; 4], p: Vec3) -> f32 {
 }
 
 impl ToTexture {
+    /// A world-space point in the space of the texture.
     pub fn point(&self, p: Vec3) -> Vec3 {
         let [x, y, z] = &self.0;
         Vec3::new(affine(x, p), affine(y, p), affine(z, p))
@@ -37,6 +41,7 @@ impl ToTexture {
 /// How a point of a surface finds its place on a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mapping {
+    /// The uv of the surface, transformed.
     Uv(UvTransform),
     /// (θ/π, φ/2π) of the direction from the origin of texture space.
     Spherical(ToTexture),
@@ -47,6 +52,7 @@ pub enum Mapping {
 }
 
 impl Mapping {
+    /// Where the texture is looked up.
     #[inline]
     pub fn apply(&self, at: &Site) -> Vec2 {
         match self {

@@ -5,7 +5,9 @@ use crate::spectrum::luminance;
 /// (1 − amount)·first + amount·second.
 #[derive(Clone, Debug)]
 pub struct Mix {
+    /// The two that are mixed.
     pub inputs: [Param; 2],
+    /// Share of the second; of a colour, its luminance.
     pub amount: Param,
 }
 

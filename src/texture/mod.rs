@@ -38,16 +38,19 @@ use crate::math::{Color, Vec2, closed_enum};
 /// A colour parameter of a material or lamp. Scalars use the luminance of the colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Param {
+    /// The same everywhere.
     Constant(Color),
     /// Index into [`Textures`].
     Texture(u32),
 }
 
 impl Param {
+    /// The same value in every lane.
     pub fn gray(value: f32) -> Self {
         Self::Constant(Color::splat(value))
     }
 
+    /// The texture, if it is one.
     pub fn texture(self, textures: &Textures) -> Option<&Texture> {
         match self {
             Self::Constant(_) => None,
@@ -55,6 +58,7 @@ impl Param {
         }
     }
 
+    /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<Color> {
         match self {
             Self::Constant(c) => Some(*c),
@@ -110,6 +114,7 @@ closed_enum! {
 pub struct Textures(pub Vec<Texture>);
 
 impl Textures {
+    /// The value of a parameter at a point: linear, not clamped.
     #[inline]
     pub fn eval(&self, param: Param, at: &Site) -> Color {
         match param {

@@ -67,16 +67,41 @@ fn fbm(p: Vec3, count: u32, roughness: f32) -> f32 {
 /// pbrt's patterns of noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoiseKind {
-    Fbm { octaves: u32, roughness: f32 },
-    Wrinkled { octaves: u32, roughness: f32 },
+    /// Sum of octaves.
+    Fbm {
+        /// How many octaves are added.
+        octaves: u32,
+        /// Amplitude of an octave over that of the one before.
+        roughness: f32,
+    },
+    /// Sum of their absolute values.
+    Wrinkled {
+        /// How many octaves are added.
+        octaves: u32,
+        /// Amplitude of an octave over that of the one before.
+        roughness: f32,
+    },
+    /// Waves on water.
     Windy,
-    Marble { octaves: u32, roughness: f32, scale: f32, variation: f32 },
+    /// Veins that noise distorts.
+    Marble {
+        /// How many octaves are added.
+        octaves: u32,
+        /// Amplitude of an octave over that of the one before.
+        roughness: f32,
+        /// What positions are multiplied by.
+        scale: f32,
+        /// How far the noise moves the veins.
+        variation: f32,
+    },
 }
 
 /// Noise over space, with all its octaves: what is finer than a pixel is left to the film's samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
+    /// Which pattern.
     pub kind: NoiseKind,
+    /// From world space to that of the cells.
     pub to_texture: ToTexture,
 }
 

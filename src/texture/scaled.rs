@@ -4,7 +4,9 @@ use crate::math::Color;
 /// A parameter times a constant.
 #[derive(Clone, Copy, Debug)]
 pub struct Scaled {
+    /// What is multiplied.
     pub input: Param,
+    /// By lane.
     pub factor: Color,
 }
 

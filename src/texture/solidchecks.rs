@@ -4,7 +4,9 @@ use crate::math::Color;
 /// Unit cubes by the parity of floor(x) + floor(y) + floor(z).
 #[derive(Clone, Copy, Debug)]
 pub struct SolidChecks {
+    /// Of the two kinds of cell.
     pub colors: [Param; 2],
+    /// From world space to that of the cells.
     pub to_texture: ToTexture,
 }
 

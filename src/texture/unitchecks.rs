@@ -4,7 +4,9 @@ use crate::math::Color;
 /// Unit cells by the parity of floor(u) + floor(v) (pbrt's `checkerboard`).
 #[derive(Clone, Debug)]
 pub struct UnitChecks {
+    /// Of the two kinds of cell.
     pub colors: [Param; 2],
+    /// From a point of the surface to the plane of the texture.
     pub mapping: Mapping,
 }
 

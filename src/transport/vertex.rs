@@ -5,6 +5,7 @@ use crate::scene::{Scene, Surface};
 /// A point of a surface where a path scatters.
 #[derive(Clone, Debug)]
 pub struct Vertex<'a> {
+    /// The point.
     pub surface: &'a Surface,
     /// Unit, in the world: back to where the path came from.
     pub back: Vec3,

@@ -123,8 +123,8 @@ fn halves_below_a_coat_may_be_swapped() {
             [&a, &b].map(|stage| mean(|rng| meet(stage, wi, rng).map_or(0.0, |(_, weight)| weight)));
         println!("{theta}°: {one:.5} ± {e:.5} and {other:.5} ± {f:.5}");
         assert!((one - other).abs() < SIGMAS * e.hypot(f), "{theta}: {one} and {other}");
-        // The bound sees a lost percent.
-        assert!(SIGMAS * e.hypot(f) < 0.01 * one, "{theta}: noise {e} and {f}");
+        // Half of the least that was lost would be seen.
+        assert!(SIGMAS * e.hypot(f) < 0.02 * one, "{theta}: noise {e} and {f}");
     }
 }
 

@@ -78,7 +78,7 @@ fn values_and_densities_match_mitsuba() {
             let f = (c.eval(wi, wo, mode, Range::ALL) * wo.z.abs()).lanes();
             assert!((0..3).all(|k| near(f[k], expected[k])), "{name}, {mode:?}: {f:?} against {line}");
         }
-        let pdf = c.pdf(wi, wo, Range::ALL);
+        let pdf = c.pdf(wi, wo, Transport::Radiance, Range::ALL);
         // Mitsuba's default never draws from the clear coat; here it has its share. And Mitsuba states
         // densities behind `principled`, where nothing is scattered.
         let dark = row[4..7] == [0.0; 3];

@@ -60,3 +60,43 @@ fn a_pane_transmits_straight_on() {
         }
     }
 }
+
+/// Specular light that a normal map tilts, seen from both ends: what a photon takes from `wi` to `wo` is what
+/// a viewer along `wo` sees of light along `wi`, times |wo·nt||wi·n|/(|wi·nt||wo·n|) turned round (Veach
+/// 1997, eq. 5.19, n the surface's normal and nt the tilted one) and the η² of refraction. To f32 rounding.
+#[test]
+fn tilted_specular_light_is_the_same_from_both_ends() {
+    let n = Vec3::new(0.6, 0.3, 0.7416198).normalize();
+    for inside in ["<bsdf type='conductor'/>", "<bsdf type='dielectric'/>"] {
+        let color = (n * 0.5 + 0.5).to_array().map(|c| c.to_string()).join(",");
+        let map = format!(
+            "<bsdf type='normalmap'><texture type='checkerboard' name='normalmap'><rgb name='color0' value='{color}'/>\
+             <rgb name='color1' value='{color}'/></texture>{inside}</bsdf>"
+        );
+        let scene = material(&map);
+        let lobes = |wi: Vec3, mode| closure(&scene, wi).deltas(wi, mode).iter().copied().collect::<Vec<_>>();
+        let (mut met, mut flipped) = (0, 0);
+        for i in 0..400 {
+            let wi = direction(f64::from(i % 20) as f32 * 4.3 + 2.0, (i / 20) as f32 * 18.0);
+            for photon in lobes(wi, Transport::Importance).iter().filter(|l| l.weight.lanes()[0] > 1e-4) {
+                let wo = photon.wo;
+                let seen = lobes(wo, Transport::Radiance);
+                let back =
+                    seen.iter().find(|l| l.wo.dot(wi) > 1.0 - 1e-5).expect("the viewer sees the light");
+                let facet = if wo.z * wo.dot(n) > 0.0 { n } else { Vec3::new(-n.x, -n.y, n.z) };
+                flipped += i32::from(facet != n);
+                let correction = ((wi.dot(facet) * wo.z) / (wi.z * wo.dot(facet))).abs().min(100.0);
+                let expected = back.weight.lanes()[0] * back.eta * back.eta * correction;
+                let off = (photon.weight.lanes()[0] - expected).abs();
+                // Near the critical angle the transmittance is as steep as a root of rounded cosines.
+                assert!(
+                    off < 2e-3 * expected + 2e-5,
+                    "{inside} {wi} to {wo}: {} not {expected}",
+                    photon.weight
+                );
+                met += 1;
+            }
+        }
+        assert!(met > 300 && flipped > 20, "{inside}: {met} {flipped}");
+    }
+}

@@ -176,7 +176,8 @@ fn photons_bring_what_direct_sampling_finds() {
         let n = if name == "envmap" || name == "infinite" || name == "many" { 1_000_000 } else { 300_000 };
         for _ in 0..n {
             let (pick, at, direction) = (rng.next_f32(), rng.next_2d().into(), rng.next_2d().into());
-            let arrived = scene.sample_emission(pick, at, direction).and_then(|e| {
+            let arrived = scene.sample_emission(pick, at, direction).and_then(|start| {
+                let e = start.emission;
                 let ray = Ray::new(e.o, e.d);
                 let hit = scene.geometry.closest(&ray)?;
                 let dark = !scene.is_lamp(&scene.surface(&ray, &hit));

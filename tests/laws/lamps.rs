@@ -94,7 +94,7 @@ fn photons_start_where_rays_find_light() {
             area.add(count);
             seen.iter_mut().zip(found).for_each(|(t, x)| t.add(x));
             let (pick, place, direction) = (rng.next_f32(), rng.next_2d().into(), rng.next_2d().into());
-            let emission = scene.sample_emission(pick, place, direction);
+            let emission = scene.sample_emission(pick, place, direction).map(|start| start.emission);
             let at = emission.as_ref().map(|e| (cell(center, radius, e.o), green(e.flux)));
             all.add(at.map_or(0.0, |(_, flux)| flux));
             for (c, t) in sent.iter_mut().enumerate() {

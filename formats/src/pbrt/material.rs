@@ -1,6 +1,7 @@
 //! Materials. Opaque ones are two-sided in pbrt, so they are wrapped in `TwoSided`.
 
 use super::color::Use;
+use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param};
 use super::params::Params;
 use super::reader::{Named, Reader, text};
@@ -59,7 +60,12 @@ impl Reader<'_> {
             Some(reader) => reader(self, &mut p),
             None => None,
         };
-        let kind = kind.unwrap_or(BsdfKind::Diffuse { reflectance: GRAY });
+        let mut kind = kind.unwrap_or(BsdfKind::Diffuse { reflectance: GRAY });
+        let below = self.depths.below(&kind);
+        if below >= MAX_DEPTH {
+            self.error(format!("materials refer to each other more than {MAX_DEPTH} deep"), p.span);
+            kind = BsdfKind::Diffuse { reflectance: GRAY };
+        }
         // The parts of a mix have their own sides.
         let opaque = !matches!(kind, BsdfKind::Blend { .. }) && matches!(kind.passage(), Passage::Closed);
         let kind = self.perturbed(&mut p, kind);
@@ -70,13 +76,15 @@ impl Reader<'_> {
         } else {
             kind
         };
-        match slot {
+        let id = match slot {
             Some((id, name)) => {
                 self.scene.bsdfs[id] = Bsdf { name: Some(name.to_owned()), origin, kind };
                 id
             }
             None => self.scene.bsdfs.push(Bsdf { name: None, origin, kind }),
-        }
+        };
+        self.depths.set(id, below + 1);
+        id
     }
 
     /// Inside normal and bump maps, where the material has them.

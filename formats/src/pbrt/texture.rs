@@ -94,17 +94,14 @@ impl Reader<'_> {
             Some(Made::Input(input)) => input,
             Some(Made::Texture(kind)) => {
                 let origin = crate::ir::Origin(Some(name_span));
-                let below = self.texture_depths.below(&kind);
+                let below = self.depths.below(&*kind);
                 if below == MAX_DEPTH {
                     let text = format!("textures refer to each other more than {MAX_DEPTH} deep");
                     return self.error(text, name_span);
                 }
-                self.texture_depths.set(self.scene.textures.len(), below + 1);
-                ColorInput::Texture(self.scene.textures.push(Texture {
-                    name: Some(name.clone()),
-                    origin,
-                    kind: *kind,
-                }))
+                let id = self.scene.textures.push(Texture { name: Some(name.clone()), origin, kind: *kind });
+                self.depths.set(id, below + 1);
+                ColorInput::Texture(id)
             }
             None => ColorInput::Color(Color::Gray(0.5)),
         };

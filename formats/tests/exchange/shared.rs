@@ -112,3 +112,40 @@ fn doubled_textures_are_written() {
     let [_, pbrt] = doubled_textures("mix", ["tex1", "tex2"]);
     assert_eq!(pbrt.text.matches("\"mix\"").count(), LEVELS);
 }
+
+/// pbrt's mixes in a chain: deep ones are refused, because whoever follows them is recursive.
+#[test]
+fn long_chains_of_mixes_are_refused() {
+    let chain = |length: usize| {
+        let base = "MakeNamedMaterial \"m0\" \"string type\" \"diffuse\"";
+        let levels: String = (1..=length)
+            .map(|level| {
+                let parts = format!("[\"m{}\" \"m0\"]", level - 1);
+                format!(
+                    "MakeNamedMaterial \"m{level}\" \"string type\" \"mix\" \"string materials\" {parts}\n"
+                )
+            })
+            .collect();
+        let text = format!(
+            "WorldBegin\nLightSource \"infinite\"\n{base}\n{levels}NamedMaterial \"m{length}\"\nShape \"disk\""
+        );
+        read_scene(&memory("s.pbrt", &text), Path::new("s.pbrt"), &ReadOptions::default())
+    };
+    let [_, pbrt] = written(&chain(255).expect("a chain that may be followed"));
+    assert_eq!(pbrt.text.matches("\"mix\"").count(), 255);
+    let failure = chain(2000).expect_err("a chain that is too long");
+    assert_eq!(failure.diagnostics[0].message, "materials refer to each other more than 256 deep");
+}
+
+/// What Mitsuba 3 lacks is written as the model below it, and that may be shared and have an id of its own.
+#[test]
+fn a_coating_over_a_shared_metal_is_written_as_a_copy() {
+    let text = "<scene version='0.6.0'><bsdf type='conductor' id='metal'/>\
+         <bsdf type='coating' id='coated'><ref id='metal'/></bsdf><emitter type='constant'/>\
+         <shape type='sphere'><ref id='coated'/></shape><shape type='cube'><ref id='metal'/></shape></scene>";
+    let [xml, _] = written(&read("s.xml", text));
+    assert_eq!(xml.text.matches("<bsdf type=\"conductor\"").count(), 2, "{}", xml.text);
+    let again = read("new.xml", &xml.text).scene;
+    let kinds = again.shapes.iter().map(|shape| &again.bsdfs[shape.bsdf.expect("a material")].kind);
+    assert!(kinds.into_iter().all(|kind| matches!(kind, BsdfKind::Conductor(_))));
+}

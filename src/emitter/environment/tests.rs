@@ -105,7 +105,7 @@ fn photons_start_where_the_scene_can_receive_them() {
             let at = |k: i32| (k as f32 + 0.5) / 8.0;
             let u = Vec2::new(at(i % 8), at(i / 8));
             let s = e
-                .sample_emission(&Textures::default(), &Arena::even(scene), u, Vec2::new(u.y, u.x))
+                .sample_emission(&Textures::default(), &EmissionBounds::even(scene), u, Vec2::new(u.y, u.x))
                 .expect("the picture shines");
             let from = s.o - scene.center;
             assert!((from.dot(s.d) + 2.0).abs() < 1e-4);

@@ -3,7 +3,9 @@ use super::Profile;
 /// The family of Mitchell and Netravali 1988; Catmull–Rom is B = 0, C = ½.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cubic {
+    /// B of the family.
     pub b: f64,
+    /// C of the family.
     pub c: f64,
 }
 
@@ -32,7 +34,9 @@ impl Profile for Cubic {
 /// pbrt's: the two units of the cubic on each side stretched to `radius`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretched {
+    /// The filter at its own size.
     pub cubic: Cubic,
+    /// Half of the support in pixels.
     pub radius: f64,
 }
 

@@ -3,6 +3,7 @@ use super::Profile;
 /// Gaussian cut at 4σ, lowered so that it ends at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaussian {
+    /// σ in pixels.
     pub stddev: f64,
 }
 
@@ -20,7 +21,9 @@ impl Profile for Gaussian {
 /// pbrt's Gaussian: cut at `radius` and lowered so that it ends at zero there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truncated {
+    /// σ in pixels.
     pub sigma: f64,
+    /// Half of the support in pixels.
     pub radius: f64,
 }
 

@@ -9,6 +9,7 @@ fn sinc(x: f64) -> f64 {
 /// Sinc windowed by a wider sinc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanczos {
+    /// Zeros of the window on each side, and radius in pixels.
     pub lobes: u32,
 }
 
@@ -25,7 +26,9 @@ impl Profile for Lanczos {
 /// pbrt's: the window has its zero at `tau`, the support ends at `radius`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sinc {
+    /// Where the window has its zero, in pixels.
     pub tau: f64,
+    /// Half of the support in pixels.
     pub radius: f64,
 }
 

@@ -67,6 +67,7 @@ struct Axis {
 }
 
 impl Filter {
+    /// The same on both axes.
     pub fn new(shape: Shape) -> Self {
         Self::separable(shape, shape)
     }

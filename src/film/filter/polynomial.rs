@@ -3,6 +3,7 @@ use super::Profile;
 /// Constant weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Box {
+    /// Half of the support in pixels.
     pub radius: f64,
 }
 
@@ -23,6 +24,7 @@ impl Profile for Box {
 /// Linear fall to zero at `radius`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tent {
+    /// Half of the support in pixels.
     pub radius: f64,
 }
 

@@ -24,6 +24,7 @@ pub(super) struct MapSettings {
     pub planned: Count,
     /// Search radius of the first pass.
     pub radius: Radius,
+    /// Weight of a photon by its distance.
     pub kernel: KernelKind,
     /// Photons of an estimate with `lookup=nearest`.
     pub neighbours: u32,
@@ -31,13 +32,16 @@ pub(super) struct MapSettings {
     pub cap: u32,
     /// Share of new photons kept when the radius shrinks.
     pub alpha: f32,
+    /// All photons within the radius, or the nearest.
     pub lookup: Lookup,
+    /// A map each pass, or one for all.
     pub mode: Mode,
 }
 
 /// What belongs to one of the maps in all passes.
 #[derive(Debug)]
 pub(super) struct Map {
+    /// What was asked for.
     pub settings: MapSettings,
     /// Which photons it holds; `key` is its family of random numbers, before the pass is mixed in.
     job: TraceJob,
@@ -54,7 +58,9 @@ pub(super) struct Map {
 /// A map of one pass and how it is read.
 #[derive(Clone, Debug)]
 pub(super) struct PassMap {
+    /// What was stored.
     pub photons: PhotonMap,
+    /// How it is read.
     pub estimator: Estimator,
 }
 
@@ -70,7 +76,7 @@ impl Map {
             planned: plan.global_paths,
             radius: s.radius,
             kernel: s.kernel,
-            neighbours: s.neighbours,
+            neighbours: s.neighbours.0,
             cap: u32::MAX,
             alpha: s.alpha,
             lookup: s.lookup,
@@ -87,7 +93,7 @@ impl Map {
             planned: plan.caustic_paths,
             radius: s.caustic_radius,
             kernel: s.caustic_kernel,
-            neighbours: s.caustic_neighbours,
+            neighbours: s.caustic_neighbours.0,
             cap: s.caustic_cap.0,
             alpha: s.caustic_alpha,
             lookup: s.lookup,

@@ -54,8 +54,7 @@ impl<'a> PhotonMapper<'a> {
         Self::halting(task, [Halt::default(); 2])
     }
 
-    /// The same; pass 0 (with what is measured before it) and the passes after it are cut short as
-    /// `halts` say.
+    /// [`PhotonMapper::new`] with one limit for pass 0 and what is measured before it, and one for the passes after it.
     pub fn halting(task: Task<'a>, halts: [Halt<'a>; 2]) -> Self {
         let mut mapper = Self::unmeasured(task, halts);
         mapper.prepare();
@@ -84,18 +83,19 @@ impl<'a> PhotonMapper<'a> {
         [&self.global, &self.caustic]
     }
 
-    /// The lobes that photons are for.
+    /// Lobes that light is gathered from photons for.
     fn rough(&self) -> Range {
         Range::rough(self.task.settings.glossy)
     }
 
-    /// The lobes that camera paths follow.
+    /// Lobes that camera paths follow like mirrors.
     fn glossy(&self) -> Range {
         Range::glossy(self.task.settings.glossy)
     }
 }
 
-/// A pass of fewer pixels than these would leave more noise of the camera than its photons do, in no time.
+/// Below this number of pixels, one camera sample a pixel leaves more noise than the photons do, and costs hardly any
+/// time: a pass then takes several.
 const SMALL_PICTURE: u32 = 1 << 14;
 
 impl Integrator for PhotonMapper<'_> {

@@ -13,13 +13,13 @@ use crate::settings::{Count, Radius};
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Owner, Vertex};
 
-/// Rays of a camera path that the pilot follows at most.
+/// Most rays of a camera path that the pilot follows.
 const PILOT_DEPTH: u32 = 16;
 
-/// Light paths that tell how many it takes to store a wanted number of photons.
+/// Light paths of the pilot that estimates how many it takes to store a wanted number of photons.
 const COUNTED: u64 = 1 << 14;
 
-/// A map that hardly fills would take for ever: this many paths a photon are the most.
+/// Most light paths for each photon wanted: a map that hardly fills would otherwise take forever.
 const MOST_PATHS_A_PHOTON: u64 = 1000;
 
 impl PhotonMapper<'_> {

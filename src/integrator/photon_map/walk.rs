@@ -164,7 +164,7 @@ impl PhotonMapper<'_> {
         let Some(s) = closure.sample_smooth(wi, rest / p, u, Transport::Radiance, self.glossy()) else {
             return Step::End;
         };
-        let density = Density::Glossy(closure.pdf(wi, s.wo, self.glossy()));
+        let density = Density::Glossy(closure.pdf(wi, s.wo, Transport::Radiance, self.glossy()));
         Step::Follow { wo: s.wo, weight: s.weight / (p * solid), eta: s.eta, density }
     }
 }

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use caustica_formats::ir::{self, BsdfKind, Color, ColorInput};
 
-/// The scene with every shape's own opacity moved into its BSDF.
+/// The scene with every shape's own opacity moved into its BSDF. Shapes that emit keep theirs too: it cuts
+/// their light as it cuts them.
 pub fn into_masks(scene: &ir::Scene) -> Cow<'_, ir::Scene> {
     let mut groups = scene.groups.iter().map(|(_, g)| g);
     let any = |shapes: &[ir::Shape]| shapes.iter().any(|s| s.alpha.is_some());
@@ -22,7 +23,10 @@ pub fn into_masks(scene: &ir::Scene) -> Cow<'_, ir::Scene> {
 }
 
 fn mask(shape: &mut ir::Shape, bsdfs: &mut ir::Arena<ir::Bsdf>) {
-    let Some(opacity) = shape.alpha.take() else { return };
+    let Some(opacity) = shape.alpha.clone() else { return };
+    if shape.emission.is_none() {
+        shape.alpha = None;
+    }
     let origin = shape.origin;
     let mut add = |kind| bsdfs.push(ir::Bsdf { name: None, origin, kind });
     let nested = shape.bsdf.unwrap_or_else(|| {

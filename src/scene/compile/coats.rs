@@ -6,8 +6,8 @@ use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
 use super::Compiler;
 use crate::bsdf::{
-    Between, CoatingModel, ConductorModel, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
-    Returned, RoughConductorModel, Roughness, Walk,
+    CoatingModel, ConductorModel, DiffuseBase, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
+    RoughConductorModel, Roughness, RoundTrips, Walk,
 };
 use crate::math::Color;
 use crate::texture::Param;
@@ -46,7 +46,7 @@ impl Compiler<'_> {
         self.materials.coats += 1;
         let nested = self.node(nested);
         self.materials.coats -= 1;
-        let rough = microfacet.and_then(|m| self.roughness(m));
+        let rough = microfacet.and_then(|m| self.interface_roughness(m, eta));
         let coat = Coat { eta, absorption, specular, rough, interreflection: Interreflection::None };
         self.coating(coat, nested, origin)
     }
@@ -72,8 +72,8 @@ impl Compiler<'_> {
         let eta = self.ior(&coat.eta, origin);
         let diffuse = self.param(reflectance, ColorSlot::Reflectance, origin);
         let walk = Walk::new(self.thickness(coat, origin), coat.max_depth, eta);
-        let smooth = PlasticModel { eta, diffuse, specular: WHITE, between: Between::Walk(walk) };
-        match self.roughness(&coat.microfacet) {
+        let smooth = PlasticModel { eta, diffuse, specular: WHITE, between: DiffuseBase::Walk(walk) };
+        match self.interface_roughness(&coat.microfacet, eta) {
             Some(roughness) => self.rough_plastic(smooth, roughness).into(),
             None => smooth.into(),
         }
@@ -97,13 +97,13 @@ impl Compiler<'_> {
         let thickness = self.thickness(coat, origin);
         let (nested, interreflection): (Node, _) = match self.roughness(microfacet) {
             Some(roughness) => {
-                let returned = Arc::new(Returned::new(&roughness, eta, thickness));
+                let returned = Arc::new(RoundTrips::new(&roughness, eta, thickness));
                 let rough = Interreflection::Rough(roughness, returned);
                 (RoughConductorModel { metal, reflectance, roughness }.into(), rough)
             }
             None => (ConductorModel { metal, reflectance }.into(), Interreflection::Mirror),
         };
-        let rough = self.roughness(&coat.microfacet);
+        let rough = self.interface_roughness(&coat.microfacet, eta);
         let absorption = Param::gray(thickness);
         let coat = Coat { eta, absorption, specular: WHITE, rough, interreflection };
         self.coating(coat, nested, origin)

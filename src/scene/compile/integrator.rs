@@ -5,7 +5,7 @@ use caustica_formats::ir::{Scalar, Setting};
 use super::Compiler;
 
 use crate::math::kernel::KernelKind;
-use crate::settings::{Count, Limit, Lookup, Mode, Radius, SettingError, Settings};
+use crate::settings::{Count, Limit, Lookup, Mode, Neighbours, Radius, SettingError, Settings};
 
 /// Names of Mitsuba's integrators and of ours → settings. The reader has checked names and types.
 pub fn settings(b: &mut Compiler<'_>) -> Settings {
@@ -27,8 +27,8 @@ pub fn settings(b: &mut Compiler<'_>) -> Settings {
             s.caustic_kernel = KernelKind::Biweight;
             s.photons = Count::Stored(250_000);
             s.caustic_photons = Count::Stored(250_000);
-            s.neighbours = 120;
-            s.caustic_neighbours = 120;
+            s.neighbours = Neighbours(120);
+            s.caustic_neighbours = Neighbours(120);
             s.radius = Radius::Relative(0.05);
             s.caustic_radius = Radius::Relative(0.0125);
         }

@@ -3,24 +3,29 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use caustica_formats::ir::{self, BsdfKind, ColorSlot, ConductorMaterial, Ior};
-use caustica_formats::spectrum;
+use caustica_formats::ir::{self, BsdfKind, ColorSlot};
 
 use super::Compiler;
 use super::textures::DEFAULT_REFLECTANCE;
-use crate::bsdf::microfacet::{Kind, Shadowing};
+use crate::bsdf::microfacet::{Distribution, Shadowing};
 use crate::bsdf::{
-    Between, ConductorModel, DielectricModel, DiffuseModel, DiffuseTransmissionModel, Material, Metal, Node,
-    Perturbation, PhongModel, PlasticModel, Relief, RoughConductorModel, RoughDielectricModel,
+    DiffuseModel, DiffuseTransmissionModel, Material, Node, Perturbation, PhongModel, PlasticModel, Relief,
     RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
     WardVariant,
 };
 use crate::math::Color;
-use crate::spectrum::rgb;
 use crate::texture::Param;
 
 /// α below which pbrt-v4 drops the microfacets.
 const PBRT_SMOOTH: f32 = 1e-3;
+
+fn ward_variant(variant: ir::WardVariant) -> WardVariant {
+    match variant {
+        ir::WardVariant::Ward => WardVariant::Ward,
+        ir::WardVariant::Duer => WardVariant::Duer,
+        ir::WardVariant::Balanced => WardVariant::Balanced,
+    }
+}
 
 /// Nested blends or two-sided materials double the parts at each level; thirty levels would fill the memory.
 const MAX_PARTS: u32 = 1024;
@@ -36,7 +41,7 @@ pub struct MaterialTable {
     /// Coats around what is being built.
     pub(super) coats: u32,
     /// By distribution, bits of α (none: any α) and of the relative index.
-    transmittances: HashMap<(Kind, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
+    transmittances: HashMap<(Distribution, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
 }
 
 impl MaterialTable {
@@ -123,26 +128,11 @@ impl Compiler<'_> {
             BsdfKind::Dielectric(d) => self.dielectric(d, origin).into(),
             BsdfKind::ThinDielectric(d) => ThinDielectricModel(self.dielectric(d, origin)).into(),
             BsdfKind::RoughDielectric { interface, microfacet } => {
-                let smooth = self.dielectric(interface, origin);
-                match self.roughness(microfacet) {
-                    // Without a step of the index no facet bends or reflects anything.
-                    Some(roughness) if smooth.eta != 1.0 => {
-                        let DielectricModel { eta, reflectance, transmittance } = smooth;
-                        RoughDielectricModel { eta, reflectance, transmittance, roughness }.into()
-                    }
-                    _ => smooth.into(),
-                }
+                self.rough_dielectric(interface, microfacet, origin)
             }
             BsdfKind::Conductor(c) => self.conductor(c, origin).into(),
             BsdfKind::RoughConductor { conductor, microfacet } => {
-                let smooth = self.conductor(conductor, origin);
-                match self.roughness(microfacet) {
-                    Some(roughness) => {
-                        let ConductorModel { metal, reflectance } = smooth;
-                        RoughConductorModel { metal, reflectance, roughness }.into()
-                    }
-                    None => smooth.into(),
-                }
+                self.rough_conductor(conductor, microfacet, origin)
             }
             BsdfKind::Plastic(p) => self.plastic(p, origin).into(),
             BsdfKind::RoughPlastic { plastic, microfacet } => {
@@ -152,33 +142,11 @@ impl Compiler<'_> {
                     None => smooth.into(),
                 }
             }
-            BsdfKind::TwoSided { front, back } => {
-                let before = self.materials.parts;
-                let f = self.node(*front);
-                let b = match back {
-                    Some(back) => self.node(*back),
-                    None => self.twin(&f, self.materials.parts - before),
-                };
-                if f.nature().transmits || b.nature().transmits {
-                    self.error("only materials that let no light through can be made two-sided", origin);
-                }
-                Node::TwoSided(Box::new([f, b]))
-            }
-            BsdfKind::Mask { opacity, nested } => {
-                let nested = self.node(*nested);
-                match self.scalar_param(opacity) {
-                    // An opaque mask is left out, so that shadow rays need not evaluate it.
-                    Param::Constant(o) if o == Color::ONE => nested,
-                    opacity => Node::Mask(opacity, Box::new(nested)),
-                }
-            }
+            BsdfKind::TwoSided { front, back } => self.two_sided(*front, *back, origin),
+            BsdfKind::Mask { opacity, nested } => self.mask(opacity, *nested),
             BsdfKind::Null => Node::Null,
             BsdfKind::BumpMap { height, scale, shading, nested } => {
-                let height = self.scalar_param(height);
-                if !self.textures.so_far().attributes_in(&[height]).is_empty() {
-                    self.unsupported("a bump map from an attribute of the mesh", "a flat surface", origin);
-                }
-                let relief = Relief::Bump { height, scale: *scale as f32 };
+                let relief = self.bumps(height, *scale, origin);
                 self.tilted(relief, *shading, *nested)
             }
             BsdfKind::NormalMap { normals, shading, nested } => {
@@ -209,11 +177,7 @@ impl Compiler<'_> {
             .into(),
             BsdfKind::Ward { variant, alpha_u, alpha_v, diffuse_reflectance, specular_reflectance } => {
                 WardModel {
-                    variant: match variant {
-                        ir::WardVariant::Ward => WardVariant::Ward,
-                        ir::WardVariant::Duer => WardVariant::Duer,
-                        ir::WardVariant::Balanced => WardVariant::Balanced,
-                    },
+                    variant: ward_variant(*variant),
                     diffuse: self.param(diffuse_reflectance, ColorSlot::Reflectance, origin),
                     specular: self.param(specular_reflectance, ColorSlot::Reflectance, origin),
                     alpha_u: self.scalar_param(alpha_u),
@@ -245,7 +209,42 @@ impl Compiler<'_> {
         }
     }
 
-    /// The same once more, which counts as so many parts again.
+    fn two_sided(
+        &mut self,
+        front: ir::Id<ir::Bsdf>,
+        back: Option<ir::Id<ir::Bsdf>>,
+        origin: ir::Origin,
+    ) -> Node {
+        let before = self.materials.parts;
+        let f = self.node(front);
+        let b = match back {
+            Some(back) => self.node(back),
+            None => self.twin(&f, self.materials.parts - before),
+        };
+        if f.nature().transmits || b.nature().transmits {
+            self.error("only materials that let no light through can be made two-sided", origin);
+        }
+        Node::TwoSided(Box::new([f, b]))
+    }
+
+    fn mask(&mut self, opacity: &ir::FloatInput, nested: ir::Id<ir::Bsdf>) -> Node {
+        let nested = self.node(nested);
+        match self.scalar_param(opacity) {
+            // An opaque mask is left out, so that shadow rays need not evaluate it.
+            Param::Constant(o) if o == Color::ONE => nested,
+            opacity => Node::Mask(opacity, Box::new(nested)),
+        }
+    }
+
+    fn bumps(&mut self, height: &ir::FloatInput, scale: f64, origin: ir::Origin) -> Relief {
+        let height = self.scalar_param(height);
+        if !self.textures.so_far().attributes_in(&[height]).is_empty() {
+            self.unsupported("a bump map from an attribute of the mesh", "a flat surface", origin);
+        }
+        Relief::Bump { height, scale: scale as f32 }
+    }
+
+    /// A second copy of a node, which counts as so many further parts.
     fn twin(&mut self, node: &Node, parts: u32) -> Node {
         self.materials.parts = self.materials.parts.saturating_add(parts);
         if self.materials.parts > MAX_PARTS {
@@ -256,7 +255,9 @@ impl Compiler<'_> {
 
     fn tilted(&mut self, relief: Relief, shading: ir::PerturbedShading, nested: ir::Id<ir::Bsdf>) -> Node {
         let nested = self.node(nested);
-        let (flip_invalid, shadowing) = (shading.flip_invalid_normals, shading.shadowing);
+        // Lobes below a coat are drawn for one normal. No renderer has both: Mitsuba 3 flips, but has no coats.
+        let flip_invalid = shading.flip_invalid_normals && self.materials.coats == 0;
+        let shadowing = shading.shadowing;
         Node::Tilted(Perturbation { relief, flip_invalid, shadowing }, Box::new(nested))
     }
 
@@ -264,9 +265,9 @@ impl Compiler<'_> {
     pub(super) fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
         let roughness = Roughness {
             kind: match m.distribution {
-                ir::MicrofacetDistribution::Beckmann => Kind::Beckmann,
-                ir::MicrofacetDistribution::Ggx => Kind::Ggx,
-                ir::MicrofacetDistribution::Phong => Kind::Phong,
+                ir::MicrofacetDistribution::Beckmann => Distribution::Beckmann,
+                ir::MicrofacetDistribution::Ggx => Distribution::Ggx,
+                ir::MicrofacetDistribution::Phong => Distribution::Phong,
             },
             shadowing: match m.shadowing {
                 ir::Shadowing::Separable => Shadowing::Separable,
@@ -301,67 +302,5 @@ impl Compiler<'_> {
                 })
             });
         table.clone()
-    }
-
-    pub(super) fn ior(&mut self, ior: &Ior, origin: ir::Origin) -> f32 {
-        match ior {
-            Ior::Value(v) if *v > 0.0 => *v as f32,
-            Ior::Value(v) => {
-                self.error(format!("an index of refraction must be positive, not {v}"), origin);
-                1.0
-            }
-            Ior::Named(name) => spectrum::ior(name).map_or_else(
-                || {
-                    self.error(format!("no index of refraction is known for `{name}`"), origin);
-                    1.0
-                },
-                |v| v as f32,
-            ),
-        }
-    }
-
-    fn dielectric(&mut self, d: &ir::Dielectric, origin: ir::Origin) -> DielectricModel {
-        DielectricModel {
-            eta: self.ior(&d.int_ior, origin) / self.ior(&d.ext_ior, origin),
-            reflectance: self.param(&d.specular_reflectance, ColorSlot::Reflectance, origin),
-            transmittance: self.param(&d.specular_transmittance, ColorSlot::Reflectance, origin),
-        }
-    }
-
-    pub(super) fn conductor(&mut self, c: &ir::Conductor, origin: ir::Origin) -> ConductorModel {
-        let reflectance = self.param(&c.specular_reflectance, ColorSlot::Reflectance, origin);
-        let outside = |b: &mut Self, ext: &Option<Ior>| ext.as_ref().map_or(1.0, |e| b.ior(e, origin));
-        let metal = match &c.material {
-            ConductorMaterial::Mirror => Metal::Mirror,
-            ConductorMaterial::Named { name, ext_eta } => {
-                let outside = outside(self, ext_eta);
-                let constant = |c: [f64; 3]| Param::Constant(rgb(c.map(|v| v as f32)));
-                match spectrum::conductor(name) {
-                    Some(metal) => Metal::Index { eta: constant(metal.eta), k: constant(metal.k), outside },
-                    None => {
-                        self.error(format!("no metal is known by the name `{name}`"), origin);
-                        Metal::Mirror
-                    }
-                }
-            }
-            ConductorMaterial::EtaK { eta, k, ext_eta } => Metal::Index {
-                eta: self.param(eta, ColorSlot::Unbounded, origin),
-                k: self.param(k, ColorSlot::Unbounded, origin),
-                outside: outside(self, ext_eta),
-            },
-            ConductorMaterial::Reflectance(r) => {
-                Metal::Reflectance { normal: self.param(r, ColorSlot::Reflectance, origin), outside: 1.0 }
-            }
-        };
-        ConductorModel { metal, reflectance }
-    }
-
-    fn plastic(&mut self, p: &ir::Plastic, origin: ir::Origin) -> PlasticModel {
-        PlasticModel {
-            eta: self.ior(&p.int_ior, origin) / self.ior(&p.ext_ior, origin),
-            diffuse: self.param(&p.diffuse_reflectance, ColorSlot::Reflectance, origin),
-            specular: self.param(&p.specular_reflectance, ColorSlot::Reflectance, origin),
-            between: if p.nonlinear { Between::Colored } else { Between::White },
-        }
     }
 }

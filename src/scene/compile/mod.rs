@@ -7,6 +7,7 @@ mod attributes;
 mod coats;
 mod emitters;
 mod integrator;
+mod interfaces;
 mod lamps;
 mod light_image;
 mod materials;

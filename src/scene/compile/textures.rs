@@ -50,7 +50,7 @@ impl TextureTable {
         }
     }
 
-    fn push(&mut self, texture: Texture) -> Param {
+    pub(super) fn push(&mut self, texture: Texture) -> Param {
         let below = texture.inputs().into_iter().map(|input| self.lookups(input));
         self.lookups.push(below.fold(1, u32::saturating_add));
         self.textures.0.push(texture);
@@ -104,9 +104,20 @@ impl Compiler<'_> {
         if let Some(param) = self.textures.known.get(&key) {
             return *param;
         }
+        let mut param = self.compiled(id, slot);
+        if self.textures.lookups(param) > MAX_LOOKUPS {
+            let text = format!("one value of this texture takes more than {MAX_LOOKUPS} lookups");
+            self.error(text, self.ir.textures[id].origin);
+            param = Param::gray(0.5);
+        }
+        self.textures.known.insert(key, param);
+        param
+    }
+
+    fn compiled(&mut self, id: ir::Id<ir::Texture>, slot: ColorSlot) -> Param {
         let texture = &self.ir.textures[id];
         let origin = texture.origin;
-        let param = match &texture.kind {
+        match &texture.kind {
             ir::TextureKind::Bitmap(b) => self.bitmap(id, b).unwrap_or(Param::gray(0.5)),
             ir::TextureKind::Checkerboard { color0, color1, to_uv } => {
                 let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
@@ -179,15 +190,7 @@ impl Compiler<'_> {
                 let (name, scale, by_shape) = (name.clone(), *scale as f32, Vec::new());
                 self.textures.push(Texture::MeshAttribute(MeshAttribute { name, scale, by_shape }))
             }
-        };
-        let param = if self.textures.lookups(param) > MAX_LOOKUPS {
-            self.error(format!("one value of this texture takes more than {MAX_LOOKUPS} lookups"), origin);
-            Param::gray(0.5)
-        } else {
-            param
-        };
-        self.textures.known.insert(key, param);
-        param
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use super::element::Element;
 use super::interface::same_index;
 use super::substitute;
 use crate::ir::{
-    Bsdf, BsdfKind, ColorSlot, FloatInput, Id, Origin, PerturbedShading, Principled, PrincipledIndex,
+    Bsdf, BsdfKind, ColorSlot, FloatInput, Id, Origin, Part, PerturbedShading, Principled, PrincipledIndex,
     PrincipledThin,
 };
 use crate::write::WriteError;
@@ -14,7 +14,11 @@ use ColorSlot::{Reflectance, Unbounded};
 
 impl Writer<'_, '_> {
     pub fn bsdf_definition(&mut self, id: Id<Bsdf>) -> Result<Element, WriteError> {
-        let element = self.bsdf_itself(id)?;
+        let (mut element, mut at) = (self.bsdf_itself(id)?, id);
+        // A reference cannot have an id of its own: what is written as its nested model becomes a copy of it.
+        while let Some(nested) = self.first_nested(at).filter(|_| element.is_reference()) {
+            (element, at) = (self.bsdf_itself(nested)?, nested);
+        }
         Ok(element.id(self.ids.bsdfs[id.index()].as_deref()))
     }
 
@@ -24,6 +28,12 @@ impl Writer<'_, '_> {
             Some(shared) => Ok(Element::new("ref").with("id", shared.as_str())),
             None => self.bsdf_itself(id),
         }
+    }
+
+    fn first_nested(&self, id: Id<Bsdf>) -> Option<Id<Bsdf>> {
+        let mut nested = None;
+        self.scene.bsdfs[id].kind.references(&mut |to| nested = nested.or(to.to()));
+        nested
     }
 
     fn bsdf_itself(&mut self, id: Id<Bsdf>) -> Result<Element, WriteError> {

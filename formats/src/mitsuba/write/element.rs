@@ -52,6 +52,10 @@ impl Element {
         self
     }
 
+    pub fn is_reference(&self) -> bool {
+        self.tag == "ref"
+    }
+
     /// Whether it has at most `limit` elements, itself included.
     pub fn is_within(&self, limit: usize) -> bool {
         self.left_of(limit).is_some()

@@ -49,6 +49,35 @@ impl Writer<'_, '_> {
 
     /// The name of a material that is defined by then.
     pub fn material(&mut self, id: Id<Bsdf>) -> Result<String, WriteError> {
+        // Nested mixes are defined first, by hand: they may be too deep for recursion.
+        let mut path = vec![id];
+        while let Some(&top) = path.last() {
+            let parts = if self.materials.contains_key(&top) { [None; 2] } else { self.mixed(top) };
+            match parts.into_iter().flatten().find(|part| !self.materials.contains_key(part)) {
+                Some(part) => path.push(part),
+                None => {
+                    self.define_material(top)?;
+                    path.pop();
+                }
+            }
+        }
+        self.define_material(id)
+    }
+
+    /// The parts of a mix.
+    fn mixed(&self, id: Id<Bsdf>) -> [Option<Id<Bsdf>>; 2] {
+        match self.scene.bsdfs[id].kind {
+            BsdfKind::Blend { first, second, .. } => [Some(first), Some(second)],
+            BsdfKind::TwoSided { front, .. } => match self.scene.bsdfs[front].kind {
+                BsdfKind::Blend { first, second, .. } => [Some(first), Some(second)],
+                _ => [None; 2],
+            },
+            _ => [None; 2],
+        }
+    }
+
+    /// As [`Self::material`], when the parts of a mix are defined.
+    fn define_material(&mut self, id: Id<Bsdf>) -> Result<String, WriteError> {
         if let Some(name) = self.materials.get(&id) {
             return Ok(name.clone());
         }

@@ -13,8 +13,8 @@ use crate::shape::triangle;
 pub fn add_lamp(
     b: &mut Compiler<'_>,
     emission: &ir::AreaEmission,
+    shape: &ir::Shape,
     surface: Surface,
-    origin: ir::Origin,
     record: &mut ShapeRecord,
     emitters: &mut Vec<Emitter>,
 ) {
@@ -25,11 +25,11 @@ pub fn add_lamp(
         Surface::Analytic(a) => a.bounds().magnitude(),
     };
     if surface.area() > 0.0 {
-        let lamp = b.lamp(emission, surface, extent * LIFT);
+        let lamp = b.lamp(emission, shape.alpha.as_ref(), surface, extent * LIFT);
         record.emitter = lamp.is_some().then_some(emitters.len() as u32);
         emitters.extend(lamp);
     } else {
-        b.warn("a lamp without area gives no light", origin);
+        b.warn("a lamp without area gives no light", shape.origin);
     }
 }
 

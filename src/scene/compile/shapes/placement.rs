@@ -56,7 +56,7 @@ pub fn add_shape(
     };
     let Ok(surface) = surface else { return };
     if let (Some(emission), Some(surface), Some(emitters)) = (&shape.emission, surface, emitters) {
-        lamps::add_lamp(b, emission, surface, shape.origin, &mut record, emitters);
+        lamps::add_lamp(b, emission, shape, surface, &mut record, emitters);
     }
     records.push(record);
 }

@@ -2,11 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::fresnel;
-use super::microfacet::{Kind, Microfacet, Shadowing, reflect, refract};
-use super::rows::{Rows, between};
-use super::special::gauss_legendre;
-use crate::math::Vec3;
+use super::alpha_table::{AlphaTable, cosine_entry};
+use super::{Distribution, Microfacet, Shadowing, reflect, refract};
+use crate::bsdf::fresnel;
+use crate::math::{Vec3, gauss_legendre};
 
 /// Entries over cosθ from 0 to 1.
 const ENTRIES: usize = 64;
@@ -14,7 +13,7 @@ const ENTRIES: usize = 64;
 /// For one α, or for a row of them.
 #[derive(Clone, Debug)]
 pub struct Transmittance {
-    rows: Rows<Row>,
+    rows: AlphaTable<Row>,
 }
 
 #[derive(Clone, Debug)]
@@ -27,25 +26,27 @@ struct Row {
 
 impl Transmittance {
     /// For one roughness, as exactly as Mitsuba's `roughplastic` makes its table.
-    pub fn new(kind: Kind, shadowing: Shadowing, alpha: f32, eta: f32) -> Self {
+    pub fn new(kind: Distribution, shadowing: Shadowing, alpha: f32, eta: f32) -> Self {
         // The discontinuity of total reflection is what takes so many. Beckmann's slopes end sooner than
         // the long tails of the others: half as many already agree with twice as many to 5e-5.
-        let inner_nodes = if kind == Kind::Beckmann { 64 } else { 128 };
-        Self { rows: Rows::new([row(Microfacet::new(kind, shadowing, alpha, alpha), eta, inner_nodes)]) }
+        let inner_nodes = if kind == Distribution::Beckmann { 64 } else { 128 };
+        Self {
+            rows: AlphaTable::new([row(Microfacet::new(kind, shadowing, alpha, alpha), eta, inner_nodes)]),
+        }
     }
 
     /// For every roughness up to 1: interpolated between 24 of them.
-    pub fn all(kind: Kind, shadowing: Shadowing, eta: f32) -> Self {
+    pub fn all(kind: Distribution, shadowing: Shadowing, eta: f32) -> Self {
         let n = 24;
         // Denser where surfaces are smooth: there the table changes fastest.
         let alpha = |i: usize| ((i as f32 + 0.25) / (n as f32 - 0.75)).powi(2);
         let microfacet = |i| Microfacet::new(kind, shadowing, alpha(i), alpha(i));
-        Self { rows: Rows::new((0..n).map(|i| row(microfacet(i), eta, 24))) }
+        Self { rows: AlphaTable::new((0..n).map(|i| row(microfacet(i), eta, 24))) }
     }
 
     /// Into the surface at cosθ from outside.
     pub fn external(&self, alpha: f32, cos: f32) -> f32 {
-        let (i, x) = between(cos, ENTRIES);
+        let (i, x) = cosine_entry(cos, ENTRIES);
         self.rows.at(alpha, |r| r.external[i] + (r.external[i + 1] - r.external[i]) * x)
     }
 
@@ -76,7 +77,9 @@ fn row(microfacet: Microfacet, eta: f32, inner_nodes: usize) -> (f32, Row) {
 /// Which of the two shares.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
+    /// Reflected.
     Back,
+    /// Transmitted.
     Through,
 }
 
@@ -94,8 +97,10 @@ fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, nodes: &[(f64, f64)], 
             continue;
         }
         let passes = match microfacet.kind {
-            Kind::Phong => microfacet.g(wi, wo, m) * wi.dot(m).abs() / (wi.z * m.z).max(f32::MIN_POSITIVE),
-            Kind::Beckmann | Kind::Ggx => match microfacet.shadowing {
+            Distribution::Phong => {
+                microfacet.g(wi, wo, m) * wi.dot(m).abs() / (wi.z * m.z).max(f32::MIN_POSITIVE)
+            }
+            Distribution::Beckmann | Distribution::Ggx => match microfacet.shadowing {
                 Shadowing::Separable => microfacet.g1(wo, m),
                 Shadowing::HeightCorrelated => microfacet.g(wi, wo, m) / microfacet.g1(wi, m),
             },

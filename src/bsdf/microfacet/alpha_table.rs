@@ -2,9 +2,10 @@
 
 /// Tables with the α they are for, ascending.
 #[derive(Clone, Debug)]
-pub struct Rows<T>(Vec<(f32, T)>);
+pub struct AlphaTable<T>(Vec<(f32, T)>);
 
-impl<T> Rows<T> {
+impl<T> AlphaTable<T> {
+    /// Of at least one row, by ascending α.
     pub fn new(rows: impl IntoIterator<Item = (f32, T)>) -> Self {
         Self(rows.into_iter().collect())
     }
@@ -19,7 +20,7 @@ impl<T> Rows<T> {
 }
 
 /// Entry below cosθ of `entries` from 0 to 1, and how far it is from there to the next.
-pub fn between(cos: f32, entries: usize) -> (usize, f32) {
+pub fn cosine_entry(cos: f32, entries: usize) -> (usize, f32) {
     let x = cos.clamp(0.0, 1.0) * (entries - 1) as f32;
     let i = (x as usize).min(entries - 2);
     (i, x - i as f32)

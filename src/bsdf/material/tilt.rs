@@ -1,6 +1,6 @@
 //! Perturbed shading frames: bump and normal maps.
 
-use super::Point;
+use crate::bsdf::Point;
 use crate::math::{Frame, Vec2, Vec3};
 use crate::spectrum::to_rgb;
 use crate::texture::Param;
@@ -8,8 +8,13 @@ use crate::texture::Param;
 /// Where the tilted normal comes from.
 #[derive(Clone, Copy, Debug)]
 pub enum Relief {
-    /// Height in scene units over the surface, as a function of uv.
-    Bump { height: Param, scale: f32 },
+    /// A bump map.
+    Bump {
+        /// Height over the surface as a function of uv.
+        height: Param,
+        /// Scene units of a height of 1.
+        scale: f32,
+    },
     /// n = 2c − 1 in the shading frame.
     Normal(Param),
 }
@@ -26,6 +31,7 @@ impl Relief {
 /// A bump or normal map.
 #[derive(Clone, Copy, Debug)]
 pub struct Perturbation {
+    /// Where the normal comes from.
     pub relief: Relief,
     /// A normal that faces away from the viewer is mirrored about the untilted one (Mitsuba 3).
     pub flip_invalid: bool,
@@ -68,10 +74,23 @@ pub struct Tilt {
 }
 
 impl Tilt {
-    /// The frame as seen from `viewer`; its s follows the untilted one.
-    pub fn frame(&self, viewer: Vec3) -> Frame {
+    /// Whether `viewer` sees the normal mirrored about the untilted one.
+    pub fn flipped(&self, viewer: Vec3) -> bool {
+        self.flip && viewer.z * viewer.dot(self.n) <= 0.0
+    }
+
+    /// Probability with which light whose viewer is not known yet is scattered by the mirrored normal: half
+    /// the sine of the tilt, 0 where no viewer sees that normal. Viewers who do lie between the two planes,
+    /// and the share of light that they get falls with the square of the tilt; the larger probability keeps
+    /// the weights of those paths small.
+    pub fn flip_probability(&self) -> f32 {
+        if self.flip { 0.5 * (1.0 - self.n.z * self.n.z).max(0.0).sqrt() } else { 0.0 }
+    }
+
+    /// The frame of the normal as it is, or mirrored; its s follows the untilted one.
+    pub fn frame(&self, flipped: bool) -> Frame {
         let mut n = self.n;
-        if self.flip && viewer.z * viewer.dot(n) <= 0.0 {
+        if flipped {
             n = Vec3::new(-n.x, -n.y, n.z);
         }
         let s = (Vec3::X - n * n.x).normalize_or(Vec3::Y);

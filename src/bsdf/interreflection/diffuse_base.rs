@@ -1,11 +1,11 @@
 //! What becomes of light between a coat and its diffuse base.
 
-use super::fresnel;
-use super::special::gauss_legendre;
-use crate::math::Color;
+use crate::bsdf::fresnel;
+use crate::math::{Color, gauss_legendre};
 
+/// What becomes of light between a coat and the diffuse base below it.
 #[derive(Clone, Copy, Debug)]
-pub enum Between {
+pub enum DiffuseBase {
     /// It keeps the colour of its first meeting with the base (Mitsuba's `plastic`).
     White,
     /// Every meeting colours it (`nonlinear`).
@@ -46,7 +46,7 @@ impl Walk {
     }
 }
 
-impl Between {
+impl DiffuseBase {
     /// Reflectance of the base with all its meetings; `internal` is the share of diffuse light that the coat throws
     /// back.
     pub fn base(&self, diffuse: Color, internal: f32) -> Color {

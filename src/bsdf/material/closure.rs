@@ -1,7 +1,7 @@
 use std::f32::consts::FRAC_1_PI;
 
-use super::event::{Deltas, Event, Range, Sample, SmoothSample, Transport};
-use super::layers::Layers;
+use super::Composite;
+use crate::bsdf::{Deltas, Event, Range, Sample, SmoothSample, Transport};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 
@@ -12,15 +12,20 @@ pub struct Closure<'a>(pub(super) Content<'a>);
 
 #[derive(Clone, Debug)]
 pub(super) enum Content<'a> {
+    /// One diffuse lobe.
     Diffuse(Lambertian),
-    Fixed(&'a Layers),
-    Here(Box<Layers>),
+    /// Made once: the material is everywhere the same.
+    Fixed(&'a Composite),
+    /// Made for this point.
+    Here(Box<Composite>),
 }
 
 /// One diffuse lobe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lambertian {
+    /// Albedo.
     pub reflectance: Color,
+    /// The rest of the light goes straight through.
     pub opacity: f32,
     /// Which side reflects: 1 the front, −1 the back.
     pub side: f32,
@@ -35,11 +40,11 @@ impl Lambertian {
 
 impl Closure<'_> {
     #[inline(always)]
-    fn content(&self) -> Result<&Lambertian, &Layers> {
+    fn content(&self) -> Result<&Lambertian, &Composite> {
         match &self.0 {
             Content::Diffuse(d) => Ok(d),
-            Content::Fixed(layers) => Err(layers),
-            Content::Here(layers) => Err(layers),
+            Content::Fixed(composite) => Err(composite),
+            Content::Here(composite) => Err(composite),
         }
     }
 
@@ -59,17 +64,17 @@ impl Closure<'_> {
         match self.content() {
             Ok(d) if range.diffuse() && d.lit(wi, wo) => d.reflectance * (FRAC_1_PI * d.opacity),
             Ok(_) => Color::ZERO,
-            Err(layers) => layers.eval(wi, wo, mode, range),
+            Err(composite) => composite.eval(wi, wo, mode, range),
         }
     }
 
     /// Density of `wo` under [`Closure::sample`], for events from lobes in `range`.
     #[inline(always)]
-    pub fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {
+    pub fn pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> f32 {
         match self.content() {
             Ok(d) if range.diffuse() && d.lit(wi, wo) => wo.z.abs() * FRAC_1_PI * d.opacity,
             Ok(_) => 0.0,
-            Err(layers) => layers.pdf(wi, wo, range),
+            Err(composite) => composite.pdf(wi, wo, mode, range),
         }
     }
 
@@ -79,7 +84,7 @@ impl Closure<'_> {
         match self.content() {
             Ok(d) if range.diffuse() && wi.z * d.side > 0.0 => d.reflectance * d.opacity,
             Ok(_) => Color::ZERO,
-            Err(layers) => layers.albedo(wi, range),
+            Err(composite) => composite.albedo(wi, range),
         }
     }
 
@@ -88,7 +93,7 @@ impl Closure<'_> {
     pub fn has_smooth(&self, wi: Vec3, range: Range) -> bool {
         match self.content() {
             Ok(_) => range.diffuse(),
-            Err(layers) => layers.has_smooth(wi, range),
+            Err(composite) => composite.has_smooth(wi, range),
         }
     }
 
@@ -97,7 +102,7 @@ impl Closure<'_> {
     pub fn transparency(&self) -> f32 {
         match self.content() {
             Ok(d) => 1.0 - d.opacity,
-            Err(layers) => layers.through,
+            Err(composite) => composite.through,
         }
     }
 
@@ -106,7 +111,7 @@ impl Closure<'_> {
     pub fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
         match self.content() {
             Ok(_) => Deltas::default(),
-            Err(layers) => layers.deltas(wi, mode),
+            Err(composite) => composite.deltas(wi, mode),
         }
     }
 
@@ -128,7 +133,7 @@ impl Closure<'_> {
                 d.lit(wi, wo).then_some(SmoothSample { wo, weight, pdf, eta: 1.0 })
             }
             Ok(_) => None,
-            Err(layers) => layers.sample_smooth(wi, u_lobe, u, mode, range),
+            Err(composite) => composite.sample_smooth(wi, u_lobe, u, mode, range),
         }
     }
 
@@ -150,7 +155,7 @@ impl Closure<'_> {
                 let event = Event::Smooth;
                 d.lit(wi, wo).then_some(Sample { wo, weight: d.reflectance, pdf, eta: 1.0, event })
             }
-            Err(layers) => layers.sample(wi, u_lobe, u, mode, glossy),
+            Err(composite) => composite.sample(wi, u_lobe, u, mode, glossy),
         }
     }
 }

@@ -1,14 +1,24 @@
 //! Distributions of microfacet normals, with Smith's masking.
 
+mod alpha_table;
+mod roughness;
+mod transmittance;
+
+pub(super) use alpha_table::{AlphaTable, cosine_entry};
+pub use roughness::Roughness;
+pub use transmittance::Transmittance;
+
 use std::f32::consts::{FRAC_2_SQRT_PI, PI};
 
-use super::special::{erf, erf_inv};
-use crate::math::{Vec2, Vec3};
+use crate::math::{Vec2, Vec3, erf, erf_inv};
 use crate::sampling::warp;
 
+/// How normals are distributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum Distribution {
+    /// Gaussian slopes (Beckmann and Spizzichino 1963).
     Beckmann,
+    /// Long tails (Trowbridge and Reitz 1975; Walter et al. 2007).
     Ggx,
     /// Ashikhmin and Shirley's cosine power of exponents 2/α² − 2 (Mitsuba 0.6).
     Phong,
@@ -26,9 +36,13 @@ pub enum Shadowing {
 /// A distribution at a point; α along the frame's s and t.
 #[derive(Clone, Copy, Debug)]
 pub struct Microfacet {
-    pub kind: Kind,
+    /// How normals are distributed.
+    pub kind: Distribution,
+    /// How masking and shadowing are combined.
     pub shadowing: Shadowing,
+    /// α along s.
     pub au: f32,
+    /// α along t.
     pub av: f32,
 }
 
@@ -36,7 +50,8 @@ pub struct Microfacet {
 pub const MIN_ALPHA: f32 = 1e-4;
 
 impl Microfacet {
-    pub fn new(kind: Kind, shadowing: Shadowing, au: f32, av: f32) -> Self {
+    /// α is at least [`MIN_ALPHA`]; that of a broken texture (NaN) becomes it.
+    pub fn new(kind: Distribution, shadowing: Shadowing, au: f32, av: f32) -> Self {
         // f32::max drops a NaN of a broken texture.
         Self { kind, shadowing, au: au.max(MIN_ALPHA), av: av.max(MIN_ALPHA) }
     }
@@ -55,12 +70,12 @@ impl Microfacet {
         let slope = x * x + y * y;
         let z2 = m.z * m.z;
         let d = match self.kind {
-            Kind::Beckmann => (-slope / z2).exp() / (PI * self.au * self.av * z2 * z2),
-            Kind::Ggx => {
+            Distribution::Beckmann => (-slope / z2).exp() / (PI * self.au * self.av * z2 * z2),
+            Distribution::Ggx => {
                 let t = slope + z2;
                 1.0 / (PI * self.au * self.av * t * t)
             }
-            Kind::Phong => {
+            Distribution::Phong => {
                 let [eu, ev] = self.exponents();
                 let sin2 = m.x * m.x + m.y * m.y;
                 let e = if sin2 > 0.0 { (eu * m.x * m.x + ev * m.y * m.y) / sin2 } else { eu };
@@ -87,9 +102,9 @@ impl Microfacet {
             return 0.0;
         }
         match self.kind {
-            Kind::Ggx => 0.5 * ((1.0 + tan2).sqrt() - 1.0),
+            Distribution::Ggx => 0.5 * ((1.0 + tan2).sqrt() - 1.0),
             // Walter et al. 2007, eq. 27.
-            Kind::Beckmann | Kind::Phong => {
+            Distribution::Beckmann | Distribution::Phong => {
                 let a = 1.0 / tan2.sqrt();
                 if a >= 1.6 {
                     return 0.0;
@@ -100,6 +115,7 @@ impl Microfacet {
         }
     }
 
+    /// Masking and shadowing of both directions.
     pub fn g(&self, wi: Vec3, wo: Vec3, m: Vec3) -> f32 {
         match self.shadowing {
             Shadowing::Separable => self.g1(wi, m) * self.g1(wo, m),
@@ -115,21 +131,21 @@ impl Microfacet {
     /// Density of [`Microfacet::sample`] per solid angle of `m`; `wi.z` > 0, `cos` = |wi·m|.
     pub fn pdf(&self, wi: Vec3, m: Vec3, cos: f32) -> f32 {
         match self.kind {
-            Kind::Phong => self.d(m) * m.z,
-            Kind::Beckmann | Kind::Ggx => self.d(m) * self.g1(wi, m) * cos / wi.z,
+            Distribution::Phong => self.d(m) * m.z,
+            Distribution::Beckmann | Distribution::Ggx => self.d(m) * self.g1(wi, m) * cos / wi.z,
         }
     }
 
     /// A normal visible from `wi` (Heitz and d'Eon 2014); any normal for the Phong distribution.
     pub fn sample(&self, wi: Vec3, u: Vec2) -> Vec3 {
-        if self.kind == Kind::Phong {
+        if self.kind == Distribution::Phong {
             return self.sample_phong(u);
         }
         let stretched = self.stretched(wi);
         let r = (stretched.x * stretched.x + stretched.y * stretched.y).sqrt();
         let (cos, sin) = if r > 0.0 { (stretched.x / r, stretched.y / r) } else { (1.0, 0.0) };
         let slope = match self.kind {
-            Kind::Ggx => ggx_slope(stretched.z, u),
+            Distribution::Ggx => ggx_slope(stretched.z, u),
             _ => Vec2::new(beckmann_slope_x(stretched.z, u.x), beckmann_slope_y(u.y)),
         };
         let x = (cos * slope.x - sin * slope.y) * self.au;
@@ -153,7 +169,7 @@ impl Microfacet {
         let mut normals = Vec::with_capacity(nodes.len() * nodes.len());
         match self.kind {
             // Each number decides about one coordinate of the slope.
-            Kind::Beckmann => {
+            Distribution::Beckmann => {
                 let ys: Vec<f32> = half.iter().map(|&(y, _)| beckmann_slope_y(y as f32)).collect();
                 for &(x, wx) in nodes {
                     let x = beckmann_slope_x(cos, x as f32);
@@ -162,7 +178,7 @@ impl Microfacet {
                 }
             }
             // The first number mirrored is the slope mirrored.
-            Kind::Ggx => {
+            Distribution::Ggx => {
                 for (i, &(x, wx)) in half.iter().enumerate() {
                     let at = |&(y, wy): &(f64, f64)| {
                         let slope = ggx_slope(cos, Vec2::new(x as f32, y as f32));
@@ -171,7 +187,7 @@ impl Microfacet {
                     normals.extend(nodes.iter().map(at));
                 }
             }
-            Kind::Phong => {
+            Distribution::Phong => {
                 for &(x, wx) in nodes {
                     let at =
                         |&(y, wy): &(f64, f64)| (self.sample_phong(Vec2::new(x as f32, y as f32)), wx * wy);

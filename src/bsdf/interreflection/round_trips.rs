@@ -1,10 +1,8 @@
 //! Round trips of light between a smooth coat and a rough metal below it.
 
-use super::microfacet::{Microfacet, reflect};
-use super::rows::{Rows, between};
-use super::special::gauss_legendre;
-use super::{Roughness, fresnel};
-use crate::math::{Color, Vec3};
+use crate::bsdf::fresnel;
+use crate::bsdf::microfacet::{AlphaTable, Microfacet, Roughness, cosine_entry, reflect};
+use crate::math::{Color, Vec3, gauss_legendre};
 
 /// Entries over cosθ from 0 to 1.
 const ENTRIES: usize = 32;
@@ -16,7 +14,7 @@ const TRIPS: usize = 4;
 /// it by the cosine inside under which light comes, half by that under which it goes. For one roughness or for a row of
 /// them.
 #[derive(Clone, Debug)]
-pub struct Returned(Rows<Trips>);
+pub struct RoundTrips(AlphaTable<Trips>);
 
 /// By the entry of the cosine, and by trip.
 type Trips = [[f32; TRIPS]; ENTRIES];
@@ -24,7 +22,7 @@ type Trips = [[f32; TRIPS]; ENTRIES];
 /// Roughnesses of a texture that are told apart.
 const ALPHAS: usize = 16;
 
-impl Returned {
+impl RoundTrips {
     /// `eta` is the coat's index over that outside, `thickness` its optical thickness straight through.
     pub fn new(metal: &Roughness, eta: f32, thickness: f32) -> Self {
         let row = |alpha: f32| {
@@ -32,14 +30,14 @@ impl Returned {
             (metal.au, trips(&metal, eta, thickness))
         };
         Self(match metal.isotropic() {
-            Some(alpha) => Rows::new([row(alpha)]),
-            None => Rows::new((0..ALPHAS).map(|i| row((i as f32 + 0.5) / (ALPHAS as f32 - 0.5)))),
+            Some(alpha) => AlphaTable::new([row(alpha)]),
+            None => AlphaTable::new((0..ALPHAS).map(|i| row((i as f32 + 0.5) / (ALPHAS as f32 - 0.5)))),
         })
     }
 
     /// Sum over all trips for a metal of reflectance `base`, of one of the two ends: 1 without any.
     pub fn sum(&self, alpha: f32, cos: f32, base: Color) -> Color {
-        let (i, x) = between(cos, ENTRIES);
+        let (i, x) = cosine_entry(cos, ENTRIES);
         // Horner's rule, longest trip first.
         (0..TRIPS).rev().fold(Color::ZERO, |sum, k| {
             let trip = self.0.at(alpha, |t| t[i][k] + (t[i + 1][k] - t[i][k]) * x);

@@ -1,6 +1,16 @@
-use super::closure::{Closure, Content, Lambertian};
-use super::layers::{Entry, Layers};
-use super::tilt::{Perturbation, Tilt};
+//! What a surface is made of: nests of models, and what they are at a point.
+
+mod closure;
+mod composite;
+mod tilt;
+
+pub use closure::Closure;
+use closure::{Content, Lambertian};
+use composite::Component;
+pub(super) use composite::Composite;
+use tilt::Tilt;
+pub use tilt::{Perturbation, Relief};
+
 use super::{Model, Nature, Point, Range};
 use crate::math::{Vec2, Vec3};
 use crate::texture::{Param, Textures};
@@ -8,6 +18,7 @@ use crate::texture::{Param, Textures};
 /// Models and what wraps them.
 #[derive(Clone, Debug)]
 pub enum Node {
+    /// A model by itself.
     Model(Box<Model>),
     /// Index-matched boundary: light passes straight through.
     Null,
@@ -19,6 +30,7 @@ pub enum Node {
     Blend(Param, Box<[Node; 2]>),
     /// Weights of sum 1 at most.
     Mixture(Vec<(f32, Node)>),
+    /// A bump or normal map over what it tilts.
     Tilted(Perturbation, Box<Node>),
 }
 
@@ -39,13 +51,19 @@ struct Place {
 
 impl Node {
     /// Adds the models that light along `wi` (as this node sees it) meets.
-    fn flatten(&self, point: &Point<'_>, wi: Vec3, place: Place, out: &mut Layers) {
+    fn flatten(&self, point: &Point<'_>, wi: Vec3, place: Place, out: &mut Composite) {
         match self {
             Self::Null => out.through += place.weight,
             Self::Model(m) => {
                 let Place { weight, mirrored, tilt, mirrored_inside } = place;
                 if weight > 0.0 {
-                    out.entries.push(Entry { weight, mirrored, tilt, mirrored_inside, bxdf: m.at(point) });
+                    out.components.push(Component {
+                        weight,
+                        mirrored,
+                        tilt,
+                        mirrored_inside,
+                        bxdf: m.at(point),
+                    });
                 }
             }
             Self::TwoSided(sides) => {
@@ -77,7 +95,12 @@ impl Node {
             }
             Self::Tilted(perturbation, nested) => {
                 let tilt = perturbation.at(point);
-                nested.flatten(point, tilt.frame(wi).to_local(wi), Place { tilt: Some(tilt), ..place }, out);
+                nested.flatten(
+                    point,
+                    tilt.frame(tilt.flipped(wi)).to_local(wi),
+                    Place { tilt: Some(tilt), ..place },
+                    out,
+                );
             }
         }
     }
@@ -93,6 +116,7 @@ impl Node {
         }
     }
 
+    /// What is true of it at every point.
     pub fn nature(&self) -> Nature {
         let mut nature = Nature::default();
         self.visit(&mut |node| match node {
@@ -109,7 +133,7 @@ impl Node {
     }
 
     /// Whether the scattering differs from point to point.
-    pub(super) fn varies(&self) -> bool {
+    pub(in crate::bsdf) fn varies(&self) -> bool {
         let mut varies = false;
         self.visit(&mut |node| {
             varies |= match node {
@@ -124,7 +148,7 @@ impl Node {
     }
 
     /// Every parameter of the models and wrappers in the nest that may be a texture.
-    pub(super) fn params(&self) -> Vec<Param> {
+    pub(in crate::bsdf) fn params(&self) -> Vec<Param> {
         let mut params = Vec::new();
         self.visit(&mut |node| match node {
             Self::Model(m) => params.extend(m.params()),
@@ -168,8 +192,10 @@ pub struct Material {
 
 #[derive(Debug)]
 enum Prepared {
+    /// One diffuse lobe.
     Diffuse(Lambertian),
-    Layers(Layers),
+    /// Anything else.
+    Composite(Composite),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -179,6 +205,7 @@ struct Textured {
 }
 
 impl Material {
+    /// Looks at the nest once: what is everywhere the same is made here.
     pub fn new(root: impl Into<Node>) -> Self {
         let root = root.into();
         let fixed = (!root.varies()).then(|| {
@@ -207,7 +234,7 @@ impl Material {
         match &self.fixed {
             Some(sides) => match &sides[usize::from(wi.z < 0.0)] {
                 Prepared::Diffuse(d) => Closure(Content::Diffuse(*d)),
-                Prepared::Layers(layers) => Closure(Content::Fixed(layers)),
+                Prepared::Composite(composite) => Closure(Content::Fixed(composite)),
             },
             None => self.textured(point, wi),
         }
@@ -233,6 +260,7 @@ impl Material {
         self.fixed.is_none()
     }
 
+    /// What is true of it at every point.
     pub fn nature(&self) -> Nature {
         self.nature
     }
@@ -256,20 +284,20 @@ impl Material {
 }
 
 /// What a nest is at a point, for light along `wi`.
-pub(super) fn flat(root: &Node, point: &Point<'_>, wi: Vec3) -> Layers {
-    let mut layers = Layers::default();
+pub(in crate::bsdf) fn flat(root: &Node, point: &Point<'_>, wi: Vec3) -> Composite {
+    let mut composite = Composite::default();
     let place = Place { weight: 1.0, mirrored: false, tilt: None, mirrored_inside: false };
-    root.flatten(point, wi, place, &mut layers);
-    layers
+    root.flatten(point, wi, place, &mut composite);
+    composite
 }
 
-fn prepared(layers: Layers) -> Prepared {
-    if let [Entry { weight, mirrored, bxdf, .. }] = &layers.entries[..]
-        && layers.through + weight == 1.0
+fn prepared(composite: Composite) -> Prepared {
+    if let [Component { weight, mirrored, bxdf, .. }] = &composite.components[..]
+        && composite.through + weight == 1.0
         && let Some(reflectance) = bxdf.lambertian()
     {
         let side = if *mirrored { -1.0 } else { 1.0 };
         return Prepared::Diffuse(Lambertian { reflectance, opacity: *weight, side });
     }
-    Prepared::Layers(layers)
+    Prepared::Composite(composite)
 }

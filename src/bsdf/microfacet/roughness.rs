@@ -1,15 +1,18 @@
-use super::microfacet::{Kind, Microfacet, Shadowing};
-use super::{Point, Range};
+use super::{Distribution, Microfacet, Shadowing};
+use crate::bsdf::{Point, Range};
 use crate::spectrum::scalar;
 use crate::texture::Param;
 
 /// Parameters of a microfacet distribution.
 #[derive(Clone, Copy, Debug)]
 pub struct Roughness {
-    pub kind: Kind,
+    /// How normals are distributed.
+    pub kind: Distribution,
+    /// How masking and shadowing are combined.
     pub shadowing: Shadowing,
     /// α along s and t, or what its square root is taken of.
     pub u: Param,
+    /// Of the axis t.
     pub v: Param,
     /// α = √parameter (pbrt's `remaproughness`).
     pub root: bool,
@@ -20,12 +23,12 @@ impl Roughness {
         if self.root { value.max(0.0).sqrt() } else { value }
     }
 
-    pub(super) fn at(&self, point: &Point<'_>) -> Microfacet {
+    pub(in crate::bsdf) fn at(&self, point: &Point<'_>) -> Microfacet {
         let [u, v] = [self.u, self.v].map(|p| self.alpha(point.scalar(p)));
         Microfacet::new(self.kind, self.shadowing, u, v)
     }
 
-    pub(super) fn params(&self) -> Vec<Param> {
+    pub(in crate::bsdf) fn params(&self) -> Vec<Param> {
         vec![self.u, self.v]
     }
 
@@ -43,14 +46,14 @@ impl Roughness {
     }
 
     /// Bounds of what [`Microfacet::roughness`] may be.
-    pub(super) fn bounds(&self) -> [f32; 2] {
+    pub(in crate::bsdf) fn bounds(&self) -> [f32; 2] {
         match self.constant() {
             Some([u, v]) => [Microfacet::new(self.kind, self.shadowing, u, v).roughness(); 2],
             None => [0.0, Range::DIFFUSE],
         }
     }
 
-    pub(super) fn oriented(&self) -> bool {
+    pub(in crate::bsdf) fn oriented(&self) -> bool {
         self.u != self.v
     }
 }
