@@ -192,6 +192,30 @@ fn losses_of_materials_have_a_size() {
     // Of balls with the same paths; spectra differ by how they become RGB.
     assert!((size - 1.0).abs() < 0.02, "{size}");
     assert!(text(&run.stderr).contains("size: +1"), "{}", text(&run.stderr));
+    // What is seen from behind only has none.
+    let back = losses.iter().find(|l| l["what"] == "a surface that is black on its back").unwrap();
+    assert!(back["size"].is_null(), "{back}");
+}
+
+/// Mitsuba's model of roughness 1 reflects about three times what pbrt's coat does, a loss of 69 % in the mean of a
+/// room that was seen.
+#[test]
+fn the_size_of_a_rough_principled_material_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = r#"<scene version="3.0.0">
+<integrator type="path"/>
+<sensor type="perspective"><film type="hdrfilm"/></sensor>
+<emitter type="constant"/>
+<shape type="sphere"><bsdf type="principled"><rgb name="base_color" value="0.8"/><float name="roughness" value="1"/></bsdf></shape>
+</scene>"#;
+    std::fs::write(folder.path().join("a.xml"), scene).unwrap();
+    let run = convert(&["a.xml", "b.pbrt", "--report", "loss.json"], folder.path());
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    let report = std::fs::read_to_string(folder.path().join("loss.json")).unwrap();
+    let losses: Vec<serde_json::Value> = serde_json::from_str(&report).unwrap();
+    let size =
+        losses.iter().find(|l| l["what"] == "the `principled` model").unwrap()["size"].as_f64().unwrap();
+    assert!((-0.72..-0.64).contains(&size), "{size}");
 }
 
 const ELLIPSOID: &str = r#"

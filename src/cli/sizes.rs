@@ -31,7 +31,8 @@ pub fn measure(read: &Read, files: &dyn Files, written: &mut Written) {
     let folder = read.sources.paths().next().and_then(Path::parent).unwrap_or(Path::new(""));
     let extension = written.path.extension().unwrap_or_default();
     let path = folder.join("caustica-ball").with_extension(extension);
-    for loss in &mut written.losses {
+    // The ball shows its front.
+    for loss in written.losses.iter_mut().filter(|loss| !loss.what.contains("on its back")) {
         let Some((place, id)) = loss.place.as_ref().and_then(|place| places.get_key_value(place)) else {
             continue;
         };

@@ -190,7 +190,8 @@ impl Writer<'_, '_> {
     /// pbrt's opacity dims a lamp, Mitsuba's mask does not.
     fn emission(&mut self, e: &AreaEmission, opacity: Option<&FloatInput>) -> Result<Element, WriteError> {
         if e.two_sided {
-            self.out.lose(e.origin, "a lamp that emits on both sides", "the side of its normal only");
+            let what = "a lamp that emits on both sides";
+            self.out.lose_light(e.origin, what, "the side of its normal only", -0.5);
         }
         if let Some(power) = e.power {
             self.out.lose(e.origin, format!("the power of a lamp, {power} W"), "its radiance as written");
