@@ -10,7 +10,10 @@ fn root() -> &'static Path {
 /// The documents for people, relative to the workspace.
 fn documents() -> Vec<String> {
     let mut pages: Vec<String> = ["README.md", "CONTRIBUTING.md"].map(str::to_owned).to_vec();
-    pages.extend(["tools/references/README.md", "tools/studies/README.md"].map(str::to_owned));
+    pages.extend(
+        ["tools/converted/README.md", "tools/references/README.md", "tools/studies/README.md"]
+            .map(str::to_owned),
+    );
     let entries = fs::read_dir(root().join("docs")).expect("docs can be read");
     let names = entries.map(|e| e.expect("docs can be read").file_name().to_string_lossy().into_owned());
     pages.extend(names.filter(|n| n.ends_with(".md")).map(|n| format!("docs/{n}")));

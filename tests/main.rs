@@ -12,6 +12,7 @@ mod camera;
 mod checks;
 mod cli;
 mod convergence;
+mod conversion;
 mod convert;
 mod depth;
 mod determinism;

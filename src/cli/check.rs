@@ -10,8 +10,8 @@ use crate::render::Budget;
 use crate::session::{Options, Session};
 
 /// Longer side of the picture and samples a pixel: some seconds at most.
-const SIDE: u32 = 96;
-const PASSES: u32 = 32;
+pub const SIDE: u32 = 96;
+pub const PASSES: u32 = 32;
 
 /// Two renders of one scene with different seeds differ by √2 standard errors; over thousands of pixels,
 /// chance does not make that half as much again.
@@ -67,7 +67,7 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
 }
 
 /// A small film and a few samples a pixel, by path tracing.
-fn small(allow_unsupported: bool, seed: u64) -> Options {
+pub fn small(allow_unsupported: bool, seed: u64) -> Options {
     let settings =
         [("integrator", "path".to_owned()), ("passes", PASSES.to_string()), ("seed", seed.to_string())];
     Options {
@@ -79,7 +79,7 @@ fn small(allow_unsupported: bool, seed: u64) -> Options {
     }
 }
 
-fn picture(scene: &Path, options: &Options) -> Result<Pixels, Failure> {
+pub fn picture(scene: &Path, options: &Options) -> Result<Pixels, Failure> {
     let session = Session::open(scene, options)?;
     Ok(session.render(Budget::passes(PASSES), &mut |_| {}).pixels)
 }
@@ -111,7 +111,7 @@ impl Difference {
 }
 
 /// Standard error of the picture's mean: paths of different pixels are independent.
-fn mean_error(pixels: &Pixels) -> f64 {
+pub fn mean_error(pixels: &Pixels) -> f64 {
     let count = pixels.len() as f64;
     (pixels.doublings().variance(PASSES) / count).sqrt()
 }

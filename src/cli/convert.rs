@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::scene::{SpectralRule, pair};
-use super::{check, report};
+use super::{check, outside, report, sizes};
 use crate::session::check_place;
 
 /// Arguments of `convert`.
@@ -28,6 +28,10 @@ pub struct ConvertArgs {
     /// Render both scenes, small, and fail when they differ by more than noise
     #[arg(long)]
     check: bool,
+    /// Render the source here and the result with its own renderer, where that is installed, and fail when their
+    /// means differ by more than 1 % and noise
+    #[arg(long, value_name = "RENDERER", value_enum)]
+    check_with: Option<outside::Renderer>,
     /// Replace files that exist
     #[arg(long)]
     force: bool,
@@ -59,7 +63,7 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     if let Some(rule) = args.spectral_to_rgb.rule() {
         read.scene.spectrum_rule = rule;
     }
-    let written = write_scene(&read, &files, &args.output).map_err(|e| match e {
+    let mut written = write_scene(&read, &files, &args.output).map_err(|e| match e {
         WriteError::UnknownLanguage { .. } => Failure::Usage(e.to_string()),
         e => Failure::Work(e.to_string()),
     })?;
@@ -68,6 +72,7 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     }
     check_place(&args.output)?;
     written.save(&files, args.force).map_err(|e| e.to_string())?;
+    sizes::measure(&read, &files, &mut written);
     for loss in &written.losses {
         report::line(&describe(loss));
     }
@@ -76,7 +81,9 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
         atomic_write(path, text.as_bytes()).map_err(|e| format!("cannot write `{}`: {e}", path.display()))?;
     }
     report::line(&summary(&written, &read.scene));
-    if args.check { check::run(args) } else { Ok(0) }
+    let ours = if args.check { check::run(args)? } else { 0 };
+    let theirs = args.check_with.map_or(Ok(0), |renderer| outside::run(args, renderer))?;
+    Ok(ours.max(theirs))
 }
 
 fn warn(read: &Read) {
@@ -87,7 +94,9 @@ fn warn(read: &Read) {
 
 fn describe(loss: &Loss) -> String {
     let place = loss.place.as_ref().map_or(String::new(), |place| format!("{place}: "));
-    format!("lost: {place}{}\n  instead: {}", loss.what, loss.instead)
+    let size =
+        loss.size.map_or(String::new(), |size| format!("\n  size: {:+.0} % of its light", 100.0 * size));
+    format!("lost: {place}{}\n  instead: {}{size}", loss.what, loss.instead)
 }
 
 fn summary(written: &Written, scene: &ir::Scene) -> String {

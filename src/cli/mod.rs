@@ -7,9 +7,11 @@ mod convert;
 mod failure;
 mod inspect;
 mod interrupt;
+mod outside;
 mod render;
 mod report;
 mod scene;
+mod sizes;
 mod summary;
 
 use std::process::ExitCode;

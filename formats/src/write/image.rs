@@ -28,7 +28,7 @@ impl Tone {
 }
 
 /// Decoded linear RGB, row 0 at the top.
-pub(super) struct Pixels {
+pub(crate) struct Pixels {
     pub width: usize,
     pub height: usize,
     pub rgb: Vec<[f64; 3]>,
@@ -49,6 +49,15 @@ impl Pixels {
         self.rgb[inside(v, self.height) * self.width + inside(u, self.width)]
     }
 
+    /// As `bilinear`, of the pixel that the place lies in.
+    pub fn nearest_wrapped(&self, [u, v]: [f64; 2], wrap: [WrapMode; 2]) -> [f64; 3] {
+        let (x, y) = ((u * self.width as f64).floor() as i64, (v * self.height as f64).floor() as i64);
+        match (wrapped(x, self.width, wrap[0]), wrapped(y, self.height, wrap[1])) {
+            (Ok(x), Ok(y)) => self.rgb[y * self.width + x],
+            (Err(beyond), _) | (_, Err(beyond)) => [beyond; 3],
+        }
+    }
+
     /// Between the four pixels around a place, in pixels.
     fn mix(&self, x: f64, y: f64, at: impl Fn(i64, i64) -> [f64; 3]) -> [f64; 3] {
         let (fx, fy) = (x - x.floor(), y - y.floor());
@@ -60,14 +69,17 @@ impl Pixels {
     }
 }
 
-/// The index of a pixel at most one beyond a row of `n`, or the value there.
+/// The index of a pixel in or beyond a row of `n`, or the value there.
 fn wrapped(i: i64, n: usize, wrap: WrapMode) -> Result<usize, f64> {
     let n = n as i64;
     match wrap {
         _ if (0..n).contains(&i) => Ok(i as usize),
         WrapMode::Repeat => Ok(i.rem_euclid(n) as usize),
-        // The mirror shows the outermost pixel first.
-        WrapMode::Clamp | WrapMode::Mirror => Ok(i.clamp(0, n - 1) as usize),
+        WrapMode::Mirror => {
+            let i = i.rem_euclid(2 * n);
+            Ok(if i < n { i } else { 2 * n - 1 - i } as usize)
+        }
+        WrapMode::Clamp => Ok(i.clamp(0, n - 1) as usize),
         WrapMode::Zero => Err(0.0),
         WrapMode::One => Err(1.0),
     }

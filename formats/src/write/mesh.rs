@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use super::{Output, WriteError};
-use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric};
+use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Transform};
 use crate::mesh::{self, Mesh, MeshOptions, write_ply};
 
 impl Output<'_> {
@@ -58,6 +58,52 @@ impl Output<'_> {
         self.make(&key, "meshes", name, "ply", |_| Ok(write_ply(&tessellate(quadric))))
     }
 
+    /// A sphere with Mitsuba's uv, whose v runs down from +Z.
+    pub fn make_sphere_ply(
+        &mut self,
+        center: [f64; 3],
+        radius: f64,
+        name: &str,
+    ) -> Result<String, WriteError> {
+        self.make(&format!("sphere {center:?} {radius}"), "meshes", name, "ply", |_| {
+            let quadric = PartialQuadric::Sphere { radius, z_min: -radius, z_max: radius, phi_max: 360.0 };
+            let mut mesh = tessellate(&quadric);
+            for p in &mut mesh.positions {
+                *p = std::array::from_fn(|i| (f64::from(p[i]) + center[i]) as f32);
+            }
+            mesh.uvs.iter_mut().for_each(|uv| uv[1] = 1.0 - uv[1]);
+            Ok(write_ply(&mesh))
+        })
+    }
+
+    pub fn make_cylinder_ply(
+        &mut self,
+        p0: [f64; 3],
+        p1: [f64; 3],
+        radius: f64,
+        name: &str,
+    ) -> Result<String, WriteError> {
+        self.make(&format!("cylinder {p0:?} {p1:?} {radius}"), "meshes", name, "ply", |_| {
+            let axis: [f64; 3] = std::array::from_fn(|i| p1[i] - p0[i]);
+            let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let place = Transform::translate(p0).after(&about(axis.map(|v| v / length)));
+            let quadric = PartialQuadric::Cylinder { radius, z_min: 0.0, z_max: length, phi_max: 360.0 };
+            let mut mesh = tessellate(&quadric);
+            for p in &mut mesh.positions {
+                *p = place.point(p.map(f64::from)).map(|v| v as f32);
+            }
+            for n in &mut mesh.normals {
+                *n = place.vector(n.map(f64::from)).map(|v| v as f32);
+            }
+            Ok(write_ply(&mesh))
+        })
+    }
+
+    /// A unit disk with Mitsuba's uv: the distance from the middle, and the angle.
+    pub fn make_disk_ply(&mut self, name: &str) -> Result<String, WriteError> {
+        self.make("polar disk", "meshes", name, "ply", |_| Ok(write_ply(&polar_disk())))
+    }
+
     /// Whether all faces of a PLY file are triangles, so that every reader takes them alike.
     pub fn is_triangle_ply(&self, file: &MeshFile) -> Result<bool, WriteError> {
         let bytes = self.read(&file.path)?;
@@ -70,12 +116,53 @@ impl Output<'_> {
     }
 }
 
+/// The axes that Mitsuba's cylinders have about a unit vector (Duff et al. 2017).
+pub(crate) fn about([x, y, z]: [f64; 3]) -> Transform {
+    let sign = 1f64.copysign(z);
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    Transform([
+        [1.0 + sign * x * x * a, b, x, 0.0],
+        [sign * b, sign + y * y * a, y, 0.0],
+        [-sign * x, -y, z, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ])
+}
+
 pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Steps around a whole circle: the chord is 0.12 % of the radius inside it.
-const STEPS: usize = 64;
+/// Steps around a whole circle: the chord is 0.03 % of the radius inside it.
+const STEPS: usize = 128;
+
+/// From the middle of a disk to its rim, where u and v are bilinear in each ring.
+const RINGS: usize = 16;
+
+fn polar_disk() -> Mesh {
+    let mut mesh = Mesh::default();
+    for column in 0..=STEPS {
+        let v = column as f64 / STEPS as f64;
+        let (sin, cos) = (TAU * v).sin_cos();
+        for ring in 0..=RINGS {
+            let r = ring as f64 / RINGS as f64;
+            mesh.positions.push([r * cos, r * sin, 0.0].map(|x| x as f32));
+            mesh.uvs.push([r as f32, v as f32]);
+        }
+    }
+    let rows = RINGS + 1;
+    for column in 0..STEPS {
+        for ring in 0..RINGS {
+            let at = |c: usize, r: usize| ((column + c) * rows + ring + r) as u32;
+            let (a, b, c, d) = (at(0, 0), at(0, 1), at(1, 1), at(1, 0));
+            mesh.triangles.push([a, b, c]);
+            if ring > 0 {
+                mesh.triangles.push([a, c, d]);
+            }
+        }
+    }
+    mesh
+}
 
 /// uv as pbrt has it: u = φ/phi_max; v from `z_min` to `z_max`, or from the rim to the middle.
 pub(crate) fn tessellate(quadric: &PartialQuadric) -> Mesh {

@@ -3,6 +3,7 @@
 mod image;
 mod mesh;
 mod output;
+mod sample;
 mod slide;
 
 use std::collections::HashSet;
@@ -13,13 +14,16 @@ use serde::Serialize;
 use thiserror::Error;
 
 pub(crate) use image::Tone;
+pub(crate) use mesh::about;
 pub(crate) use output::Output;
+pub(crate) use sample::Sampled;
+pub(crate) use slide::Cone;
 
 use crate::files::Files;
 use crate::image::atomic_write;
 
 /// Something in the scene that the written one cannot express.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
     /// What is lost.
     pub what: String,
@@ -27,6 +31,9 @@ pub struct Loss {
     pub place: Option<String>,
     /// What is written instead.
     pub instead: String,
+    /// How much more light there is in the result, in parts of what there was, where that is known. Writers know
+    /// it of lights; of materials it has to be measured.
+    pub size: Option<f64>,
 }
 
 /// A file beside the written scene.

@@ -24,6 +24,8 @@ pub(crate) struct Output<'a> {
     /// Assets made from others, by a key of the writer's.
     made: HashMap<String, String>,
     taken: HashSet<String>,
+    /// Whether any textured shape has uv outside of 0 to 1, once that was asked.
+    pub(super) beyond: Option<bool>,
     /// Folder of the assets, named after the scene's file: scenes beside each other do not share one.
     own: String,
 }
@@ -51,6 +53,7 @@ impl<'a> Output<'a> {
             carried: HashMap::new(),
             made: HashMap::new(),
             taken,
+            beyond: None,
             own: format!("{}.files", plain(&path.file_name().unwrap_or_default().to_string_lossy())),
         }
     }
@@ -62,10 +65,28 @@ impl<'a> Output<'a> {
     /// Records that `what` cannot be expressed, and what is written instead.
     pub fn lose(&mut self, origin: Origin, what: impl Into<String>, instead: impl Into<String>) {
         let place = origin.0.map(|span| self.sources.location(span));
-        let loss = Loss { what: what.into(), place, instead: instead.into() };
+        let loss = Loss { what: what.into(), place, instead: instead.into(), size: None };
         // An object that several others refer to may be written more than once.
-        if !self.losses.contains(&loss) {
+        let known = |other: &Loss| {
+            (&other.what, &other.place, &other.instead) == (&loss.what, &loss.place, &loss.instead)
+        };
+        if !self.losses.iter().any(known) {
             self.losses.push(loss);
+        }
+    }
+
+    /// As `lose`, when the light changes by this part of what there was.
+    pub fn lose_light(
+        &mut self,
+        origin: Origin,
+        what: impl Into<String>,
+        instead: impl Into<String>,
+        size: f64,
+    ) {
+        let (what, instead) = (what.into(), instead.into());
+        self.lose(origin, what.clone(), instead);
+        if let Some(loss) = self.losses.iter_mut().rev().find(|loss| loss.what == what) {
+            loss.size = Some(size);
         }
     }
 
@@ -87,6 +108,10 @@ impl<'a> Output<'a> {
                 clamped
             }
         }
+    }
+
+    pub(super) fn assets_so_far(&self) -> usize {
+        self.assets.len()
     }
 
     pub fn losses(&self) -> &[Loss] {

@@ -175,8 +175,12 @@ fn finish_material(
             | BsdfKind::CoatedDiffuse { .. }
     );
     // Every third one blends two that are there.
-    if picks[2].is_multiple_of(3) && !finished.is_empty() {
-        let part = |pick: Pick| finished[pick % finished.len()];
+    // pbrt mixes materials only, and its `interface` is none.
+    let nothing = |id: Id<Bsdf>| matches!(scene.bsdfs[id].kind, BsdfKind::Null);
+    let parts: Vec<_> =
+        finished.iter().copied().filter(|id| language != Language::Pbrt || !nothing(*id)).collect();
+    if picks[2].is_multiple_of(3) && !parts.is_empty() {
+        let part = |pick: Pick| parts[pick % parts.len()];
         let weight = FloatInput::Value(0.25);
         let kind = BsdfKind::Blend { weight, first: part(picks[0]), second: part(picks[1]) };
         return scene.bsdfs.push(bsdf(name, kind));
@@ -236,6 +240,17 @@ fn transform() -> impl Strategy<Value = Transform> + Clone {
             Transform::translate(by).after(&turn).after(&Transform::scale(scale))
         },
     )
+}
+
+/// With axes of one length.
+fn even(mut m: Transform) -> Transform {
+    let length = |m: &Transform, j: usize| (0..3).map(|i| m.0[i][j] * m.0[i][j]).sum::<f64>().sqrt();
+    let first = length(&m, 0);
+    for j in 1..3 {
+        let factor = first / length(&m, j);
+        (0..3).for_each(|i| m.0[i][j] *= factor);
+    }
+    m
 }
 
 type Camera = (Transform, Projection, u32, u32);
@@ -320,7 +335,12 @@ fn shape(language: Language) -> BoxedStrategy<Shape> {
         .boxed(),
     };
     (kind, transform(), any::<bool>())
-        .prop_map(|(kind, to_world, flip_normals)| Shape { flip_normals, ..plain_shape(kind, to_world) })
+        .prop_map(move |(kind, to_world, flip_normals)| {
+            // In Mitsuba these stay round whatever the transform says.
+            let round = matches!(kind, ShapeKind::Sphere { .. } | ShapeKind::Cylinder { .. });
+            let to_world = if round && language == Language::Mitsuba { even(to_world) } else { to_world };
+            Shape { flip_normals, ..plain_shape(kind, to_world) }
+        })
         .boxed()
 }
 

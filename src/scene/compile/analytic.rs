@@ -33,6 +33,14 @@ fn vec3(v: [f64; 3]) -> Vec3 {
     Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)
 }
 
+/// The axes of a cylinder, whose angle counts from axes that turn with the object.
+fn about(m: &Transform, p0: [f64; 3], p1: [f64; 3], axis: Vec3) -> Frame {
+    let object = Frame::from_normal(vec3(std::array::from_fn(|i| p1[i] - p0[i])).normalize_or_zero());
+    let turned = |v: Vec3| vec3(m.vector(v.to_array().map(f64::from))).normalize_or_zero();
+    let (s, t) = (turned(object.s), turned(object.t));
+    if s == Vec3::ZERO || t == Vec3::ZERO { Frame::from_normal(axis) } else { Frame { s, t, n: axis } }
+}
+
 /// The shape under `m`, which must be a similarity for spheres and cylinders. `None` when nothing of
 /// it is left. Mirroring turns the normals of spheres and cylinders inwards, as in Mitsuba 3.9.
 pub fn place(kind: &ShapeKind, m: &Transform, flip: bool) -> Option<Analytic> {
@@ -56,7 +64,7 @@ pub fn place(kind: &ShapeKind, m: &Transform, flip: bool) -> Option<Analytic> {
             (radius > 0.0 && length > 0.0 && length.is_finite()).then(|| {
                 Analytic::Cylinder(Cylinder {
                     p0: vec3(a),
-                    axis: Frame::from_normal(d / length),
+                    axis: about(m, *p0, *p1, d / length),
                     length,
                     radius,
                     inward,

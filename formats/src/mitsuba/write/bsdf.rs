@@ -2,6 +2,7 @@
 
 use super::Writer;
 use super::element::Element;
+use super::interface::same_index;
 use super::substitute;
 use crate::ir::{
     Bsdf, BsdfKind, ColorSlot, FloatInput, Id, Origin, Part, PerturbedShading, Principled, PrincipledIndex,
@@ -48,7 +49,10 @@ impl Writer<'_, '_> {
             BsdfKind::Dielectric(d) => self.dielectric(bsdf("dielectric"), d, origin),
             BsdfKind::ThinDielectric(d) => self.dielectric(bsdf("thindielectric"), d, origin),
             // pbrt's roughness 0 is a smooth surface; Mitsuba's rough models want alpha above it.
-            BsdfKind::RoughDielectric { interface, microfacet } if microfacet.is_smooth() => {
+            // Mitsuba refuses roughness between equal indices, which nothing scatters.
+            BsdfKind::RoughDielectric { interface, microfacet }
+                if microfacet.is_smooth() || same_index(&interface.int_ior, &interface.ext_ior) =>
+            {
                 self.dielectric(bsdf("dielectric"), interface, origin)
             }
             BsdfKind::RoughConductor { conductor, microfacet } if microfacet.is_smooth() => {
@@ -62,6 +66,11 @@ impl Writer<'_, '_> {
             BsdfKind::RoughConductor { conductor, microfacet } => {
                 let element = self.conductor(bsdf("roughconductor"), conductor, origin)?;
                 self.microfacet(element, microfacet, origin)
+            }
+            BsdfKind::RoughPlastic { plastic: p, .. } if same_index(&p.int_ior, &p.ext_ior) => {
+                let base = &p.diffuse_reflectance;
+                let color = self.color_input("reflectance", base, Reflectance, Some(0.5), origin)?;
+                Ok(bsdf("diffuse").children(color))
             }
             BsdfKind::Plastic(p) => self.plastic(bsdf("plastic"), p, origin),
             BsdfKind::RoughPlastic { plastic, microfacet } => {

@@ -7,7 +7,7 @@ use crate::ir::{
     ColorInput, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, Origin, SpotFalloff,
     TextureEncoding,
 };
-use crate::write::WriteError;
+use crate::write::{Cone, WriteError};
 
 impl Writer<'_, '_> {
     #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
@@ -20,11 +20,9 @@ impl Writer<'_, '_> {
                 .child(self.light("intensity", intensity, 1.0, origin)),
             EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, falloff, texture } => {
                 if *falloff == SpotFalloff::Smoothstep {
-                    self.out.lose(
-                        origin,
-                        "a spot with smoothstep falloff in the cosine",
-                        "linear falloff in the angle",
-                    );
+                    let what = "a spot with smoothstep falloff in the cosine";
+                    let size = Cone::new(*cutoff_angle, *beam_width, *falloff).change();
+                    self.out.lose_light(origin, what, "linear falloff in the angle", size);
                 }
                 let texture = texture.map(|id| self.texture("texture", id)).transpose()?;
                 plugin("spot")

@@ -180,6 +180,11 @@ impl Writer<'_, '_> {
     }
 }
 
+/// Whether an interface between these indices lets all light pass unchanged.
+pub fn same_index(inside: &Ior, outside: &Ior) -> bool {
+    (value_of(inside) / value_of(outside) - 1.0).abs() < 1e-6
+}
+
 /// The number behind an index.
 fn value_of(index: &Ior) -> f64 {
     match index {

@@ -22,12 +22,18 @@ impl Writer<'_, '_> {
         let mut element = Element::plugin("sensor", plugin).id(s.name.as_deref());
         let mut to_world = s.to_world;
         let aspect = f64::from(s.film.width) / f64::from(s.film.height);
+        let mut offset = s.principal_point_offset;
         match s.projection {
             Projection::Perspective { fov: angle, axis } => {
                 to_world = self.unit_axes(s);
                 let (angle, axis) = match s.screen_window {
                     None => (angle, axis),
-                    Some(window) => (self.windowed(s, angle, window, aspect), FovAxis::X),
+                    Some(window @ [x0, x1, y0, y1]) => {
+                        // The picture moves by fractions of itself to the left and upwards.
+                        offset[0] += 0.5 * (x0 + x1) / (x1 - x0);
+                        offset[1] -= 0.5 * (y0 + y1) / (y1 - y0);
+                        (self.windowed(s, angle, window, aspect), FovAxis::X)
+                    }
                 };
                 element = fov(element, angle, axis);
             }
@@ -45,8 +51,8 @@ impl Writer<'_, '_> {
             .transform("to_world", &to_world)
             .float_unless("near_clip", s.near_clip, 0.01)
             .float_unless("far_clip", s.far_clip, 10_000.0)
-            .float_unless("principal_point_offset_x", s.principal_point_offset[0], 0.0)
-            .float_unless("principal_point_offset_y", s.principal_point_offset[1], 0.0);
+            .float_unless("principal_point_offset_x", offset[0], 0.0)
+            .float_unless("principal_point_offset_y", offset[1], 0.0);
         if let (Some(lens), Projection::Perspective { .. }) = (s.lens, s.projection) {
             element = element.float("aperture_radius", lens.aperture_radius).float_unless(
                 "focus_distance",
@@ -78,9 +84,6 @@ impl Writer<'_, '_> {
     /// The full horizontal angle of a window on the screen plane.
     fn windowed(&mut self, s: &Sensor, angle: Fov, [x0, x1, y0, y1]: [f64; 4], aspect: f64) -> Fov {
         self.check_aspect(s, (x1 - x0) / (y1 - y0), aspect);
-        if (x0 + x1).abs() > 1e-9 || (y0 + y1).abs() > 1e-9 {
-            self.out.lose(s.origin, "an off-centre screen window", "a centred one of the same size");
-        }
         match angle {
             Fov::Degrees(degrees) => {
                 let half = (0.5 * degrees).to_radians().tan() * 0.5 * (x1 - x0);

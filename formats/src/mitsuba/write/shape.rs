@@ -7,7 +7,7 @@ use crate::ir::{
     AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
     ShapeGroup, ShapeKind, Transform,
 };
-use crate::write::WriteError;
+use crate::write::{WriteError, about};
 
 impl Writer<'_, '_> {
     pub fn group(&mut self, id: Id<ShapeGroup>) -> Result<Option<Element>, WriteError> {
@@ -29,11 +29,38 @@ impl Writer<'_, '_> {
         Ok(Some(element))
     }
 
-    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
     pub fn shape(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
+        let stretched = self.stretched(shape)?;
+        // Mitsuba's side of a mirrored mesh is that of its normals, or else of its mirrored winding; pbrt's is never
+        // mirrored. That of a quadric is turned by the mirror in both, that of the mesh it becomes is not.
+        let mirrored = shape.to_world.determinant3() < 0.0;
+        let turned = match &shape.kind {
+            ShapeKind::Mesh(file) => {
+                mirrored && file.authored_normals && self.out.mesh(file)?.normals.is_empty()
+            }
+            ShapeKind::Inline(mesh) => mesh.normals.is_empty(),
+            ShapeKind::Partial(quadric) => !stays_analytic(quadric, &shape.to_world),
+            _ => stretched.is_some(),
+        };
+        let Some(element) = stretched.map_or_else(|| self.geometry(shape), |made| Ok(Some(made)))? else {
+            return Ok(None);
+        };
+        let flip = shape.flip_normals ^ (turned && mirrored);
+        let mut element =
+            element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
+        element = element.children(self.material(shape)?);
+        if let Some(emission) = &shape.emission {
+            element = element.child(self.emission(emission, shape.alpha.as_ref())?);
+        }
+        Ok(Some(element))
+    }
+
+    /// The surface, before its transform.
+    #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
+    fn geometry(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
         let plugin = |name: &str| Element::plugin("shape", name).id(shape.name.as_deref());
         let label = shape.name.as_deref().unwrap_or("mesh");
-        let element = match &shape.kind {
+        Ok(Some(match &shape.kind {
             ShapeKind::Mesh(file) => self.mesh(file, shape.origin, &|name| plugin(name))?,
             ShapeKind::Inline(mesh) => {
                 let name = mesh.made_from.as_deref().filter(|_| shape.name.is_none()).unwrap_or(label);
@@ -52,7 +79,7 @@ impl Writer<'_, '_> {
                 }
                 element.float_unless("radius", *radius, 1.0)
             }
-            ShapeKind::Partial(quadric) => self.quadric(shape, quadric, &|name| plugin(name))?,
+            ShapeKind::Partial(quadric) => self.quadric(shape, quadric)?,
             ShapeKind::Rectangle => plugin("rectangle"),
             ShapeKind::Cube => plugin("cube"),
             ShapeKind::Disk => plugin("disk"),
@@ -68,29 +95,7 @@ impl Writer<'_, '_> {
                 self.out.lose(shape.origin, format!("a shape of kind `{}`", other.name()), "no shape");
                 return Ok(None);
             }
-        };
-        // Mitsuba's side of a mirrored mesh is that of its mirrored winding, pbrt's is not.
-        let by_object = match &shape.kind {
-            ShapeKind::Mesh(file) => file.authored_normals,
-            ShapeKind::Inline(_) => true,
-            _ => false,
-        };
-        let mut flip = shape.flip_normals ^ (by_object && shape.to_world.determinant3() < 0.0);
-        let mut to_world = shape.to_world;
-        if matches!(&shape.kind, ShapeKind::Partial(quadric) if whole_sphere(quadric).is_some())
-            && self.query.textured(&self.scene.bsdfs, shape)
-        {
-            // pbrt's v runs from −Z upwards, Mitsuba's from +Z downwards; mirroring turns the normals.
-            to_world = to_world.after(&Transform::scale([1.0, 1.0, -1.0]));
-            flip = !flip;
-        }
-        let mut element =
-            element.transform("to_world", &to_world).boolean_unless("flip_normals", flip, false);
-        element = element.children(self.material(shape)?);
-        if let Some(emission) = &shape.emission {
-            element = element.child(self.emission(emission)?);
-        }
-        Ok(Some(element))
+        }))
     }
 
     /// The shape's material, under its opacity.
@@ -99,13 +104,6 @@ impl Writer<'_, '_> {
         let Some(alpha) = shape.alpha.as_ref().filter(|alpha| **alpha != FloatInput::Value(1.0)) else {
             return Ok(bsdf);
         };
-        if shape.emission.is_some() {
-            self.out.lose(
-                shape.origin,
-                "the opacity of a lamp",
-                "a mask on its material; it emits everywhere",
-            );
-        }
         // What a shape without material has.
         let bsdf =
             bsdf.unwrap_or_else(|| substitute::diffuse(if shape.emission.is_some() { 0.0 } else { 0.5 }));
@@ -151,53 +149,106 @@ impl Writer<'_, '_> {
         .boolean_unless("face_normals", flat, false))
     }
 
-    /// Whole spheres and cylinders stay analytic; other quadrics are tessellated.
-    fn quadric(
-        &mut self,
-        shape: &Shape,
-        quadric: &PartialQuadric,
-        plugin: &dyn Fn(&str) -> Element,
-    ) -> Result<Element, WriteError> {
-        if let Some(radius) = whole_sphere(quadric) {
-            return Ok(plugin("sphere").float_unless("radius", radius, 1.0));
+    /// Whole cylinders stay analytic; other quadrics that show uv, or are cut, are tessellated.
+    fn quadric(&mut self, shape: &Shape, quadric: &PartialQuadric) -> Result<Element, WriteError> {
+        if let PartialQuadric::Cylinder { radius, z_min, z_max, .. } = *quadric
+            && stays_analytic(quadric, &shape.to_world)
+        {
+            return Ok(Element::plugin("shape", "cylinder")
+                .id(shape.name.as_deref())
+                .triple("point", "p0", [0.0, 0.0, z_min])
+                .triple("point", "p1", [0.0, 0.0, z_max])
+                .float_unless("radius", radius, 1.0));
         }
-        match *quadric {
-            PartialQuadric::Cylinder { radius, z_min, z_max, phi_max } if phi_max >= 360.0 => {
-                Ok(plugin("cylinder")
-                    .triple("point", "p0", [0.0, 0.0, z_min])
-                    .triple("point", "p1", [0.0, 0.0, z_max])
-                    .float_unless("radius", radius, 1.0))
-            }
-            _ => {
-                self.out.lose(shape.origin, "a partial quadric", "a mesh of 64 segments around");
-                let name = self.out.make_quadric_ply(quadric, shape.name.as_deref().unwrap_or("quadric"))?;
-                Ok(plugin("ply").string("filename", &name))
-            }
-        }
+        let file = self.out.make_quadric_ply(quadric, shape.name.as_deref().unwrap_or("quadric"))?;
+        Ok(self.tessellated(shape, &file))
     }
 
-    fn emission(&mut self, e: &AreaEmission) -> Result<Element, WriteError> {
+    /// Mitsuba 3 draws a stretched sphere or cylinder as a round one.
+    fn stretched(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
+        let label = shape.name.as_deref().unwrap_or("quadric");
+        let file = match shape.kind {
+            ShapeKind::Sphere { center, radius } if !keeps_angles(&shape.to_world) => {
+                self.out.make_sphere_ply(center, radius, label)?
+            }
+            ShapeKind::Cylinder { p0, p1, radius } if !stays_round(&shape.to_world, along(p0, p1)) => {
+                self.out.make_cylinder_ply(p0, p1, radius, label)?
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some(self.tessellated(shape, &file)))
+    }
+
+    fn tessellated(&mut self, shape: &Shape, file: &str) -> Element {
+        let what = "a quadric that is cut or stretched, or textured in pbrt's way";
+        let instead = "a mesh of 128 segments around, up to 0.03 % of the radius inside of it; normals mapped on it \
+                       lean up to 1.4° aside";
+        self.out.lose(shape.origin, what, instead);
+        Element::plugin("shape", "ply").id(shape.name.as_deref()).string("filename", file)
+    }
+
+    /// pbrt's opacity dims a lamp, Mitsuba's mask does not.
+    fn emission(&mut self, e: &AreaEmission, opacity: Option<&FloatInput>) -> Result<Element, WriteError> {
         if e.two_sided {
-            self.out.lose(e.origin, "a lamp that emits on both sides", "the side of its normal only");
+            let what = "a lamp that emits on both sides";
+            self.out.lose_light(e.origin, what, "the side of its normal only", -0.5);
         }
         if let Some(power) = e.power {
             self.out.lose(e.origin, format!("the power of a lamp, {power} W"), "its radiance as written");
         }
         let plugin = if e.collimated { "directionalarea" } else { "area" };
+        // An invisible lamp shines fully.
+        let share = match opacity {
+            Some(FloatInput::Value(opacity)) if *opacity > 0.0 => opacity.min(1.0),
+            _ => 1.0,
+        };
         let radiance = match &e.radiance {
-            ColorInput::Color(color) => self.light("radiance", color, e.scale, e.origin),
-            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, e.scale * self.light)?,
+            _ if matches!(opacity, Some(FloatInput::Texture(_))) => self.masked_light(e, opacity)?,
+            ColorInput::Color(color) => self.light("radiance", color, e.scale * share, e.origin),
+            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, e.scale * share * self.light)?,
         };
         Ok(Element::plugin("emitter", plugin).child(radiance))
     }
 }
 
-/// The radius of a sphere that is not cut.
-fn whole_sphere(quadric: &PartialQuadric) -> Option<f64> {
+/// Whether Mitsuba's analytic shape shows a quadric as pbrt does, with the same uv: whole cylinders.
+fn stays_analytic(quadric: &PartialQuadric, m: &Transform) -> bool {
     match *quadric {
-        PartialQuadric::Sphere { radius, z_min, z_max, phi_max } => {
-            (phi_max >= 360.0 && z_min <= -radius && z_max >= radius).then_some(radius)
+        PartialQuadric::Cylinder { z_min, z_max, phi_max, .. } => {
+            phi_max >= 360.0 && stays_round(m, [0.0, 0.0, z_max - z_min]) && m.determinant3() > 0.0
         }
-        _ => None,
+        _ => false,
     }
+}
+
+fn along(from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| to[i] - from[i])
+}
+
+/// Whether the axes stay perpendicular and equally long.
+fn keeps_angles(m: &Transform) -> bool {
+    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| m.vector(axis));
+    same(dot(y, y), dot(x, x)) && same(dot(z, z), dot(x, x)) && square(x, y) && square(x, z) && square(y, z)
+}
+
+/// Whether a cylinder about this axis stays one: circles across it stay circles, and across it.
+fn stays_round(m: &Transform, axis: [f64; 3]) -> bool {
+    let length = dot(axis, axis).sqrt();
+    let frame = about(axis.map(|v| v / length));
+    let [s, t, n] =
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| m.vector(frame.vector(axis)));
+    same(dot(s, s), dot(t, t)) && square(s, t) && square(s, n) && square(t, n)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Up to the 1e-4 that matrices printed with six digits have.
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-4 * a.abs().max(b.abs())
+}
+
+fn square(a: [f64; 3], b: [f64; 3]) -> bool {
+    dot(a, b).abs() <= 1e-4 * (dot(a, a) * dot(b, b)).sqrt()
 }

@@ -3,6 +3,7 @@
 use super::Writer;
 use super::color::rgb_element;
 use super::element::Element;
+use super::interface::same_index;
 use crate::ir::{BsdfKind, Coat, Color, ColorInput, ColorSlot, Ior, Origin, Plastic};
 use crate::spectrum::luminance;
 use crate::write::WriteError;
@@ -50,6 +51,12 @@ impl Writer<'_, '_> {
             BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
                 self.diffuse_transmission(reflectance, transmittance, origin)
             }
+            // A coat of index 1 is not there.
+            BsdfKind::CoatedDiffuse { reflectance, coat } if same_index(&coat.eta, &Ior::Value(1.0)) => {
+                self.coat(coat, origin);
+                let color = self.color_input("reflectance", reflectance, Reflectance, Some(0.5), origin)?;
+                Ok(Element::plugin("bsdf", "diffuse").children(color))
+            }
             BsdfKind::CoatedDiffuse { reflectance, coat } => {
                 self.out.lose(
                     origin,
@@ -72,7 +79,9 @@ impl Writer<'_, '_> {
                 self.microfacet(element, &microfacet, origin)
             }
             BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
-                self.out.lose(origin, "a coat over a metal (`coatedconductor`)", "the bare metal");
+                if !same_index(&coat.eta, &Ior::Value(1.0)) {
+                    self.out.lose(origin, "a coat over a metal (`coatedconductor`)", "the bare metal");
+                }
                 self.coat(coat, origin);
                 if microfacet.is_smooth() {
                     return self.conductor(Element::plugin("bsdf", "conductor"), conductor, origin);

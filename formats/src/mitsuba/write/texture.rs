@@ -4,11 +4,11 @@ use super::Writer;
 use super::color::rgb_element;
 use super::element::Element;
 use crate::ir::{
-    Bitmap, ColorInput, ColorSlot, FloatInput, Id, Mapping, MixAmount, Origin, Texture, TextureEncoding,
-    TextureFilter, TextureKind, Transform, WrapMode,
+    AreaEmission, Bitmap, ColorInput, ColorSlot, FloatInput, Id, Mapping, MixAmount, Origin, Texture,
+    TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
 };
 use crate::spectrum::luminance;
-use crate::write::{Tone, WriteError};
+use crate::write::{Sampled, Tone, WriteError};
 
 /// Most elements of a texture that is copied to apply a factor. The copy includes everything it refers to, which may
 /// double at each level of a checkerboard.
@@ -51,6 +51,40 @@ impl Writer<'_, '_> {
         })
     }
 
+    /// The light of a lamp times its opacity, where either is textured.
+    pub fn masked_light(
+        &mut self,
+        e: &AreaEmission,
+        opacity: Option<&FloatInput>,
+    ) -> Result<Element, WriteError> {
+        let factor = [e.scale * self.light; 3];
+        let radiance = match &e.radiance {
+            ColorInput::Color(color) => {
+                Some(Sampled::Constant(self.rgb(color, ColorSlot::Emission, e.origin)))
+            }
+            ColorInput::Texture(id) => self.out.sampled(*id)?,
+        };
+        if let Some(FloatInput::Texture(id)) = opacity
+            && let (Some(radiance), Some(opacity)) = (radiance, self.out.sampled(*id)?)
+        {
+            let light = Sampled::Product(Box::new([radiance, opacity]));
+            if !light.repeats() && self.out.any_leaves_the_square()? {
+                self.out.lose(
+                    e.origin,
+                    "the opacity of a lamp beyond uv 0 to 1",
+                    "that from 0 to 1, repeated",
+                );
+            }
+            let name = self.out.make_light(*id, &light, factor)?;
+            return Ok(raw_picture(&name).with("name", "radiance"));
+        }
+        self.out.lose(e.origin, "the opacity of a lamp that is not by uv", "a mask on its material only");
+        match &e.radiance {
+            ColorInput::Color(color) => Ok(self.light("radiance", color, e.scale, e.origin)),
+            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, factor[0]),
+        }
+    }
+
     pub fn float_texture(&mut self, name: &str, id: Id<Texture>) -> Result<Element, WriteError> {
         Ok(match self.said(id, [1.0; 3])? {
             Said::Constant(rgb) => {
@@ -76,6 +110,18 @@ impl Writer<'_, '_> {
         let scene = self.scene;
         let Texture { origin, kind, .. } = &scene.textures[id];
         let origin = *origin;
+        if let Some(what) = unsayable(kind)
+            && let Some(sampled) = self.out.sampled(id)?
+        {
+            if let Sampled::Constant(rgb) = sampled {
+                return Ok(Said::Constant(times(factor, rgb)));
+            }
+            if !sampled.repeats() && self.out.any_leaves_the_square()? {
+                self.out.lose(origin, format!("{what}, beyond uv 0 to 1"), "the part from 0 to 1, repeated");
+            }
+            let name = self.out.make_square(id, &sampled, factor, true)?;
+            return Ok(Said::Plugin(raw_picture(&name)));
+        }
         match kind {
             TextureKind::Bitmap(bitmap) => self.bitmap(bitmap, factor, origin).map(Said::Plugin),
             TextureKind::Checkerboard { color0, color1, to_uv } => {
@@ -282,6 +328,28 @@ impl Writer<'_, '_> {
             }
         })
     }
+}
+
+/// What Mitsuba has no words for, unless as a picture.
+fn unsayable(kind: &TextureKind) -> Option<&'static str> {
+    match kind {
+        TextureKind::Bitmap(b) if b.wrap_u != b.wrap_v => Some("a picture wrapped differently along u and v"),
+        TextureKind::Bitmap(b) if matches!(b.wrap_u, WrapMode::Zero | WrapMode::One) => {
+            Some("a constant colour around a picture")
+        }
+        TextureKind::Scale { value: ColorInput::Texture(_), factor: ColorInput::Texture(_) } => {
+            Some("a product of textures")
+        }
+        TextureKind::Grid { .. } => Some("a grid texture"),
+        TextureKind::Mix { .. } => Some("a mix of textures"),
+        TextureKind::Bilerp { .. } => Some("a bilerp texture"),
+        _ => None,
+    }
+}
+
+/// The values of a float picture by uv.
+pub(super) fn raw_picture(name: &str) -> Element {
+    Element::plugin("texture", "bitmap").string("filename", name).boolean("raw", true)
 }
 
 fn times(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

@@ -73,8 +73,8 @@ impl Writer<'_, '_> {
                 [-1.0, 1.0, -1.0 / aspect, 1.0 / aspect]
             };
             let [x0, x1, y0, y1] = window.unwrap_or(whole);
-            // The film moves by fractions of itself: right, and down.
-            let (sx, sy) = (-dx * (x1 - x0), dy * (y1 - y0));
+            // The picture moves by fractions of itself to the left and upwards.
+            let (sx, sy) = (dx * (x1 - x0), -dy * (y1 - y0));
             window = Some([x0 + sx, x1 + sx, y0 + sy, y1 + sy]);
         }
         if let Some(window) = window {

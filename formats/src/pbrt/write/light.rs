@@ -2,13 +2,14 @@
 
 use super::Writer;
 use super::film::smaller_fov;
+use super::picture::WIDEST;
 use super::text::{Params, transform};
 use crate::ir::{
     AreaEmission, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage,
-    Mapping, Origin, SpotFalloff, TextureEncoding, TextureFilter, TextureKind, Transform,
+    Origin, Shape, SpotFalloff, TextureEncoding, Transform,
 };
 use crate::spectrum::luminance;
-use crate::write::WriteError;
+use crate::write::{Cone, WriteError};
 
 /// A goniometric light's pole is +Y of its own space, its picture's +Z.
 const POLE: Transform =
@@ -25,18 +26,32 @@ impl Writer<'_, '_> {
                 let p = self.color(none, "I", intensity, emission, origin);
                 ("point", Transform::IDENTITY, p.numbers("point3", "from", *position))
             }
+            EmitterKind::Spot {
+                to_world,
+                intensity,
+                cutoff_angle,
+                beam_width,
+                falloff,
+                texture: Some(texture),
+            } if *cutoff_angle <= WIDEST && self.out.sampled(*texture)?.is_some() => {
+                let angles = [*cutoff_angle, *beam_width];
+                let p = self.textured_spot(intensity, angles, *falloff, *texture, origin)?;
+                ("projection", to_world.after(&Transform::scale([-1.0, 1.0, 1.0])), p)
+            }
             EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, falloff, texture } => {
                 if *falloff == SpotFalloff::Linear {
-                    self.out.lose(
-                        origin,
-                        "a spot with linear falloff in the angle",
-                        "smoothstep falloff in the cosine",
-                    );
+                    let what = "a spot with linear falloff in the angle";
+                    let size = Cone::new(*cutoff_angle, *beam_width, *falloff).change();
+                    self.out.lose_light(origin, what, "smoothstep falloff in the cosine", size);
                 }
-                if texture.is_some() {
-                    self.out.lose(origin, "the texture of a spot", "a spot without texture");
+                let mut p = self.color(none.clone(), "I", intensity, emission, origin);
+                if let Some(texture) = *texture {
+                    let mean = self.mean_of(texture)?;
+                    let what = "the texture of a spot that is wide, or whose texture is not by uv";
+                    self.out.lose(origin, what, format!("its mean, rgb {mean:?}"));
+                    let rgb = self.out.rgb(intensity, emission, origin);
+                    p = none.rgb("I", std::array::from_fn(|i| rgb[i] * mean[i]));
                 }
-                let p = self.color(none, "I", intensity, emission, origin);
                 let p = p.float("coneangle", *cutoff_angle);
                 ("spot", *to_world, p.float("conedeltaangle", cutoff_angle - beam_width))
             }
@@ -57,9 +72,7 @@ impl Writer<'_, '_> {
                 ("infinite", *to_world, p)
             }
             EmitterKind::Projector { to_world, irradiance, scale, fov, fov_axis } => {
-                let Some(p) = self.projector(irradiance, *scale, (*fov, *fov_axis), origin)? else {
-                    return Ok(());
-                };
+                let p = self.projector(irradiance, *scale, (*fov, *fov_axis), origin)?;
                 ("projection", to_world.after(&Transform::scale([-1.0, 1.0, 1.0])), p)
             }
             EmitterKind::Projection { to_world, image, fov, power } => {
@@ -103,14 +116,14 @@ impl Writer<'_, '_> {
         self.body.push_str(&text);
     }
 
-    /// The parameters of Mitsuba's projector as pbrt's; `None` after a loss.
+    /// The parameters of Mitsuba's projector as pbrt's.
     fn projector(
         &mut self,
         irradiance: &ColorInput,
         scale: f64,
         (fov, axis): (Fov, FovAxis),
         origin: Origin,
-    ) -> Result<Option<Params>, WriteError> {
+    ) -> Result<Params, WriteError> {
         // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
         let mut scale = scale * std::f64::consts::PI;
         let (name, fov) = match irradiance {
@@ -124,23 +137,21 @@ impl Writer<'_, '_> {
                 (self.out.even_intensity(half_tangent(fov))?, fov)
             }
             ColorInput::Texture(id) => {
-                let TextureKind::Bitmap(bitmap) = &self.scene.textures[*id].kind else {
-                    self.out.lose(origin, "a projector whose picture is not an image", "nothing");
-                    return Ok(None);
-                };
-                if bitmap.mapping != Mapping::Uv(Transform::IDENTITY) {
-                    self.out.lose(origin, "the `to_uv` of a projector's picture", "the whole picture");
+                let size = self.out.picture_size(*id)?;
+                let fov = smaller_fov(fov, axis, size[0] as f64 / size[1] as f64);
+                match self.out.sampled(*id)? {
+                    Some(sampled) => (self.out.slide_intensity(*id, &sampled, size, half_tangent(fov))?, fov),
+                    None => {
+                        let what = "a projector whose picture is not by uv";
+                        self.out.lose(origin, what, "an even picture, gray 0.5");
+                        scale *= 0.5;
+                        (self.out.even_intensity(half_tangent(fov))?, fov)
+                    }
                 }
-                if bitmap.filter == TextureFilter::Bilinear {
-                    let what = "bilinear interpolation of a projected image";
-                    self.out.lose(origin, what, "nearest-pixel lookup");
-                }
-                let fov = smaller_fov(fov, axis, self.out.aspect(&bitmap.path)?);
-                (self.out.slide_intensity(bitmap, half_tangent(fov))?, fov)
             }
         };
         let p = Params::default().string("filename", &name).float("fov", fov).float("scale", scale);
-        Ok(Some(p))
+        Ok(p)
     }
 
     fn environment(
@@ -165,25 +176,23 @@ impl Writer<'_, '_> {
         }
     }
 
-    pub fn emission(&mut self, text: &mut String, e: &AreaEmission) -> Result<(), WriteError> {
+    /// The light of a shape, brighter by `factor`.
+    pub fn emission(
+        &mut self,
+        text: &mut String,
+        shape: &Shape,
+        e: &AreaEmission,
+        factor: f64,
+    ) -> Result<(), WriteError> {
         if e.collimated {
             self.out.lose(e.origin, "a lamp that emits along its normal only", "a diffuse lamp");
         }
         let none = Params::default();
         let p = match &e.radiance {
             ColorInput::Color(color) => self.color(none, "L", color, ColorSlot::Emission, e.origin),
-            ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
-                TextureKind::Bitmap(bitmap) => {
-                    let name = self.out.carry(&bitmap.path, "textures");
-                    none.string("filename", &name)
-                }
-                _ => {
-                    self.out.lose(e.origin, "the texture of a lamp", "white light");
-                    none.rgb("L", [1.0; 3])
-                }
-            },
+            ColorInput::Texture(id) => self.emitted_picture(*id, shape, e.origin)?,
         };
-        p.float_unless("scale", e.scale, 1.0)
+        p.float_unless("scale", e.scale * factor, 1.0)
             .float_unless("power", e.power.unwrap_or(0.0), 0.0)
             .boolean_unless("twosided", e.two_sided, false)
             .write(text, "\t", "AreaLightSource", &["diffuse"]);

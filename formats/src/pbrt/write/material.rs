@@ -24,12 +24,27 @@ impl Writer<'_, '_> {
     pub fn unmasked(&self, id: Id<Bsdf>) -> (Id<Bsdf>, Option<FloatInput>) {
         match &self.scene.bsdfs[id].kind {
             BsdfKind::Mask { opacity, nested } => (*nested, Some(opacity.clone())),
+            // pbrt mixes materials only, and nothing is none.
+            BsdfKind::Blend { weight, first, second } => {
+                match (self.nothing(*first), self.nothing(*second)) {
+                    (true, false) => (*second, Some(weight.clone())),
+                    (false, true) => match weight {
+                        FloatInput::Value(weight) => (*first, Some(FloatInput::Value(1.0 - weight))),
+                        FloatInput::Texture(_) => (id, None),
+                    },
+                    _ => (id, None),
+                }
+            }
             BsdfKind::TwoSided { front, back: None } => match self.unmasked(*front) {
                 (_, None) => (id, None),
                 masked => masked,
             },
             _ => (id, None),
         }
+    }
+
+    fn nothing(&self, id: Id<Bsdf>) -> bool {
+        matches!(self.scene.bsdfs[id].kind, BsdfKind::Null)
     }
 
     /// The name of a material that is defined by then.
@@ -143,6 +158,11 @@ impl Writer<'_, '_> {
                 ("diffusetransmission", p)
             }
             BsdfKind::Null => ("interface", none),
+            BsdfKind::Blend { first, second, .. } if self.nothing(*first) != self.nothing(*second) => {
+                let seen = if self.nothing(*first) { *second } else { *first };
+                self.out.lose(origin, "a blend with nothing inside another material", "the rest of it");
+                return self.said_of(seen);
+            }
             BsdfKind::Blend { weight, first, second } => {
                 let (first, second) = (self.material(*first)?, self.material(*second)?);
                 let p = none.strings("materials", &[&first, &second]);

@@ -6,6 +6,7 @@ mod film;
 mod light;
 mod material;
 mod model;
+mod picture;
 mod shape;
 mod text;
 mod texture;

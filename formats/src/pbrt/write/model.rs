@@ -4,9 +4,8 @@ use super::Writer;
 use super::material::{Said, index};
 use super::text::Params;
 use crate::ir::{
-    Bitmap, Bsdf, BsdfKind, ColorInput, ColorSlot, FloatInput, Id, Microfacet, MicrofacetDistribution,
-    Origin, PerturbedShading, Plastic, Principled, PrincipledIndex, RoughnessRemap, Shadowing,
-    TextureEncoding, TextureKind,
+    Bsdf, BsdfKind, ColorInput, ColorSlot, FloatInput, Id, Microfacet, MicrofacetDistribution, Origin,
+    PerturbedShading, Plastic, Principled, PrincipledIndex, RoughnessRemap, Shadowing,
 };
 use crate::write::{Tone, WriteError};
 
@@ -119,19 +118,13 @@ impl Writer<'_, '_> {
     ) -> Result<Said, WriteError> {
         self.lose_shading(shading, origin);
         let (plugin, p) = self.said_of(nested)?;
-        let bitmap = match normals {
-            ColorInput::Texture(id) => match &self.scene.textures[*id].kind {
-                TextureKind::Bitmap(bitmap) => Some(bitmap),
-                _ => None,
-            },
-            ColorInput::Color(_) => None,
-        };
-        let Some(bitmap) = bitmap.filter(|b| self.plain_normals(b)) else {
-            self.out.lose(origin, "a normal map that is transformed or not an image", "no normal map");
-            return Ok((plugin, p));
-        };
-        let name = self.out.carry(&bitmap.path, "textures");
-        Ok((plugin, p.string("normalmap", &name)))
+        match self.normal_picture(normals, origin)? {
+            Some(name) => Ok((plugin, p.string("normalmap", &name))),
+            None => {
+                self.out.lose(origin, "a normal map that is not by uv", "no normal map");
+                Ok((plugin, p))
+            }
+        }
     }
 
     fn plastic(
@@ -176,13 +169,6 @@ impl Writer<'_, '_> {
         if s.flip_invalid_normals || s.shadowing {
             self.out.lose(origin, "the shadowing of tilted normals", "tilted normals unchanged");
         }
-    }
-
-    /// pbrt looks up a normal map by untransformed uv.
-    fn plain_normals(&self, b: &Bitmap) -> bool {
-        b.encoding == TextureEncoding::Linear
-            && b.channel.is_none()
-            && super::texture::scale_and_shift(&b.mapping) == Some([1.0, 1.0, 0.0, 0.0])
     }
 }
 

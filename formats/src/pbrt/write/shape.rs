@@ -7,7 +7,7 @@ use crate::ir::{
     ShapeKind, Transform,
 };
 use crate::mesh::{Mesh, builtin};
-use crate::write::WriteError;
+use crate::write::{WriteError, about};
 
 /// Meshes up to this size stand in the scene file.
 const INLINE: usize = 64;
@@ -55,14 +55,15 @@ impl Writer<'_, '_> {
             return Ok(());
         }
         let through = |id| matches!(self.scene.bsdfs[id].kind, BsdfKind::Null);
-        if shape.emission.is_some() && shape.bsdf.is_some_and(through) {
+        if shape.emission.is_some() && shape.bsdf.is_some_and(|id| through(self.unmasked(id).0)) {
             self.out.lose(shape.origin, "a lamp that light passes through", "a lamp with a black surface");
             return self.shape(&Shape { bsdf: None, ..shape.clone() });
         }
         let (material, mask) = self.shape_material(shape)?;
         Params::default().write(&mut text, "\t", "NamedMaterial", &[&material]);
         if let Some(emission) = &shape.emission {
-            self.emission(&mut text, emission)?;
+            let factor = self.despite_mask(mask.as_ref(), emission.origin);
+            self.emission(&mut text, shape, emission, factor)?;
         }
         // The side of Mitsuba's meshes is that of their winding in the world, pbrt's in object space.
         let by_world = match &shape.kind {
@@ -128,6 +129,11 @@ impl Writer<'_, '_> {
             }
             ShapeKind::Rectangle => ("trianglemesh", triangles(&inline(builtin::rectangle(false))), None),
             ShapeKind::Cube => ("trianglemesh", triangles(&inline(builtin::cube())), None),
+            // Mitsuba's u is the radius and its v the angle; pbrt's are the angle and the way inwards.
+            ShapeKind::Disk if self.directed(shape) => {
+                let name = self.out.make_disk_ply(label.unwrap_or("disk"))?;
+                ("plymesh", none.string("filename", &name), None)
+            }
             ShapeKind::Disk => ("disk", none.float("radius", 1.0), None),
             ShapeKind::Cylinder { p0: [0.0, 0.0, bottom], p1: [0.0, 0.0, top], radius } if bottom < top => {
                 let p = none.float("radius", *radius).float("zmin", *bottom).float("zmax", *top);
@@ -136,8 +142,7 @@ impl Writer<'_, '_> {
             ShapeKind::Cylinder { p0, p1, radius } => {
                 let axis: [f64; 3] = std::array::from_fn(|i| p1[i] - p0[i]);
                 let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
-                let up = if axis[0].abs() < 0.5 * length { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-                let inner = Transform::look_at(*p0, *p1, up).unwrap_or(Transform::IDENTITY);
+                let inner = Transform::translate(*p0).after(&about(axis.map(|v| v / length)));
                 let p = none.float("radius", *radius).float("zmin", 0.0).float("zmax", length);
                 ("cylinder", p, Some(inner))
             }
@@ -146,6 +151,26 @@ impl Writer<'_, '_> {
                 return Ok(None);
             }
         }))
+    }
+
+    /// pbrt's opacity dims a lamp, a mask on its material does not: the factor that makes up for it.
+    fn despite_mask(&mut self, mask: Option<&FloatInput>, origin: Origin) -> f64 {
+        match mask {
+            Some(FloatInput::Value(opacity)) if *opacity > 0.0 => 1.0 / opacity.min(1.0),
+            Some(FloatInput::Texture(_)) => {
+                let what = "a lamp that shines where its material is cut away";
+                self.out.lose(origin, what, "light by the share of the surface that is left");
+                1.0
+            }
+            _ => 1.0,
+        }
+    }
+
+    /// Whether it shows how uv lie on the shape.
+    fn directed(&mut self, shape: &Shape) -> bool {
+        let bsdfs = &self.scene.bsdfs;
+        self.query.textured(bsdfs, shape)
+            || shape.bsdf.is_some_and(|id| self.query.bsdf(bsdfs, id).anisotropic)
     }
 
     /// The file itself where pbrt reads it the same way, otherwise a converted one.

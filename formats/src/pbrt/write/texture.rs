@@ -1,6 +1,7 @@
 //! Textures, named and defined once for colours and once for numbers.
 
 use super::Writer;
+use super::picture::sayable;
 use super::text::{Params, transform};
 use crate::ir::{
     Bitmap, ColorInput, ColorSlot, Id, Mapping, MixAmount, NoiseKind, Origin, Texture, TextureEncoding,
@@ -20,7 +21,7 @@ impl Writer<'_, '_> {
         }
         let scene = self.scene;
         let Texture { name, origin, kind } = &scene.textures[id];
-        let said = self.said_texture(kind, numbers, *origin)?;
+        let said = self.said_texture(id, kind, numbers, *origin)?;
         let name = self.free(name, "texture");
         self.define(&name, numbers, said, *origin);
         self.textures.insert((id, numbers), name.clone());
@@ -91,11 +92,17 @@ impl Writer<'_, '_> {
 
     fn said_texture(
         &mut self,
+        id: Id<Texture>,
         kind: &TextureKind,
         numbers: bool,
         origin: Origin,
     ) -> Result<Said, WriteError> {
         let none = Params::default();
+        if let Some(what) = self.unsayable(kind, numbers, origin)
+            && let Some(p) = self.baked(id, what, origin)?
+        {
+            return Ok(("imagemap", p, None));
+        }
         match kind {
             TextureKind::Bitmap(bitmap) => self.bitmap(bitmap, None, origin),
             TextureKind::Checkerboard { color0, color1, to_uv } => {
@@ -107,16 +114,10 @@ impl Writer<'_, '_> {
                 self.checkerboard([color0, color1], mapping, numbers, origin)
             }
             TextureKind::Scale { value, factor } => {
-                let colored = |w: &mut Self, input: &ColorInput| match input {
-                    ColorInput::Color(color) => {
-                        let rgb = w.out.rgb(color, ColorSlot::Unbounded, origin);
-                        rgb[0] != rgb[1] || rgb[1] != rgb[2]
-                    }
-                    ColorInput::Texture(_) => false,
-                };
                 // The factor is a number in pbrt; the order of the product does not matter.
-                let (value, factor) = if colored(self, factor) { (factor, value) } else { (value, factor) };
-                if colored(self, factor) && !numbers {
+                let (value, factor) =
+                    if self.colored(factor, origin) { (factor, value) } else { (value, factor) };
+                if self.colored(factor, origin) && !numbers {
                     self.out.lose(origin, "a colour times a colour", "the first times a number");
                 }
                 let p = self.operand(none, "tex", value, numbers, origin)?;
@@ -157,6 +158,33 @@ impl Writer<'_, '_> {
                 let p = self.operand(none, "value", color0, numbers, origin)?;
                 Ok(("constant", p, None))
             }
+        }
+    }
+
+    fn colored(&mut self, input: &ColorInput, origin: Origin) -> bool {
+        match input {
+            ColorInput::Color(color) => {
+                let rgb = self.out.rgb(color, ColorSlot::Unbounded, origin);
+                rgb[0] != rgb[1] || rgb[1] != rgb[2]
+            }
+            ColorInput::Texture(_) => false,
+        }
+    }
+
+    /// What pbrt has no words for, unless as a picture.
+    fn unsayable(&mut self, kind: &TextureKind, numbers: bool, origin: Origin) -> Option<&'static str> {
+        match kind {
+            TextureKind::Bitmap(b) if !sayable(b) => Some("a picture turned or wrapped as pbrt cannot"),
+            TextureKind::Grid { .. } => Some("a grid texture"),
+            TextureKind::Checkerboard { to_uv, .. } if diagonal(to_uv).is_none() => {
+                Some("a rotated or sheared checkerboard")
+            }
+            TextureKind::Scale { value, factor }
+                if !numbers && self.colored(value, origin) && self.colored(factor, origin) =>
+            {
+                Some("a colour times a colour")
+            }
+            _ => None,
         }
     }
 
@@ -271,14 +299,7 @@ impl Writer<'_, '_> {
     }
 }
 
-/// [uscale, vscale, udelta, vdelta] of a picture's mapping, v upwards as in pbrt.
-pub fn scale_and_shift(mapping: &Mapping) -> Option<[f64; 4]> {
-    match super::super::texture::upside_down(*mapping) {
-        Mapping::Uv(m) => diagonal(&m),
-        _ => None,
-    }
-}
-
+/// [uscale, vscale, udelta, vdelta].
 fn diagonal(Transform(m): &Transform) -> Option<[f64; 4]> {
     (m[0][1] == 0.0 && m[1][0] == 0.0).then(|| [m[0][0], m[1][1], m[0][3], m[1][3]])
 }

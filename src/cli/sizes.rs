@@ -1,0 +1,137 @@
+//! How much light a loss of `convert` gains or takes, where a material is what changed.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use caustica_formats::files::Files;
+use caustica_formats::ir::{
+    self, Bsdf, Color, Emitter, EmitterKind, Filter, Fov, FovAxis, Id, Origin, Projection, Shape, ShapeKind,
+    Transform, canonical,
+};
+use caustica_formats::{Content, Read, ReadOptions, Written, read_scene, write_scene};
+
+use crate::render::Budget;
+use crate::session::{Options, Session};
+
+/// Pixels of a side, and samples in each: the mean of a material that reflects half errs by less than 1 %.
+const SIDE: u32 = 24;
+const PASSES: u32 = 16;
+
+/// Gives each loss that names a material its size: the light of a ball of it in even light, afterwards against
+/// before. Losses of other things keep none.
+pub fn measure(read: &Read, files: &dyn Files, written: &mut Written) {
+    let mut known: BTreeMap<String, Option<f64>> = BTreeMap::new();
+    let places: BTreeMap<String, Id<Bsdf>> = read
+        .scene
+        .bsdfs
+        .iter()
+        .filter_map(|(id, bsdf)| Some((read.sources.location(bsdf.origin.0?), id)))
+        .collect();
+    let folder = read.sources.paths().next().and_then(Path::parent).unwrap_or(Path::new(""));
+    let extension = written.path.extension().unwrap_or_default();
+    let path = folder.join("caustica-ball").with_extension(extension);
+    // The ball shows its front.
+    for loss in written.losses.iter_mut().filter(|loss| !loss.what.contains("on its back")) {
+        let Some((place, id)) = loss.place.as_ref().and_then(|place| places.get_key_value(place)) else {
+            continue;
+        };
+        loss.size = *known.entry(place.clone()).or_insert_with(|| size(read, files, &path, *id));
+    }
+}
+
+/// Relative change of the light; `None` where one of the balls cannot be rendered or is black.
+fn size(read: &Read, files: &dyn Files, path: &Path, id: Id<Bsdf>) -> Option<f64> {
+    let scene = ball(&read.scene, id)?;
+    let options = options();
+    let before = mean(&Session::of(scene.clone(), files, path, &options).ok()?);
+    let read = Read { scene, warnings: Vec::new(), sources: Default::default() };
+    let written = write_scene(&read, files, path).ok()?;
+    let made = Beside::new(files, &written);
+    let after = read_scene(&made, path, &ReadOptions::default()).ok()?;
+    let after = mean(&Session::of(after.scene, &made, path, &options).ok()?);
+    (before > 0.0).then(|| after / before - 1.0)
+}
+
+fn options() -> Options {
+    let settings = [("integrator", "path"), ("max_depth", "20"), ("seed", "1")];
+    Options {
+        spectrum_rule: None,
+        settings: settings.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec(),
+        ..Options::default()
+    }
+}
+
+fn mean(session: &Session) -> f64 {
+    let pixels = session.render(Budget::passes(PASSES), &mut |_| {}).pixels;
+    let sum: f64 =
+        (0..pixels.len()).map(|i| caustica_formats::spectrum::luminance(pixels.beauty(i, PASSES))).sum();
+    sum / pixels.len().max(1) as f64
+}
+
+/// A ball of the material that fills the film, with light of 1 from everywhere.
+fn ball(scene: &ir::Scene, id: Id<Bsdf>) -> Option<ir::Scene> {
+    let mut sensor = scene.sensors.get(scene.default_sensor)?.clone();
+    sensor.to_world = Transform::look_at([0.0, -4.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0])?;
+    sensor.projection = Projection::Perspective { fov: Fov::Degrees(19.5), axis: FovAxis::X };
+    (sensor.screen_window, sensor.lens) = (None, None);
+    sensor.principal_point_offset = [0.0; 2];
+    (sensor.near_clip, sensor.far_clip) = (0.01, 10_000.0);
+    (sensor.film.width, sensor.film.height, sensor.film.crop) = (SIDE, SIDE, None);
+    sensor.film.filter = Filter::Box { radius: 0.5 };
+    (sensor.film.imaging_ratio, sensor.film.white_balance) = (1.0, None);
+    let ball = Shape {
+        name: None,
+        origin: Origin(None),
+        kind: ShapeKind::Sphere { center: [0.0; 3], radius: 1.0 },
+        to_world: Transform::IDENTITY,
+        bsdf: Some(id),
+        emission: None,
+        flip_normals: false,
+        alpha: None,
+    };
+    let kind = EmitterKind::Constant { radiance: Color::Gray(1.0) };
+    let light = Emitter { name: None, origin: Origin(None), kind };
+    let scene = canonical(&ir::Scene {
+        integrator: None,
+        sensors: vec![sensor],
+        default_sensor: 0,
+        shapes: vec![ball],
+        emitters: vec![light],
+        ..scene.clone()
+    });
+    // Places in files, which nobody asks for here, do not survive.
+    serde_json::from_value(serde_json::to_value(scene).ok()?).ok()
+}
+
+/// The files of a scene that was written in memory, over those it was made from.
+#[derive(Debug)]
+struct Beside<'a> {
+    below: &'a dyn Files,
+    made: BTreeMap<PathBuf, Vec<u8>>,
+}
+
+impl<'a> Beside<'a> {
+    fn new(below: &'a dyn Files, written: &Written) -> Self {
+        let folder = written.path.parent().unwrap_or(Path::new(""));
+        let bytes = |content: &Content| match content {
+            Content::Bytes(bytes) => Some(bytes.clone()),
+            Content::Copy(path) => below.read(path).ok(),
+        };
+        let assets = written.assets.iter();
+        let mut made: BTreeMap<PathBuf, Vec<u8>> =
+            assets.filter_map(|asset| Some((folder.join(&asset.path), bytes(&asset.content)?))).collect();
+        made.insert(written.path.clone(), written.text.clone().into_bytes());
+        Self { below, made }
+    }
+}
+
+impl Files for Beside<'_> {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.made.get(path).cloned().map_or_else(|| self.below.read(path), Ok)
+    }
+
+    fn is_file(&self, path: &Path) -> bool {
+        self.made.contains_key(path) || self.below.is_file(path)
+    }
+}
