@@ -117,10 +117,16 @@ impl Session {
         let Read { mut scene, warnings: mut diagnostics, sources } = read;
         options.override_film(&mut scene);
         let of_reader = shown(&sources, &diagnostics);
-        let compiled = compile(&scene, &files, options.compiling()).map_err(|problems| Error::Scene {
-            problems: shown(&sources, &problems),
+        // What was not read from files has places in none.
+        let read = sources.paths().next().is_some();
+        let placed = |problems: Vec<Diagnostic>| -> Vec<Diagnostic> {
+            problems.into_iter().map(|d| Diagnostic { span: d.span.filter(|_| read), ..d }).collect()
+        };
+        let mut compiled = compile(&scene, &files, options.compiling()).map_err(|problems| Error::Scene {
+            problems: shown(&sources, &placed(problems)),
             warnings: of_reader.clone(),
         })?;
+        compiled.warnings = placed(compiled.warnings);
         let mut settings = compiled.settings;
         options.override_settings(&mut settings)?;
         let of_both = [of_reader, shown(&sources, &compiled.warnings)];

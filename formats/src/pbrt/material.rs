@@ -62,7 +62,7 @@ impl Reader<'_> {
         };
         let mut kind = kind.unwrap_or(BsdfKind::Diffuse { reflectance: GRAY });
         let below = self.depths.below(&kind);
-        if below >= MAX_DEPTH {
+        if below > MAX_DEPTH {
             self.error(format!("materials refer to each other more than {MAX_DEPTH} deep"), p.span);
             kind = BsdfKind::Diffuse { reflectance: GRAY };
         }

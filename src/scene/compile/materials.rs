@@ -163,33 +163,25 @@ impl Compiler<'_> {
             }
             BsdfKind::Principled(p) => self.principled(p, origin).into(),
             BsdfKind::PrincipledThin(p) => self.principled_thin(p, origin).into(),
-            BsdfKind::RoughDiffuse { reflectance, alpha, fast } => RoughDiffuseModel {
-                reflectance: self.param(reflectance, ColorSlot::Reflectance, origin),
-                alpha: self.scalar_param(alpha),
-                fast: *fast,
+            BsdfKind::RoughDiffuse { reflectance, alpha, fast } => {
+                let reflectance = self.param(reflectance, ColorSlot::Reflectance, origin);
+                RoughDiffuseModel { reflectance, alpha: self.scalar_param(alpha), fast: *fast }.into()
             }
-            .into(),
-            BsdfKind::Phong { exponent, diffuse_reflectance, specular_reflectance } => PhongModel {
-                diffuse: self.param(diffuse_reflectance, ColorSlot::Reflectance, origin),
-                specular: self.param(specular_reflectance, ColorSlot::Reflectance, origin),
-                exponent: self.scalar_param(exponent),
+            BsdfKind::Phong { exponent, diffuse_reflectance, specular_reflectance } => {
+                let [diffuse, specular] =
+                    self.reflectances([diffuse_reflectance, specular_reflectance], origin);
+                PhongModel { diffuse, specular, exponent: self.scalar_param(exponent) }.into()
             }
-            .into(),
             BsdfKind::Ward { variant, alpha_u, alpha_v, diffuse_reflectance, specular_reflectance } => {
-                WardModel {
-                    variant: ward_variant(*variant),
-                    diffuse: self.param(diffuse_reflectance, ColorSlot::Reflectance, origin),
-                    specular: self.param(specular_reflectance, ColorSlot::Reflectance, origin),
-                    alpha_u: self.scalar_param(alpha_u),
-                    alpha_v: self.scalar_param(alpha_v),
-                }
-                .into()
+                let [diffuse, specular] =
+                    self.reflectances([diffuse_reflectance, specular_reflectance], origin);
+                let [alpha_u, alpha_v] = [alpha_u, alpha_v].map(|alpha| self.scalar_param(alpha));
+                WardModel { variant: ward_variant(*variant), diffuse, specular, alpha_u, alpha_v }.into()
             }
-            BsdfKind::DiffuseTransmission { reflectance, transmittance } => DiffuseTransmissionModel {
-                reflectance: self.param(reflectance, ColorSlot::Reflectance, origin),
-                transmittance: self.param(transmittance, ColorSlot::Reflectance, origin),
+            BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
+                let [reflectance, transmittance] = self.reflectances([reflectance, transmittance], origin);
+                DiffuseTransmissionModel { reflectance, transmittance }.into()
             }
-            .into(),
             BsdfKind::Coating {
                 int_ior,
                 ext_ior,
@@ -207,6 +199,10 @@ impl Compiler<'_> {
                 self.coated_conductor(conductor, microfacet, coat, origin)
             }
         }
+    }
+
+    fn reflectances(&mut self, inputs: [&ir::ColorInput; 2], origin: ir::Origin) -> [Param; 2] {
+        inputs.map(|input| self.param(input, ColorSlot::Reflectance, origin))
     }
 
     fn two_sided(
