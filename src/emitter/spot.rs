@@ -20,6 +20,8 @@ pub struct Spot {
     pub position: Vec3,
     /// `n` is the axis; `s` and `t` orient the texture.
     pub frame: Frame,
+    /// The inverse of a transform that stretches the cone, in place of `frame`.
+    pub stretched: Option<Stretched>,
     pub intensity: Color,
     pub cutoff: f32,
     pub beam: f32,
@@ -27,7 +29,37 @@ pub struct Spot {
     pub texture: Option<Param>,
 }
 
+/// A linear map of directions and its inverse, by columns.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretched {
+    pub to_world: [Vec3; 3],
+    pub to_local: [Vec3; 3],
+}
+
+impl Stretched {
+    fn map(m: &[Vec3; 3], d: Vec3) -> Vec3 {
+        m[0] * d.x + m[1] * d.y + m[2] * d.z
+    }
+
+    /// Of the local unit direction `d`: the direction in the world, and how much solid angle a unit of the local one
+    /// covers there, |det M| / |M d|³.
+    fn leave(&self, d: Vec3) -> (Vec3, f32) {
+        let world = Self::map(&self.to_world, d);
+        let [x, y, z] = self.to_world;
+        let length = world.length();
+        (world / length, (x.cross(y).dot(z).abs() / length.powi(3)))
+    }
+}
+
 impl Spot {
+    /// The local direction of a direction in the world.
+    fn local(&self, d: Vec3) -> Vec3 {
+        match &self.stretched {
+            None => self.frame.to_local(d),
+            Some(m) => Stretched::map(&m.to_local, d).normalize(),
+        }
+    }
+
     /// Intensity towards the local unit direction `d`.
     fn toward(&self, textures: &Textures, d: Vec3) -> Color {
         // atan2 keeps small angles that acos(z) would round to zero.
@@ -57,7 +89,7 @@ impl Light for Spot {
         let d = self.position - p;
         let d2 = d.length_squared();
         let dir = d / d2.sqrt();
-        let value = self.toward(textures, self.frame.to_local(-dir)) / d2;
+        let value = self.toward(textures, self.local(-dir)) / d2;
         (d2 > 0.0 && value.max_element() > 0.0).then_some(DirectSample {
             dir,
             target: Some(just_before(self.position, d)),
@@ -75,8 +107,12 @@ impl Light for Spot {
     ) -> Option<Emission> {
         let gap = 2.0 * (self.cutoff * 0.5).sin().powi(2);
         let local = warp::cone(direction, gap);
-        let flux = self.toward(textures, local) * (2.0 * PI * gap);
-        (flux.max_element() > 0.0).then(|| Emission { o: self.position, d: self.frame.to_world(local), flux })
+        let (d, area) = match &self.stretched {
+            None => (self.frame.to_world(local), 1.0),
+            Some(m) => m.leave(local),
+        };
+        let flux = self.toward(textures, local) * (2.0 * PI * gap * area);
+        (flux.max_element() > 0.0).then_some(Emission { o: self.position, d, flux })
     }
 
     /// Without the texture: 2π∫ falloff·sinθ dθ, in closed form.
@@ -100,6 +136,7 @@ mod tests {
         Spot {
             position: Vec3::ZERO,
             frame: Frame::from_normal(Vec3::Z),
+            stretched: None,
             intensity: Color::ONE,
             cutoff: 20f32.to_radians(),
             beam: 15f32.to_radians(),

@@ -9,6 +9,7 @@ mod color;
 mod emitter;
 mod expand;
 mod film;
+mod foreign;
 mod integrator;
 mod number;
 mod object;

@@ -1,6 +1,6 @@
 //! Last pass: objects to IR. This file walks the scene and has what the readers of all concepts share.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use super::object::{Class, Object, ObjectIndex, Value};
@@ -29,6 +29,8 @@ pub(super) struct Reader<'a> {
     pub textures: HashMap<ObjectIndex, Id<Texture>>,
     pub groups: HashMap<ObjectIndex, Id<ShapeGroup>>,
     pub emissions: HashMap<ObjectIndex, Option<AreaEmission>>,
+    /// Emitters that became lights of the scene.
+    pub lights: HashSet<ObjectIndex>,
 }
 
 impl<'a> Reader<'a> {
@@ -67,6 +69,7 @@ impl<'a> Reader<'a> {
             textures: HashMap::new(),
             groups: HashMap::new(),
             emissions: HashMap::new(),
+            lights: HashSet::new(),
         }
     }
 
