@@ -8,8 +8,8 @@ use super::sensor::{AXES, fov};
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
-    AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage, SpotFalloff,
-    TextureEncoding, Transform,
+    AreaEmission, Color, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage,
+    SpotFalloff, TextureEncoding, Transform,
 };
 use crate::plugin::{Plugin, read, unsupported, unsupported_but};
 
@@ -174,15 +174,10 @@ fn spot<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKin
         None
     });
     let to_world = props.transform("to_world");
-    let axis = to_world.vector([0.0, 0.0, 1.0]);
-    let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if (length - 1.0).abs() > 1e-3 || !to_world.is_similarity() {
-        let what = match to_world.is_similarity() {
-            true => "`to_world` scales the spot, which changes nothing",
-            false => "`to_world` stretches the cone of the spot, as in Mitsuba 3",
-        };
+    if !to_world.is_similarity() {
+        let text = "`to_world` stretches the cone of the spot, as in Mitsuba 3";
         let place = props.entry("to_world").map(|entry| entry.name_span);
-        props.problems.push(Diagnostic::warning(what, place));
+        props.problems.push(Diagnostic::warning(text, place));
     }
     Some(EmitterKind::Spot {
         to_world,
@@ -201,16 +196,20 @@ fn directional<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Emi
     if direction == [0.0; 3] {
         props.complain("direction", "`direction` is zero");
     }
+    // Mitsuba 2 and 3 light diffuse surfaces by the length of the direction that `to_world` gives.
     let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if props.has("to_world") && (length - 1.0).abs() > 1e-3 && length != 0.0 {
-        let text = "`to_world` scales the light, which only has a direction: its irradiance stays the same";
+    let scaled = props.has("to_world") && (length - 1.0).abs() > 1e-3 && length.is_normal();
+    let mut irradiance = reader.color(props, "irradiance", ColorSlot::Emission, 1.0);
+    if scaled && reader.dialect != Dialect::Old {
+        let text = format!(
+            "`to_world` scales the light: Mitsuba multiplies what diffuse surfaces receive by {length:.4}"
+        );
         let place = props.entry("to_world").map(|entry| entry.name_span);
-        props.problems.push(Diagnostic::warning(text, place));
+        let help = "to change the light alone, change `irradiance`";
+        props.problems.push(Diagnostic::warning(text, place).help(help));
+        irradiance = times(irradiance, length);
     }
-    Some(EmitterKind::Directional {
-        direction,
-        irradiance: reader.color(props, "irradiance", ColorSlot::Emission, 1.0),
-    })
+    Some(EmitterKind::Directional { direction, irradiance })
 }
 
 fn constant<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
@@ -230,6 +229,24 @@ fn envmap<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterK
         image: LightImage { path: path?, encoding, scale, illuminance: None },
         mapping: EnvironmentMapping::LatLong,
     })
+}
+
+/// A colour times a number.
+fn times(color: Color, factor: f64) -> Color {
+    match color {
+        Color::Gray(v) => Color::Gray(v * factor),
+        Color::UniformPlugin(v) => Color::UniformPlugin(v * factor),
+        Color::UniformSpectrum(v) => Color::UniformSpectrum(v * factor),
+        Color::Rgb(rgb) => Color::Rgb(rgb.map(|c| c * factor)),
+        Color::D65 { scale, color } => Color::D65 { scale: scale * factor, color },
+        Color::Blackbody { kelvin, scale } => Color::Blackbody { kelvin, scale: scale * factor },
+        Color::Samples(samples) => {
+            Color::Samples(samples.into_iter().map(|[nm, v]| [nm, v * factor]).collect())
+        }
+        Color::BoundedRgb(rgb) => Color::Rgb(rgb.map(|c| c * factor)),
+        // Decoding is no linear thing; a library has no factor of its own.
+        other @ (Color::Srgb(_) | Color::Library(_) | Color::WithLuminance { .. }) => other,
+    }
 }
 
 /// `to_world` of an environment, which can only turn and mirror it.

@@ -238,6 +238,19 @@ fn transform() -> impl Strategy<Value = Transform> + Clone {
     )
 }
 
+/// Of the same size along all axes.
+fn even() -> impl Strategy<Value = Transform> + Clone {
+    (between(0.25, 2.0), turned()).prop_map(|(scale, turned)| turned.after(&Transform::scale([scale; 3])))
+}
+
+/// Turned and moved.
+fn turned() -> impl Strategy<Value = Transform> + Clone {
+    (triple(-1.0, 1.0), between(-180.0, 180.0), triple(-10.0, 10.0)).prop_map(|(axis, angle, by)| {
+        let turn = Transform::rotate(axis, angle).unwrap_or(Transform::IDENTITY);
+        Transform::translate(by).after(&turn)
+    })
+}
+
 type Camera = (Transform, Projection, u32, u32);
 
 fn camera(language: Language) -> impl Strategy<Value = Camera> {
@@ -319,8 +332,12 @@ fn shape(language: Language) -> BoxedStrategy<Shape> {
         ]
         .boxed(),
     };
-    (kind, transform(), any::<bool>())
-        .prop_map(|(kind, to_world, flip_normals)| Shape { flip_normals, ..plain_shape(kind, to_world) })
+    (kind, transform(), even(), any::<bool>())
+        .prop_map(move |(kind, to_world, even, flip_normals)| {
+            // Mitsuba knows no ellipsoids.
+            let ball = language == Language::Mitsuba && matches!(kind, ShapeKind::Sphere { .. });
+            Shape { flip_normals, ..plain_shape(kind, if ball { even } else { to_world }) }
+        })
         .boxed()
 }
 
@@ -460,7 +477,7 @@ fn emitter(language: Language) -> BoxedStrategy<EmitterKind> {
     let directional = (triple(0.25, 1.0), light_color())
         .prop_map(|(direction, irradiance)| EmitterKind::Directional { direction, irradiance });
     let constant = light_color().prop_map(|radiance| EmitterKind::Constant { radiance });
-    let spot = (transform(), light_color(), 20.0..80.0f64).prop_map(move |(to_world, intensity, cutoff)| {
+    let spot = (even(), light_color(), 20.0..80.0f64).prop_map(move |(to_world, intensity, cutoff)| {
         EmitterKind::Spot {
             to_world,
             intensity,
@@ -470,7 +487,7 @@ fn emitter(language: Language) -> BoxedStrategy<EmitterKind> {
             texture: None,
         }
     });
-    let environment = transform().prop_map(move |to_world| EmitterKind::Environment {
+    let environment = turned().prop_map(move |to_world| EmitterKind::Environment {
         to_world,
         image: LightImage {
             path: PathBuf::from("picture.pfm"),
