@@ -78,6 +78,8 @@ impl<'a> Expander<'a> {
         self.scene_folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let root = self.file(path, None, 0)?;
         if let Some(problem) = foreign::of_another_program(&root) {
+            // Nothing else about the file matters then.
+            self.problems.clear();
             self.problems.push(problem);
             return None;
         }

@@ -12,6 +12,7 @@ mod film;
 mod foreign;
 mod integrator;
 mod number;
+mod obj;
 mod object;
 mod parameters;
 mod property;

@@ -57,8 +57,8 @@ impl<'a> Reader<'a> {
                 }
             }
             _ => {
-                let shape = self.shape(index);
-                self.scene.shapes.extend(shape);
+                let shapes = self.shapes_of(index);
+                self.scene.shapes.extend(shapes);
             }
         }
     }
@@ -74,7 +74,18 @@ impl<'a> Reader<'a> {
         parts
     }
 
-    fn shape(&mut self, index: ObjectIndex) -> Option<Shape> {
+    /// A shape, or those that an OBJ file with several materials is.
+    fn shapes_of(&mut self, index: ObjectIndex) -> Vec<Shape> {
+        let parts = self.obj_materials(index);
+        let Some(shape) = self.shape(index, parts.is_some()) else { return Vec::new() };
+        match parts {
+            Some(parts) => parts.apply(shape),
+            None => vec![shape],
+        }
+    }
+
+    /// Reads a shape; `materials` are those of an OBJ file, which may have several bsdfs.
+    fn shape(&mut self, index: ObjectIndex, materials: bool) -> Option<Shape> {
         let reader = self.plugin(SHAPES, index, "it is skipped")?;
         let mut props = self.props(index);
         let kind = reader(self, &mut props);
@@ -100,7 +111,11 @@ impl<'a> Reader<'a> {
             }
         }
         // An instance has the materials of its group; what is left over is reported as unknown.
-        let bsdf = if is_instance { None } else { props.only_child(Class::Bsdf) };
+        let bsdf = match () {
+            () if is_instance => None,
+            () if materials => std::iter::from_fn(|| props.child(Class::Bsdf)).last(),
+            () => props.only_child(Class::Bsdf),
+        };
         let emitter = if is_instance { None } else { props.only_child(Class::Emitter) };
         let flip_normals = !is_instance && props.boolean("flip_normals", false);
         while props.child(Class::Null).is_some() {}
@@ -151,8 +166,7 @@ impl<'a> Reader<'a> {
                 let text = "shapes of a shapegroup may not emit light";
                 props.problems.push(Diagnostic::error(text, Some(self.objects[emitter].span)));
             }
-            let shape = self.shape(nested.index);
-            shapes.extend(shape);
+            shapes.extend(self.shapes_of(nested.index));
         }
         let group = ShapeGroup { name: props.name(), origin: props.origin(), shapes };
         self.finish(props);
@@ -193,12 +207,8 @@ impl<'a> Reader<'a> {
 }
 
 fn obj<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
-    props.ignore(&["collapse", "load_materials"]);
-    if props.optional_integer("shape_index").is_some_and(|index| index >= 0) {
-        let entry = props.entry("shape_index").map(|e| e.name_span);
-        let text = "`shape_index` of an obj file is not supported: all its objects are loaded";
-        props.problems.push(Diagnostic::warning(text, entry));
-    }
+    // `obj::materials` has read these.
+    props.ignore(&["collapse", "load_materials", "shape_index"]);
     reader.mesh(props, MeshFormat::Obj, true)
 }
 

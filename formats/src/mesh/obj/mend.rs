@@ -70,7 +70,19 @@ impl<'a, 't, 'm> Mended<'a, 't, 'm> {
         let current = Cow::Borrowed(zeros);
         let (line, next_line, counts, largest) = (1, 1, [0; 3], [None; 3]);
         let corners = Vec::new();
-        Self { rest: text, task, current, at: 0, line, next_line, counts, largest, wanted, corners, error: None }
+        Self {
+            rest: text,
+            task,
+            current,
+            at: 0,
+            line,
+            next_line,
+            counts,
+            largest,
+            wanted,
+            corners,
+            error: None,
+        }
     }
 
     /// What was found wrong, now that everything was read; `loaded` is what `tobj` says.

@@ -35,7 +35,10 @@ pub fn read_obj(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> 
 pub fn read_obj_part(bytes: &[u8], index: u32, options: &MeshOptions) -> Result<Mesh, MeshError> {
     let parts = obj_parts(bytes);
     let name = parts.materials.get(index as usize).ok_or_else(|| {
-        MeshError::Invalid(format!("the file has {} materials; there is none with index {index}", parts.materials.len()))
+        MeshError::Invalid(format!(
+            "the file has {} materials; there is none with index {index}",
+            parts.materials.len()
+        ))
     })?;
     Ok(finish(read(bytes, Some(name))?, options))
 }
@@ -92,7 +95,7 @@ fn take_statement<'a>(rest: &mut &'a str) -> (&'a str, usize) {
     let all = *rest;
     let (mut end, mut lines) = (0, 1);
     loop {
-        let Some(length) = all.as_bytes()[end..].iter().position(|&byte| byte == b'\n') else {
+        let Some(length) = all[end..].find('\n') else {
             *rest = "";
             return (all, lines);
         };

@@ -134,11 +134,9 @@ impl Writer<'_, '_> {
         let name = self.out.carry(&file.path, "meshes");
         let flat = file.face_normals || file.authored_normals && self.out.mesh(file)?.normals.is_empty();
         Ok(match file.format {
-            MeshFormat::Obj | MeshFormat::ObjPart { .. } => plugin("obj").string("filename", &name).boolean_unless(
-                "flip_tex_coords",
-                file.flip_tex_coords,
-                true,
-            ),
+            MeshFormat::Obj | MeshFormat::ObjPart { .. } => plugin("obj")
+                .string("filename", &name)
+                .boolean_unless("flip_tex_coords", file.flip_tex_coords, true),
             MeshFormat::Ply => plugin("ply").string("filename", &name).boolean_unless(
                 "flip_tex_coords",
                 file.flip_tex_coords,
