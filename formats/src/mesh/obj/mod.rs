@@ -110,6 +110,17 @@ fn take_statement<'a>(rest: &mut &'a str) -> (&'a str, usize) {
     }
 }
 
+/// Bytes between words.
+const SPACE: [bool; 256] = {
+    let mut space = [false; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        space[byte] = (byte as u8).is_ascii_whitespace() || byte as u8 == b'\\';
+        byte += 1;
+    }
+    space
+};
+
 /// Words of a statement, up to a comment; a `\` separates words as a blank does.
 struct Words<'a> {
     text: &'a str,
@@ -127,7 +138,7 @@ impl<'a> Iterator for Words<'a> {
 
     #[inline]
     fn next(&mut self) -> Option<&'a str> {
-        let space = |byte: u8| byte.is_ascii_whitespace() || byte == b'\\';
+        let space = |byte: u8| SPACE[usize::from(byte)];
         let bytes = self.text.as_bytes();
         let mut start = self.at;
         while start < bytes.len() && space(bytes[start]) {
