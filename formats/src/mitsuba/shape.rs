@@ -77,10 +77,21 @@ impl<'a> Reader<'a> {
     /// A shape, or those that an OBJ file with several materials is.
     fn shapes_of(&mut self, index: ObjectIndex) -> Vec<Shape> {
         let parts = self.obj_materials(index);
+        if parts.is_none() && self.objects[index].plugin == "obj" {
+            self.report_shape_index(index);
+        }
         let Some(shape) = self.shape(index, parts.is_some()) else { return Vec::new() };
         match parts {
             Some(parts) => parts.apply(shape),
             None => vec![shape],
+        }
+    }
+
+    fn report_shape_index(&mut self, index: ObjectIndex) {
+        let entry = self.objects[index].entries.iter().find(|e| e.name.as_deref() == Some("shape_index"));
+        if let Some(entry) = entry.filter(|e| matches!(e.value, Value::Integer(0..))) {
+            let text = "`shape_index` of an obj file is not supported: all its objects are loaded";
+            self.problems.push(Diagnostic::warning(text, Some(entry.name_span)));
         }
     }
 
