@@ -15,8 +15,22 @@ pub struct Confined {
     declared: RwLock<Vec<PathBuf>>,
 }
 
-const ASSETS: &[&str] =
-    &["obj", "ply", "serialized", "exr", "hdr", "rgbe", "pfm", "png", "jpg", "jpeg", "tga", "bmp", "gz"];
+const ASSETS: &[&str] = &[
+    "obj",
+    "mtl",
+    "ply",
+    "serialized",
+    "exr",
+    "hdr",
+    "rgbe",
+    "pfm",
+    "png",
+    "jpg",
+    "jpeg",
+    "tga",
+    "bmp",
+    "gz",
+];
 
 impl Confined {
     /// The folder of `scene` and `allowed`. Folders that do not exist allow nothing.

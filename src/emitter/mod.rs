@@ -29,7 +29,7 @@ pub use picture::Picture;
 pub use point::Point;
 pub use projection::Projection;
 pub use projector::Projector;
-pub use spot::{Falloff, Spot};
+pub use spot::{Falloff, Spot, Stretched};
 
 use crate::math::{Color, Vec2, Vec3, closed_enum};
 use crate::sampling::Density;

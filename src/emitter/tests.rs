@@ -126,6 +126,7 @@ fn every_kind() -> Vec<(&'static str, Emitter)> {
     let spot = Spot {
         position: Vec3::new(0.1, 0.2, 0.3),
         frame: axes(),
+        stretched: None,
         intensity: rgb([1.0, 2.0, 3.0]),
         cutoff: 0.6,
         beam: 0.3,

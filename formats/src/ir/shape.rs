@@ -187,8 +187,13 @@ pub struct MeshFile {
 /// Formats of mesh files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MeshFormat {
-    /// Wavefront OBJ.
+    /// Wavefront OBJ, all of it.
     Obj,
+    /// The faces of an OBJ that have one of its materials.
+    ObjPart {
+        /// Among the materials of the file, in the order of their first face.
+        index: u32,
+    },
     /// Stanford PLY.
     Ply,
     /// Mitsuba's own container.

@@ -37,15 +37,20 @@ impl Transform {
 
     /// Right-handed rotation by `degrees` about `axis` (any length but zero).
     pub fn rotate(axis: [f64; 3], degrees: f64) -> Option<Self> {
-        let [x, y, z] = normalize(axis)?;
+        Some(Self::rodrigues(normalize(axis)?, degrees))
+    }
+
+    /// Rodrigues' formula with the axis as it is: a rotation by `degrees` about a unit vector, and sheared and scaled
+    /// for any other one. Mitsuba 2 and 3 read `<rotate>` so.
+    pub fn rodrigues([x, y, z]: [f64; 3], degrees: f64) -> Self {
         let (s, c) = degrees.to_radians().sin_cos();
         let t = 1.0 - c;
-        Some(Self([
+        Self([
             [t * x * x + c, t * x * y - s * z, t * x * z + s * y, 0.0],
             [t * x * y + s * z, t * y * y + c, t * y * z - s * x, 0.0],
             [t * x * z - s * y, t * y * z + s * x, t * z * z + c, 0.0],
             [0.0, 0.0, 0.0, 1.0],
-        ]))
+        ])
     }
 
     /// Mitsuba's camera frame: +Z towards the target, +Y up, +X to the left of the picture.
@@ -90,6 +95,19 @@ impl Transform {
         let m = &self.0;
         m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
             + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+    }
+
+    /// Whether it keeps angles, to the 1e-4 that matrices printed with six digits have.
+    pub fn is_similarity(&self) -> bool {
+        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| self.vector(axis));
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let s = dot(x, x);
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-4 * s;
+        same(dot(y, y), s)
+            && same(dot(z, z), s)
+            && same(dot(x, y), 0.0)
+            && same(dot(x, z), 0.0)
+            && same(dot(y, z), 0.0)
     }
 
     /// Inverse by Gauss-Jordan elimination with pivoting; `None` when singular.

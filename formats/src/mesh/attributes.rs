@@ -7,6 +7,8 @@ pub struct Attribute {
     pub name: String,
     /// One for each vertex or triangle; a single number is repeated.
     pub values: Vec<[f32; 3]>,
+    /// What an author should know of the file's values before they are shown.
+    pub note: Option<&'static str>,
 }
 
 impl Attribute {
@@ -27,7 +29,16 @@ pub(super) struct Columns {
     pub places: Vec<Option<(usize, usize)>>,
     /// Names and numbers of components of those that do not have one or three.
     pub skipped: Vec<(String, usize)>,
+    /// What is to be said of each attribute.
+    pub notes: Vec<Option<&'static str>>,
 }
+
+/// Mitsuba 3 warns of whole numbers and takes them as they are.
+pub(super) const WHOLE: &str = "the file has whole numbers, which Mitsuba takes as they are: 255 is no white, but 255 times \
+                                as bright; write floats from 0 to 1";
+/// Mitsuba 3 shows such colours as black.
+pub(super) const FOUR: &str =
+    "the file has an alpha beside the colour, which Mitsuba does not show: here the alpha is left out";
 
 /// The attribute a property is part of: `color` for `color_0`, `r` and `red`.
 fn stem(property: &str) -> Option<&str> {
@@ -44,7 +55,8 @@ impl Columns {
     pub fn new<'a>(prefix: &str, properties: impl Iterator<Item = Option<&'a str>>) -> Self {
         let stems: Vec<Option<&str>> = properties.map(|p| p.and_then(stem)).collect();
         let count = |stem: &str| stems.iter().flatten().filter(|s| **s == stem).count();
-        let mut columns = Columns { found: Vec::new(), places: Vec::new(), skipped: Vec::new() };
+        let mut columns =
+            Columns { found: Vec::new(), places: Vec::new(), skipped: Vec::new(), notes: Vec::new() };
         let mut next = Vec::new();
         for stem in &stems {
             if let Some(odd) = stem.filter(|s| !matches!(count(s), 1 | 3)) {
@@ -57,6 +69,7 @@ impl Columns {
                 let name = format!("{prefix}{stem}");
                 let index = columns.found.iter().position(|(n, _)| *n == name).unwrap_or_else(|| {
                     columns.found.push((name, count(stem)));
+                    columns.notes.push(None);
                     next.push(0);
                     next.len() - 1
                 });
@@ -75,7 +88,10 @@ impl Columns {
 
     /// Lists to be filled by [`Columns::push`].
     pub fn lists(&self) -> Vec<Attribute> {
-        self.found.iter().map(|(name, _)| Attribute { name: name.clone(), values: Vec::new() }).collect()
+        let named = self.found.iter().zip(&self.notes);
+        named
+            .map(|((name, _), note)| Attribute { name: name.clone(), values: Vec::new(), note: *note })
+            .collect()
     }
 
     pub fn push(&self, lists: &mut [Attribute], row: &[[f32; 3]]) {
@@ -99,7 +115,10 @@ mod tests {
         assert_eq!(columns.skipped, [("vertex_odd".to_owned(), 2)]);
         let mut lists = columns.lists();
         columns.push(&mut lists, &[[1.0, 2.0, f32::NAN], [4.0, 0.0, 0.0]]);
-        assert_eq!(lists[0], Attribute { name: "vertex_color".into(), values: vec![[1.0, 2.0, 0.0]] });
+        assert_eq!(
+            lists[0],
+            Attribute { name: "vertex_color".into(), values: vec![[1.0, 2.0, 0.0]], note: None }
+        );
         assert_eq!(lists[1].values, [[4.0; 3]]);
     }
 }

@@ -18,7 +18,7 @@ use crate::files::{MAX_FILE_BYTES, is_gzip, unpack};
 use crate::ir::MeshFormat;
 
 pub use attributes::Attribute;
-pub use obj::read_obj;
+pub use obj::{ObjMaterial, ObjParts, obj_parts, read_mtl, read_obj, read_obj_part};
 pub use ply::read_ply;
 use ply::skipped_attributes;
 pub use ply_write::write_ply;
@@ -78,6 +78,7 @@ pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<M
     };
     match format {
         MeshFormat::Obj => read_obj(bytes, options),
+        MeshFormat::ObjPart { index } => read_obj_part(bytes, index, options),
         MeshFormat::Ply => read_ply(bytes, options),
         MeshFormat::Serialized { index } => read_serialized(bytes, index, options),
     }
@@ -93,7 +94,7 @@ pub fn skipped(format: MeshFormat, bytes: &[u8]) -> Result<Vec<(String, usize)>,
             skipped_attributes(&unpack(bytes, MAX_FILE_BYTES).map_err(MeshError::Invalid)?)
         }
         MeshFormat::Ply => skipped_attributes(bytes),
-        MeshFormat::Obj | MeshFormat::Serialized { .. } => Ok(Vec::new()),
+        MeshFormat::Obj | MeshFormat::ObjPart { .. } | MeshFormat::Serialized { .. } => Ok(Vec::new()),
     }
 }
 

@@ -168,8 +168,8 @@ fn ply_round_trip() {
     let vertices = mesh.positions.iter().map(|p| p.map(|x| x + 0.25)).collect();
     let faces = (0..mesh.triangles.len()).map(|i| [i as f32; 3]).collect();
     let attributes = vec![
-        Attribute { name: "vertex_color".to_owned(), values: vertices },
-        Attribute { name: "face_heat".to_owned(), values: faces },
+        Attribute { name: "vertex_color".to_owned(), values: vertices, note: None },
+        Attribute { name: "face_heat".to_owned(), values: faces, note: None },
     ];
     let full = Mesh { attributes, ..mesh.clone() };
     assert_eq!(read_ply(&write_ply(&full), &PLAIN).expect("own output"), full);
@@ -380,4 +380,24 @@ proptest::proptest! {
             check(&mesh);
         }
     }
+}
+
+/// Mitsuba 3.9.1 shows uchar 255 as 255 times as bright, with a warning, and no colour of four numbers.
+#[test]
+fn colours_that_mitsuba_warns_of_have_a_note() {
+    let note = |properties: &str, values: &str| {
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n{properties}end_header\n0 0 0 {values}\n"
+        );
+        let mesh = read_ply(text.as_bytes(), &PLAIN).expect("valid");
+        (mesh.attributes[0].values[0], mesh.attributes[0].note.unwrap_or_default())
+    };
+    let (value, said) = note("property uchar red\nproperty uchar green\nproperty uchar blue\n", "255 128 0");
+    assert_eq!(value, [255.0, 128.0, 0.0]);
+    assert!(said.starts_with("the file has whole numbers"), "{said}");
+    let (value, said) =
+        note("property float r\nproperty float g\nproperty float b\nproperty float a\n", "1 .5 0 1");
+    assert_eq!(value, [1.0, 0.5, 0.0]);
+    assert!(said.starts_with("the file has an alpha"), "{said}");
+    assert_eq!(note("property float r\nproperty float g\nproperty float b\n", "1 .5 0").1, "");
 }

@@ -8,6 +8,7 @@ use super::texture::is_texture_plugin;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
 use crate::plugin::{Plugin, read};
+use crate::spectrum::to_linear_rgb;
 
 type ReadSpectrum = fn(&mut Props<'_>) -> Option<Color>;
 
@@ -31,6 +32,11 @@ pub(super) fn is_texture(object: &Object) -> bool {
         Class::Spectrum => !is_spectrum && is_texture_plugin(&object.plugin),
         _ => false,
     }
+}
+
+/// Whether it is one colour everywhere: a spectrum plugin, perhaps written as a texture.
+pub(super) fn is_spectrum(object: &Object) -> bool {
+    matches!(object.class, Class::Texture | Class::Spectrum) && !is_texture(object)
 }
 
 impl<'a> Reader<'a> {
@@ -107,8 +113,40 @@ impl<'a> Reader<'a> {
             Value::Object(index) if is_texture(&self.objects[*index]) => {
                 Some(self.texture(*index).map_or(FloatInput::Value(0.5), FloatInput::Texture))
             }
+            Value::Object(index) if is_spectrum(&self.objects[*index]) => {
+                let color = self.spectrum(*index);
+                Some(FloatInput::Value(color.map_or(0.5, |color| self.number(props, entry, &color))))
+            }
             _ => props.wrong(entry, "a float or texture"),
         }
+    }
+
+    /// The number that Mitsuba makes of a spectrum plugin where it wants one: the luminance of a colour.
+    fn number(&self, props: &mut Props<'a>, entry: &Entry, color: &Color) -> f64 {
+        match color {
+            Color::Gray(v) | Color::UniformPlugin(v) | Color::D65 { scale: v, color: None } => return *v,
+            Color::Rgb(rgb) if rgb[0] == rgb[1] && rgb[1] == rgb[2] => return rgb[0],
+            _ => {}
+        }
+        let name = entry.name.as_deref().unwrap_or_default();
+        let text = format!("`{name}` is one number: the luminance of the colour is used");
+        props.problems.push(Diagnostic::warning(text, Some(entry.span)));
+        let rule = self.dialect.spectrum_rule();
+        match to_linear_rgb(color, ColorSlot::Unbounded, rule) {
+            Ok(rgb) => 0.212671 * rgb[0] + 0.715160 * rgb[1] + 0.072169 * rgb[2],
+            Err(e) => {
+                props.problems.push(Diagnostic::error(e.to_string(), Some(entry.span)));
+                0.5
+            }
+        }
+    }
+
+    /// A texture of colours or a spectrum plugin in its place.
+    pub fn nested_color(&mut self, index: ObjectIndex) -> Option<ColorInput> {
+        if is_texture(&self.objects[index]) {
+            return self.texture(index).map(ColorInput::Texture);
+        }
+        self.spectrum(index).map(ColorInput::Color)
     }
 
     pub fn color_value(

@@ -1,14 +1,15 @@
 //! Emitters: those of the scene, and those of shapes.
 
-use super::object::{Class, ObjectIndex};
-use super::props::Props;
+use super::color::{is_spectrum, is_texture};
+use super::object::{Class, ObjectIndex, Value};
+use super::props::{Nested, Props};
 use super::reader::Reader;
 use super::sensor::{AXES, fov};
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
-    AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage, SpotFalloff,
-    TextureEncoding,
+    AreaEmission, Color, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage,
+    SpotFalloff, TextureEncoding, Transform,
 };
 use crate::plugin::{Plugin, read, unsupported, unsupported_but};
 
@@ -35,8 +36,7 @@ pub(super) const EMITTERS: &[Plugin<ReadEmitter>] = &[
 const BAKED: &str = "render it into a latitude-longitude picture and use an `envmap`";
 
 /// Emitters on the surface of a shape; true for those that emit along the normal only.
-pub(super) const AREA_EMITTERS: &[Plugin<bool>] =
-    &[read("area", false), read("directionalarea", true), unsupported("projector")];
+pub(super) const AREA_EMITTERS: &[Plugin<bool>] = &[read("area", false), read("directionalarea", true)];
 
 impl<'a> Reader<'a> {
     pub fn top_level_emitter(&mut self, index: ObjectIndex) {
@@ -52,6 +52,14 @@ impl<'a> Reader<'a> {
             }
             return;
         }
+        self.light(index);
+    }
+
+    /// An emitter that is not the surface of a shape, once.
+    fn light(&mut self, index: ObjectIndex) {
+        if !self.lights.insert(index) {
+            return;
+        }
         let Some(reader) = self.plugin(EMITTERS, index, "it is skipped") else { return };
         let mut props = self.props(index);
         props.ignore(&["sampling_weight"]);
@@ -60,6 +68,24 @@ impl<'a> Reader<'a> {
         let (name, origin) = (props.name(), props.origin());
         self.finish(props);
         self.scene.emitters.extend(kind.map(|kind| Emitter { name, origin, kind }));
+    }
+
+    /// What the emitter inside a shape makes of it. Only some emitters shine from the surface; Mitsuba 2 and 3 take
+    /// any other as if it stood in the scene, so that the shape's own transform does not move it.
+    pub fn shape_emitter(&mut self, nested: Nested) -> Option<AreaEmission> {
+        let plugin = self.objects[nested.index].plugin.as_str();
+        if AREA_EMITTERS.iter().any(|row| row.name == plugin) || EMITTERS.iter().all(|row| row.name != plugin)
+        {
+            return self.area_emission(nested.index);
+        }
+        if self.dialect == Dialect::Old {
+            let text = format!("Mitsuba 0.6 takes no emitter of type `{plugin}` inside a shape");
+            let problem = Diagnostic::error(text, Some(nested.span));
+            self.problems.push(problem.help("put it into the scene, beside the shape"));
+            return None;
+        }
+        self.light(nested.index);
+        None
     }
 
     /// The emission of a shape; `None` after reporting why there is none.
@@ -129,16 +155,32 @@ fn spot<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKin
         props.complain("cutoff_angle", "`cutoff_angle` must be below 180 degrees");
     }
     let texture = match props.entry("texture") {
-        None => props.child(Class::Texture).and_then(|nested| reader.texture(nested.index)),
+        None => props.only_texture().map(|nested| nested.index),
         Some(entry) => match entry.value {
-            super::object::Value::Object(index) if reader.objects[index].class == Class::Texture => {
-                reader.texture(index)
+            Value::Object(index)
+                if is_texture(&reader.objects[index]) || is_spectrum(&reader.objects[index]) =>
+            {
+                Some(index)
             }
             _ => props.wrong(entry, "a texture"),
         },
     };
+    let texture = texture.and_then(|index| {
+        if is_texture(&reader.objects[index]) {
+            return reader.texture(index);
+        }
+        let text = "the `texture` of a spot must vary, as a bitmap does; a colour belongs into `intensity`";
+        props.problems.push(Diagnostic::error(text, Some(reader.objects[index].span)));
+        None
+    });
+    let to_world = props.transform("to_world");
+    if !to_world.is_similarity() {
+        let text = "`to_world` stretches the cone of the spot, as in Mitsuba 3";
+        let place = props.entry("to_world").map(|entry| entry.name_span);
+        props.problems.push(Diagnostic::warning(text, place));
+    }
     Some(EmitterKind::Spot {
-        to_world: props.transform("to_world"),
+        to_world,
         intensity,
         cutoff_angle,
         beam_width,
@@ -154,10 +196,20 @@ fn directional<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Emi
     if direction == [0.0; 3] {
         props.complain("direction", "`direction` is zero");
     }
-    Some(EmitterKind::Directional {
-        direction,
-        irradiance: reader.color(props, "irradiance", ColorSlot::Emission, 1.0),
-    })
+    // Mitsuba 2 and 3 light diffuse surfaces by the length of the direction that `to_world` gives.
+    let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let scaled = props.has("to_world") && (length - 1.0).abs() > 1e-3 && length.is_normal();
+    let mut irradiance = reader.color(props, "irradiance", ColorSlot::Emission, 1.0);
+    if scaled && reader.dialect != Dialect::Old {
+        let text = format!(
+            "`to_world` scales the light: Mitsuba multiplies what diffuse surfaces receive by {length:.4}"
+        );
+        let place = props.entry("to_world").map(|entry| entry.name_span);
+        let help = "to change the light alone, change `irradiance`";
+        props.problems.push(Diagnostic::warning(text, place).help(help));
+        irradiance = times(irradiance, length);
+    }
+    Some(EmitterKind::Directional { direction, irradiance })
 }
 
 fn constant<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
@@ -171,11 +223,47 @@ fn envmap<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterK
     let scale = props.float("scale", 1.0);
     // How Mitsuba samples and stores it.
     props.ignore(&["mis_compensation", "cache"]);
+    let to_world = turned(props);
     Some(EmitterKind::Environment {
-        to_world: props.transform("to_world"),
+        to_world,
         image: LightImage { path: path?, encoding, scale, illuminance: None },
         mapping: EnvironmentMapping::LatLong,
     })
+}
+
+/// A colour times a number.
+fn times(color: Color, factor: f64) -> Color {
+    match color {
+        Color::Gray(v) => Color::Gray(v * factor),
+        Color::UniformPlugin(v) => Color::UniformPlugin(v * factor),
+        Color::UniformSpectrum(v) => Color::UniformSpectrum(v * factor),
+        Color::Rgb(rgb) => Color::Rgb(rgb.map(|c| c * factor)),
+        Color::D65 { scale, color } => Color::D65 { scale: scale * factor, color },
+        Color::Blackbody { kelvin, scale } => Color::Blackbody { kelvin, scale: scale * factor },
+        Color::Samples(samples) => {
+            Color::Samples(samples.into_iter().map(|[nm, v]| [nm, v * factor]).collect())
+        }
+        Color::BoundedRgb(rgb) => Color::Rgb(rgb.map(|c| c * factor)),
+        // Decoding is no linear thing; a library has no factor of its own.
+        other @ (Color::Srgb(_) | Color::Library(_) | Color::WithLuminance { .. }) => other,
+    }
+}
+
+/// `to_world` of an environment, which can only turn and mirror it.
+fn turned(props: &mut Props<'_>) -> Transform {
+    let given = props.transform("to_world");
+    let lengths = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        .map(|axis| given.vector(axis).iter().map(|x| x * x).sum::<f64>().sqrt());
+    let kept = given.is_similarity() && lengths.iter().all(|length| (length - 1.0).abs() < 1e-3);
+    if kept || !lengths.iter().all(|length| length.is_normal()) {
+        return given;
+    }
+    let text = "`to_world` scales the environment, which can only be turned: the scale is left out";
+    let place = props.entry("to_world").map(|entry| entry.name_span);
+    let help =
+        "Mitsuba looks scaled directions up in one way and samples them in another: its picture is no truth";
+    props.problems.push(Diagnostic::warning(text, place).help(help));
+    given.after(&Transform::scale(lengths.map(|length| 1.0 / length)))
 }
 
 /// 0.6: 0 is what the file says, −1 sRGB.
@@ -195,10 +283,24 @@ pub(super) fn gamma(props: &mut Props<'_>) -> TextureEncoding {
 fn projector<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {
     let irradiance = reader.color_input(props, "irradiance", ColorSlot::Emission, 1.0);
     let fov = fov(props);
+    let mut to_world = props.transform("to_world");
+    let mut scale = props.float("scale", 1.0);
+    // Mitsuba divides by the depth in the projector's own units, but multiplies by a cosine to an axis that keeps
+    // its length: of the two, one factor of the axis' length is left.
+    let axis = to_world.vector([0.0, 0.0, 1.0]);
+    let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length.is_normal() && (length - 1.0).abs() > 1e-4 {
+        to_world = to_world.after(&Transform::scale([1.0 / length; 3]));
+        scale *= length;
+        let text = format!("`to_world` scales the projector: Mitsuba multiplies its light by {length:.4}");
+        let place = props.entry("to_world").map(|entry| entry.name_span);
+        let help = "to change the light alone, use `scale`";
+        props.problems.push(Diagnostic::warning(text, place).help(help));
+    }
     Some(EmitterKind::Projector {
-        to_world: props.transform("to_world"),
+        to_world,
         irradiance,
-        scale: props.float("scale", 1.0),
+        scale,
         fov,
         fov_axis: props.choice("fov_axis", FovAxis::X, AXES),
     })

@@ -3,12 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
+use super::foreign;
 use super::parameters::Parameters;
 use super::tree::{Element, MAX_DEPTH};
 use super::version::Version;
 use super::xml;
 use crate::diagnostic::{Diagnostic, SourceMap, Span};
-use crate::encoding::into_utf8;
+use crate::encoding::{as_declared, into_utf8};
 use crate::files::{Files, Included};
 use crate::missing::{find, not_found};
 use crate::read::ReadOptions;
@@ -76,6 +77,12 @@ impl<'a> Expander<'a> {
     pub fn scene(mut self, path: &Path) -> Option<Expanded> {
         self.scene_folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let root = self.file(path, None, 0)?;
+        if let Some(problem) = foreign::of_another_program(&root) {
+            // Nothing else about the file matters then.
+            self.problems.clear();
+            self.problems.push(problem);
+            return None;
+        }
         if root.tag != "scene" {
             let mut problem = Diagnostic::error(
                 format!("a scene file begins with <scene>, not <{}>", root.tag),
@@ -128,7 +135,7 @@ impl<'a> Expander<'a> {
     }
 
     fn text(&self, path: &Path) -> Result<String, String> {
-        let bytes = into_utf8(self.files.read(path).map_err(|e| e.to_string())?);
+        let bytes = as_declared(into_utf8(self.files.read(path).map_err(|e| e.to_string())?));
         if u32::try_from(bytes.len()).is_err() {
             return Err("a scene file must be smaller than 4 GiB".to_owned());
         }

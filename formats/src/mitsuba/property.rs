@@ -229,8 +229,7 @@ impl PropertyReader<'_> {
                 let axis = self.triple(element, Some(0.0))?;
                 let angle = self.attribute(element, "angle")?;
                 let angle = self.float(angle, element.place("angle"))?;
-                let turned = Transform::rotate(axis, angle);
-                turned.or_else(|| self.error("the axis of <rotate> is zero", element.tag_span))
+                self.rotation(element, axis, angle)
             }
             "lookat" => {
                 check_attributes(element, &["origin", "target", "up"], self.problems);
@@ -250,6 +249,37 @@ impl PropertyReader<'_> {
                 None
             }
         }
+    }
+
+    /// 0.x turns about any axis; later versions take an axis that is no unit vector as it is.
+    fn rotation(&mut self, element: &Element, axis: [f64; 3], angle: f64) -> Option<Transform> {
+        let Some(proper) = Transform::rotate(axis, angle) else {
+            return self.error("the axis of <rotate> is zero", element.tag_span);
+        };
+        if self.dialect == Dialect::Old {
+            return Some(proper);
+        }
+        let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let bent = Transform::rodrigues(axis, angle);
+        // Axes written with three digits are meant as they are.
+        let text = "the axis of <rotate> is not a unit vector";
+        let said = self
+            .problems
+            .iter()
+            .any(|p| p.message.starts_with(text) && p.span.is_some_and(|s| s.file == element.tag_span.file));
+        if (length - 1.0).abs() > 5e-3 && angle != 0.0 && !said {
+            let volume = bent.determinant3();
+            let unit = axis.map(|x| format!("{:.4}", x / length)).join(", ");
+            self.problems.push(
+                Diagnostic::warning(
+                    format!("{text}: Mitsuba 2 and 3 shear and scale by it (volume × {volume:.3})"),
+                    Some(element.tag_span),
+                )
+                .help(format!("for a rotation, as in Mitsuba 0.6, write the axis {unit}"))
+                .help("said once for each file"),
+            );
+        }
+        Some(bent)
     }
 
     fn look_at(&mut self, element: &Element) -> Option<Transform> {

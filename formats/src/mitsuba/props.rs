@@ -243,9 +243,19 @@ impl<'a> Props<'a> {
 
     /// The only nested object of `class`; a second one is an error.
     pub fn only_child(&mut self, class: Class) -> Option<Nested> {
-        let first = self.child(class)?;
-        while let Some(second) = self.child(class) {
-            let text = format!("{} takes one {}; this is a second one", self.object.plugin, class.name());
+        self.only_child_of(&[class])
+    }
+
+    /// The only nested texture, for which a spectrum plugin may stand.
+    pub fn only_texture(&mut self) -> Option<Nested> {
+        self.only_child_of(&[Class::Texture, Class::Spectrum])
+    }
+
+    fn only_child_of(&mut self, classes: &[Class]) -> Option<Nested> {
+        let first = classes.iter().find_map(|class| self.child(*class))?;
+        while let Some(second) = classes.iter().find_map(|class| self.child(*class)) {
+            let what = classes[0].name();
+            let text = format!("{} takes one {what}; this is a second one", self.object.plugin);
             let problem = Diagnostic::error(text, Some(second.span));
             self.problems.push(problem.label(first.span, "the first one"));
         }

@@ -1,6 +1,6 @@
 //! Last pass: objects to IR. This file walks the scene and has what the readers of all concepts share.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use super::object::{Class, Object, ObjectIndex, Value};
@@ -29,6 +29,10 @@ pub(super) struct Reader<'a> {
     pub textures: HashMap<ObjectIndex, Id<Texture>>,
     pub groups: HashMap<ObjectIndex, Id<ShapeGroup>>,
     pub emissions: HashMap<ObjectIndex, Option<AreaEmission>>,
+    /// Materials of OBJ files, by file and name.
+    pub obj_bsdfs: HashMap<(PathBuf, String), Id<Bsdf>>,
+    /// Emitters that became lights of the scene.
+    pub lights: HashSet<ObjectIndex>,
 }
 
 impl<'a> Reader<'a> {
@@ -67,6 +71,8 @@ impl<'a> Reader<'a> {
             textures: HashMap::new(),
             groups: HashMap::new(),
             emissions: HashMap::new(),
+            obj_bsdfs: HashMap::new(),
+            lights: HashSet::new(),
         }
     }
 
@@ -173,6 +179,16 @@ impl<'a> Reader<'a> {
             props.problems.push(not_found(self.files, what, name, span, &folders));
         }
         found
+    }
+
+    /// The content of a file that was found.
+    pub fn file(&self, path: &Path) -> Result<Vec<u8>, String> {
+        self.files.read(path).map_err(|e| e.to_string())
+    }
+
+    /// The file `name` in one of `folders`.
+    pub fn beside(&self, name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
+        find(self.files, name, folders)
     }
 
     /// `Error` where Mitsuba 2 and 3 refuse a scene that 0.6 renders.

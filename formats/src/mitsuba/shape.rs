@@ -1,10 +1,13 @@
 //! Shapes, groups and instances.
 
-use super::object::{Class, ObjectIndex};
+use super::object::{Class, ObjectIndex, Value};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
-use crate::ir::{MeshFile, MeshFormat, Shape, ShapeGroup, ShapeKind};
+use crate::ir::{
+    Bsdf, BsdfKind, Color, ColorInput, Id, MeshFile, MeshFormat, Origin, Shape, ShapeGroup, ShapeKind,
+    Transform,
+};
 use crate::plugin::{Plugin, read, unsupported};
 
 type ReadShape = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<ShapeKind>;
@@ -54,8 +57,8 @@ impl<'a> Reader<'a> {
                 }
             }
             _ => {
-                let shape = self.shape(index);
-                self.scene.shapes.extend(shape);
+                let shapes = self.shapes_of(index);
+                self.scene.shapes.extend(shapes);
             }
         }
     }
@@ -71,12 +74,46 @@ impl<'a> Reader<'a> {
         parts
     }
 
-    fn shape(&mut self, index: ObjectIndex) -> Option<Shape> {
+    /// A shape, or those that an OBJ file with several materials is.
+    fn shapes_of(&mut self, index: ObjectIndex) -> Vec<Shape> {
+        let parts = self.obj_materials(index);
+        if parts.is_none() && self.objects[index].plugin == "obj" {
+            self.report_shape_index(index);
+        }
+        let Some(shape) = self.shape(index, parts.is_some()) else { return Vec::new() };
+        match parts {
+            Some(parts) => parts.apply(shape),
+            None => vec![shape],
+        }
+    }
+
+    fn report_shape_index(&mut self, index: ObjectIndex) {
+        let entry = self.objects[index].entries.iter().find(|e| e.name.as_deref() == Some("shape_index"));
+        if let Some(entry) = entry.filter(|e| matches!(e.value, Value::Integer(0..))) {
+            let text = "`shape_index` of an obj file is not supported: all its objects are loaded";
+            self.problems.push(Diagnostic::warning(text, Some(entry.name_span)));
+        }
+    }
+
+    /// Reads a shape; `materials` are those of an OBJ file, which may have several bsdfs.
+    fn shape(&mut self, index: ObjectIndex, materials: bool) -> Option<Shape> {
         let reader = self.plugin(SHAPES, index, "it is skipped")?;
         let mut props = self.props(index);
         let kind = reader(self, &mut props);
         let is_instance = props.object.plugin == "instance";
-        let to_world = props.transform("to_world");
+        let mut to_world = props.transform("to_world");
+        if let Some(ShapeKind::Sphere { center, radius }) = kind
+            && let Some((ball, real)) = ball(&to_world, center, radius)
+        {
+            let text =
+                format!("a sphere stays a ball: its radius is the {real:.4} that its own x axis has here");
+            let place = props.entry("to_world").map_or(props.object.span, |entry| entry.name_span);
+            let problem = Diagnostic::warning(text, Some(place));
+            props.problems.push(problem.help(
+                "`to_world` stretches it, which all versions of Mitsuba ignore; an ellipsoid can be a mesh",
+            ));
+            to_world = ball;
+        }
         props.ignore(HARMLESS);
         self.report_medium(&mut props);
         for class in [Class::Sensor, Class::Subsurface] {
@@ -85,16 +122,23 @@ impl<'a> Reader<'a> {
             }
         }
         // An instance has the materials of its group; what is left over is reported as unknown.
-        let bsdf = if is_instance { None } else { props.only_child(Class::Bsdf) };
+        let bsdf = match () {
+            () if is_instance => None,
+            () if materials => std::iter::from_fn(|| props.child(Class::Bsdf)).last(),
+            () => props.only_child(Class::Bsdf),
+        };
         let emitter = if is_instance { None } else { props.only_child(Class::Emitter) };
         let flip_normals = !is_instance && props.boolean("flip_normals", false);
         while props.child(Class::Null).is_some() {}
+        let emission = emitter.and_then(|nested| self.shape_emitter(nested));
+        // Any emitter makes a shape without bsdf black, whether or not its surface shines.
+        let beside_light = emitter.is_some() && emission.is_none();
         let shape = Shape {
             name: props.name(),
             origin: props.origin(),
             to_world,
-            bsdf: bsdf.map(|nested| self.bsdf(nested.index)),
-            emission: emitter.and_then(|nested| self.area_emission(nested.index)),
+            bsdf: bsdf.map(|nested| self.bsdf(nested.index)).or_else(|| beside_light.then(|| self.black())),
+            emission,
             flip_normals,
             alpha: None,
             kind: ShapeKind::Cube,
@@ -106,7 +150,13 @@ impl<'a> Reader<'a> {
         Some(Shape { kind: kind?, ..shape })
     }
 
-    fn group(&mut self, index: ObjectIndex) -> crate::ir::Id<ShapeGroup> {
+    fn black(&mut self) -> Id<Bsdf> {
+        let reflectance = ColorInput::Color(Color::Gray(0.0));
+        let kind = BsdfKind::Diffuse { reflectance };
+        self.scene.bsdfs.push(Bsdf { name: None, origin: Origin(None), kind })
+    }
+
+    fn group(&mut self, index: ObjectIndex) -> Id<ShapeGroup> {
         if let Some(id) = self.groups.get(&index) {
             return *id;
         }
@@ -119,12 +169,15 @@ impl<'a> Reader<'a> {
                 props.problems.push(Diagnostic::error(text, Some(nested.span)));
                 continue;
             }
-            let shape = self.shape(nested.index);
-            if let Some(emission) = shape.as_ref().and_then(|s| s.emission.as_ref()) {
+            let emitters = inner.entries.iter().filter_map(|entry| match entry.value {
+                Value::Object(child) if self.objects[child].class == Class::Emitter => Some(child),
+                _ => None,
+            });
+            for emitter in emitters {
                 let text = "shapes of a shapegroup may not emit light";
-                props.problems.push(Diagnostic::error(text, emission.origin.0));
+                props.problems.push(Diagnostic::error(text, Some(self.objects[emitter].span)));
             }
-            shapes.extend(shape);
+            shapes.extend(self.shapes_of(nested.index));
         }
         let group = ShapeGroup { name: props.name(), origin: props.origin(), shapes };
         self.finish(props);
@@ -165,12 +218,8 @@ impl<'a> Reader<'a> {
 }
 
 fn obj<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {
-    props.ignore(&["collapse", "load_materials"]);
-    if props.optional_integer("shape_index").is_some_and(|index| index >= 0) {
-        let entry = props.entry("shape_index").map(|e| e.name_span);
-        let text = "`shape_index` of an obj file is not supported: all its objects are loaded";
-        props.problems.push(Diagnostic::warning(text, entry));
-    }
+    // `obj::materials` has read these.
+    props.ignore(&["collapse", "load_materials", "shape_index"]);
     reader.mesh(props, MeshFormat::Obj, true)
 }
 
@@ -212,4 +261,30 @@ fn instance<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeK
         return None;
     }
     Some(ShapeKind::Instance { group: reader.group(group.index) })
+}
+
+/// What Mitsuba makes of a sphere that `m` does not keep round, and the radius: a ball about the same centre as
+/// large as the image of the x axis. `None` for what keeps it round, or leaves nothing of it.
+fn ball(m: &Transform, center: [f64; 3], radius: f64) -> Option<(Transform, f64)> {
+    if m.is_similarity() || m.inverse().is_none() {
+        return None;
+    }
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| m.vector(axis));
+    let scale = dot(x, x).sqrt();
+    let unit = |v: [f64; 3]| v.map(|c| c / dot(v, v).sqrt());
+    let x = unit(x);
+    let y = unit([0, 1, 2].map(|i| y[i] - dot(x, y) * x[i]));
+    let side =
+        dot(x, [y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0]]).signum();
+    let z =
+        [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]].map(|c| c * side);
+    let at = m.point(center);
+    let mut ball = Transform::IDENTITY;
+    for i in 0..3 {
+        let row = [x[i], y[i], z[i]].map(|c| c * scale);
+        let offset = at[i] - dot(row, center);
+        ball.0[i] = [row[0], row[1], row[2], offset];
+    }
+    Some((ball, radius.abs() * scale))
 }

@@ -1,7 +1,7 @@
 //! Textures.
 
 use super::emitter::gamma;
-use super::object::{Class, ObjectIndex};
+use super::object::ObjectIndex;
 use super::props::Props;
 use super::reader::Reader;
 use super::version::Dialect;
@@ -111,8 +111,8 @@ fn scale<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKi
     let factor = ColorInput::Color(reader.color(props, "scale", ColorSlot::Unbounded, 1.0));
     let value = if props.has("value") {
         reader.color_input(props, "value", ColorSlot::Unbounded, 1.0)
-    } else if let Some(nested) = props.only_child(Class::Texture) {
-        reader.texture(nested.index).map_or(ColorInput::Color(Color::Gray(0.5)), ColorInput::Texture)
+    } else if let Some(nested) = props.only_texture() {
+        reader.nested_color(nested.index).unwrap_or(ColorInput::Color(Color::Gray(0.5)))
     } else {
         props.needs("a nested texture or the parameter `value`");
         return None;

@@ -27,8 +27,15 @@ pub(super) fn upgrade(root: &mut Element, versions: &[Version]) {
             name.value = snake_case(&name.value);
         }
     }
+    // The bsdfs of an OBJ file have the names of its materials, which are the author's.
+    let is_obj = root.tag == "shape" && root.value("type") == Some("obj");
     for child in &mut root.children {
+        let own = child.value("name").filter(|_| is_obj && matches!(child.tag.as_str(), "bsdf" | "ref"));
+        let own = own.map(str::to_owned);
         upgrade(child, versions);
+        if let (Some(own), Some(name)) = (own, child.attributes.iter_mut().find(|a| a.name == "name")) {
+            name.value = own;
+        }
     }
 }
 

@@ -217,15 +217,10 @@ fn infinite(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
         ("filename", EnvironmentMapping::EqualArea)
     };
     let path = r.asset(p, name, "image");
-    // pbrt-v3 multiplies the image by L.
-    let tint = r.color(p, "L", Use::Illuminant);
-    if tint.is_some() && !old {
+    if r.color(p, "L", Use::Illuminant).is_some() {
         p.complain("L", "an infinite light takes either `L` or `filename`, not both");
     }
-    let mut scale = p.float("scale", 1.0);
-    if let Some(Color::Rgb(rgb)) = tint.filter(|_| old) {
-        scale *= rgb.iter().sum::<f64>() / 3.0;
-    }
+    let scale = p.float("scale", 1.0);
     let illuminance = p.optional_float("illuminance").filter(|lux| *lux > 0.0);
     let image = LightImage { path: path?, encoding: TextureEncoding::Auto, scale, illuminance };
     let to_world = if old { r.state.ctm[0].after(&LAT_LONG) } else { r.state.ctm[0] };

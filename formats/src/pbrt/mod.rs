@@ -53,6 +53,7 @@ pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Rea
         None,
         &mut directives,
     );
+    old.shutters(&mut directives);
     for (name, _) in &options.defines {
         let text = format!("`{name}` is defined, but pbrt scenes have no parameters");
         problems.push(Diagnostic::error(text, None));

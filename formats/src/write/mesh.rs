@@ -24,7 +24,7 @@ impl Output<'_> {
     pub fn make_ply(&mut self, file: &MeshFile, origin: Origin) -> Result<String, WriteError> {
         let key = format!("mesh {file:?}");
         let mut stem = stem(&file.path);
-        if let MeshFormat::Serialized { index } = file.format {
+        if let MeshFormat::Serialized { index } | MeshFormat::ObjPart { index } = file.format {
             stem = format!("{stem}-{index:03}");
         }
         self.make(&key, "meshes", &stem, "ply", |output| {

@@ -243,7 +243,7 @@ fn transform() -> impl Strategy<Value = Transform> + Clone {
 }
 
 /// With axes of one length.
-fn even(mut m: Transform) -> Transform {
+fn evened(mut m: Transform) -> Transform {
     let length = |m: &Transform, j: usize| (0..3).map(|i| m.0[i][j] * m.0[i][j]).sum::<f64>().sqrt();
     let first = length(&m, 0);
     for j in 1..3 {
@@ -251,6 +251,19 @@ fn even(mut m: Transform) -> Transform {
         (0..3).for_each(|i| m.0[i][j] *= factor);
     }
     m
+}
+
+/// Of the same size along all axes.
+fn even() -> impl Strategy<Value = Transform> + Clone {
+    (between(0.25, 2.0), turned()).prop_map(|(scale, turned)| turned.after(&Transform::scale([scale; 3])))
+}
+
+/// Turned and moved.
+fn turned() -> impl Strategy<Value = Transform> + Clone {
+    (triple(-1.0, 1.0), between(-180.0, 180.0), triple(-10.0, 10.0)).prop_map(|(axis, angle, by)| {
+        let turn = Transform::rotate(axis, angle).unwrap_or(Transform::IDENTITY);
+        Transform::translate(by).after(&turn)
+    })
 }
 
 type Camera = (Transform, Projection, u32, u32);
@@ -338,7 +351,7 @@ fn shape(language: Language) -> BoxedStrategy<Shape> {
         .prop_map(move |(kind, to_world, flip_normals)| {
             // In Mitsuba these stay round whatever the transform says.
             let round = matches!(kind, ShapeKind::Sphere { .. } | ShapeKind::Cylinder { .. });
-            let to_world = if round && language == Language::Mitsuba { even(to_world) } else { to_world };
+            let to_world = if round && language == Language::Mitsuba { evened(to_world) } else { to_world };
             Shape { flip_normals, ..plain_shape(kind, to_world) }
         })
         .boxed()
@@ -480,7 +493,7 @@ fn emitter(language: Language) -> BoxedStrategy<EmitterKind> {
     let directional = (triple(0.25, 1.0), light_color())
         .prop_map(|(direction, irradiance)| EmitterKind::Directional { direction, irradiance });
     let constant = light_color().prop_map(|radiance| EmitterKind::Constant { radiance });
-    let spot = (transform(), light_color(), 20.0..80.0f64).prop_map(move |(to_world, intensity, cutoff)| {
+    let spot = (even(), light_color(), 20.0..80.0f64).prop_map(move |(to_world, intensity, cutoff)| {
         EmitterKind::Spot {
             to_world,
             intensity,
@@ -490,7 +503,7 @@ fn emitter(language: Language) -> BoxedStrategy<EmitterKind> {
             texture: None,
         }
     });
-    let environment = transform().prop_map(move |to_world| EmitterKind::Environment {
+    let environment = turned().prop_map(move |to_world| EmitterKind::Environment {
         to_world,
         image: LightImage {
             path: PathBuf::from("picture.pfm"),

@@ -6,6 +6,7 @@ mod lights;
 mod messages;
 mod plugins;
 mod robust;
+mod versions;
 
 use std::path::{Path, PathBuf};
 

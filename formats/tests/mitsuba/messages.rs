@@ -106,7 +106,7 @@ fn malformed_xml() {
       │ ^
     "#);
     assert_snapshot!(failure("<!DOCTYPE a [<!ENTITY b 'c'>]>\n<scene version='3.0.0'/>"), @r#"
-    error: document type declarations are not allowed
+    error: a document type may not define entities
       ┌─ scene.xml:1:1
       │
     1 │ <!DOCTYPE a [<!ENTITY b 'c'>]>

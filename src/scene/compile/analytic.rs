@@ -17,18 +17,6 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Whether the transform keeps angles, to the 1e-4 that matrices printed with six digits have.
-pub fn is_similarity(m: &Transform) -> bool {
-    let [x, y, z] = columns(m);
-    let s = dot(x, x);
-    let same = |a: f64, b: f64| (a - b).abs() <= 1e-4 * s;
-    same(dot(y, y), s)
-        && same(dot(z, z), s)
-        && same(dot(x, y), 0.0)
-        && same(dot(x, z), 0.0)
-        && same(dot(y, z), 0.0)
-}
-
 fn vec3(v: [f64; 3]) -> Vec3 {
     Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)
 }

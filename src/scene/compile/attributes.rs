@@ -20,10 +20,16 @@ impl Compiler<'_> {
             let found = mesh.and_then(|m| {
                 let attribute = m.attributes.iter().find(|a| a.name == texture.name)?;
                 let corners = if attribute.is_per_face() { Vec::new() } else { m.triangles.clone() };
-                Some(Values { corners, values: attribute.values.clone() })
+                Some((Values { corners, values: attribute.values.clone() }, attribute.note))
             });
             match found {
-                Some(values) => texture.give(index, values),
+                Some((values, note)) => {
+                    texture.give(index, values);
+                    if let Some(note) = note {
+                        let text = format!("the attribute `{}` of this mesh: {note}", texture.name);
+                        self.warn(text, at);
+                    }
+                }
                 None => {
                     let name = texture.name.clone();
                     self.error(format!("this shape has no attribute `{name}`, which its texture shows"), at);

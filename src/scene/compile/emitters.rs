@@ -4,8 +4,10 @@ mod pictured;
 
 use caustica_formats::ir::{self, ColorSlot, EmitterKind};
 
-use super::{Compiler, analytic};
-use crate::emitter::{Constant, Directional, Emitter, Environment, EnvironmentMapping, Falloff, Point, Spot};
+use super::Compiler;
+use crate::emitter::{
+    Constant, Directional, Emitter, Environment, EnvironmentMapping, Falloff, Point, Spot, Stretched,
+};
 use crate::math::{Frame, Vec3};
 
 fn vec3(v: [f64; 3]) -> Vec3 {
@@ -29,7 +31,7 @@ pub fn build(b: &mut Compiler<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>
                 intensity: b.color(intensity, ColorSlot::Emission, at),
             }),
             EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, texture, falloff } => {
-                let Some(frame) = axes(b, to_world, "the spot", at) else { continue };
+                let Some((frame, stretched)) = spot_axes(b, to_world, at) else { continue };
                 // A texture is thrown onto a plane.
                 let widest = if texture.is_some() { 90.0 } else { 180.0 };
                 if !(*cutoff_angle > 0.0 && *cutoff_angle < widest && *beam_width >= 0.0) {
@@ -41,6 +43,7 @@ pub fn build(b: &mut Compiler<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>
                 Emitter::Spot(Spot {
                     position: relative(to_world.point([0.0; 3])),
                     frame,
+                    stretched,
                     intensity: b.color(intensity, ColorSlot::Emission, at),
                     cutoff: cutoff_angle.to_radians() as f32,
                     beam: beam_width.min(*cutoff_angle).to_radians() as f32,
@@ -83,7 +86,7 @@ pub fn build(b: &mut Compiler<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>
 
 /// The turned (and perhaps mirrored) axes of a light that has directions.
 fn axes(b: &mut Compiler<'_>, to_world: &ir::Transform, what: &str, at: ir::Origin) -> Option<Frame> {
-    if !analytic::is_similarity(to_world) {
+    if !to_world.is_similarity() {
         b.error(format!("the to_world of {what} may turn and mirror it, but not stretch it"), at);
         return None;
     }
@@ -93,6 +96,23 @@ fn axes(b: &mut Compiler<'_>, to_world: &ir::Transform, what: &str, at: ir::Orig
         return None;
     };
     Some(Frame { s, t, n })
+}
+
+/// The axes of a spot, and the whole map where it stretches the cone.
+fn spot_axes(b: &mut Compiler<'_>, m: &ir::Transform, at: ir::Origin) -> Option<(Frame, Option<Stretched>)> {
+    if m.is_similarity() {
+        return Some((axes(b, m, "the spot", at)?, None));
+    }
+    let Some(inverse) = m.inverse() else {
+        b.error("the to_world of the spot is singular", at);
+        return None;
+    };
+    let columns = |m: &ir::Transform| {
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| vec3(m.vector(axis)))
+    };
+    let axis = unit(m.vector([0.0, 0.0, 1.0]))?;
+    let stretched = Stretched { to_world: columns(m), to_local: columns(&inverse) };
+    Some((Frame::from_normal(axis), Some(stretched)))
 }
 
 fn picture_environment(

@@ -7,7 +7,7 @@ mod source;
 use header::{Element, Encoding, Property, header};
 use source::Source;
 
-use super::attributes::{Columns, FACE, VERTEX};
+use super::attributes::{Columns, FACE, FOUR, VERTEX, WHOLE};
 use super::{Mesh, MeshError, MeshOptions, check_indices, finish};
 
 /// Reads a PLY file: vertices with `x y z`, optionally `nx ny nz` and one of `u v`, `s t` or
@@ -97,11 +97,27 @@ fn vertex_columns(element: &Element, targets: &[Target]) -> Columns {
     let free = element.properties.iter().zip(targets).map(|(p, target)| {
         (p.list.is_none() && matches!(target, Target::Nothing)).then_some(p.name.as_str())
     });
-    Columns::new(VERTEX, free)
+    noted(Columns::new(VERTEX, free), element)
+}
+
+/// Says of each attribute what its properties are.
+fn noted(mut columns: Columns, element: &Element) -> Columns {
+    let alpha = element.properties.iter().any(|p| matches!(p.name.as_str(), "a" | "alpha"));
+    for (property, place) in element.properties.iter().zip(&columns.places) {
+        let Some((attribute, _)) = *place else { continue };
+        let is_color = matches!(property.name.as_str(), "r" | "g" | "b" | "red" | "green" | "blue");
+        if is_color && alpha {
+            columns.notes[attribute] = Some(FOUR);
+        } else if !matches!(property.scalar, header::Scalar::F32 | header::Scalar::F64) {
+            columns.notes[attribute] = Some(WHOLE);
+        }
+    }
+    columns
 }
 
 fn face_columns(element: &Element) -> Columns {
-    Columns::new(FACE, element.properties.iter().map(|p| p.list.is_none().then_some(p.name.as_str())))
+    let free = element.properties.iter().map(|p| p.list.is_none().then_some(p.name.as_str()));
+    noted(Columns::new(FACE, free), element)
 }
 
 fn read_vertices(source: &mut Source<'_>, element: &Element, mesh: &mut Mesh) -> Result<(), MeshError> {

@@ -48,16 +48,17 @@ fn perturbed<'a>(reader: &Reader<'a>, props: &mut Props<'a>) -> PerturbedShading
 }
 
 impl<'a> Reader<'a> {
-    /// A nested texture of numbers. 0.6 reads images here without decoding them.
-    fn numbers(&mut self, nested: Nested) -> Option<Id<Texture>> {
-        let id = self.texture(nested.index)?;
+    /// A nested texture of numbers, or a spectrum plugin. 0.6 reads images here without decoding them.
+    fn numbers(&mut self, nested: Nested) -> Option<ColorInput> {
+        let input = self.nested_color(nested.index)?;
+        let ColorInput::Texture(id) = input else { return Some(input) };
         let mut texture = self.scene.textures[id].clone();
         match &mut texture.kind {
             TextureKind::Bitmap(b) if self.dialect == Dialect::Old && b.encoding == TextureEncoding::Auto => {
                 b.encoding = TextureEncoding::Linear;
-                Some(self.scene.textures.push(texture))
+                Some(ColorInput::Texture(self.scene.textures.push(texture)))
             }
-            _ => Some(id),
+            _ => Some(ColorInput::Texture(id)),
         }
     }
 }
@@ -65,7 +66,7 @@ impl<'a> Reader<'a> {
 pub(super) fn bump_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
     let scale = props.float("scale", 1.0);
     let shading = perturbed(reader, props);
-    let (texture, nested) = (props.only_child(Class::Texture), props.only_child(Class::Bsdf));
+    let (texture, nested) = (props.only_texture(), props.only_child(Class::Bsdf));
     let Some(nested) = nested else {
         props.needs("a nested bsdf");
         return None;
@@ -77,21 +78,25 @@ pub(super) fn bump_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Op
             None
         }
     };
-    let height = height.map_or(FloatInput::Value(0.0), FloatInput::Texture);
+    // The same height everywhere is a flat surface.
+    let height = match height {
+        Some(ColorInput::Texture(id)) => FloatInput::Texture(id),
+        Some(ColorInput::Color(_)) | None => FloatInput::Value(0.0),
+    };
     Some(BsdfKind::BumpMap { height, scale, shading, nested: reader.bsdf(nested.index) })
 }
 
 pub(super) fn normal_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
     let shading = perturbed(reader, props);
     // By name in Mitsuba 3, by its kind in 0.6.
-    let (texture, nested) = (props.only_child(Class::Texture), props.only_child(Class::Bsdf));
+    let (texture, nested) = (props.only_texture(), props.only_child(Class::Bsdf));
     let Some(nested) = nested else {
         props.needs("a nested bsdf");
         return None;
     };
     let normals = match texture {
         Some(texture) => reader.numbers(texture),
-        None if props.has("filename") => own_picture(reader, props),
+        None if props.has("filename") => own_picture(reader, props).map(ColorInput::Texture),
         None => {
             props.needs("a nested texture `normalmap`");
             None
@@ -99,7 +104,7 @@ pub(super) fn normal_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> 
     };
     // (½, ½, 1) tilts nothing.
     let flat = ColorInput::Color(Color::Rgb([0.5, 0.5, 1.0]));
-    let normals = normals.map_or(flat, ColorInput::Texture);
+    let normals = normals.unwrap_or(flat);
     Some(BsdfKind::NormalMap { normals, shading, nested: reader.bsdf(nested.index) })
 }
 

@@ -120,6 +120,7 @@ impl Writer<'_, '_> {
         let keep = file.max_smooth_angle.is_none()
             && match file.format {
                 MeshFormat::Obj | MeshFormat::Serialized { .. } => true,
+                MeshFormat::ObjPart { .. } => false,
                 MeshFormat::Ply => self.out.is_triangle_ply(file)?,
             };
         if !keep {
@@ -131,11 +132,9 @@ impl Writer<'_, '_> {
         let name = self.out.carry(&file.path, "meshes");
         let flat = file.face_normals || file.authored_normals && self.out.mesh(file)?.normals.is_empty();
         Ok(match file.format {
-            MeshFormat::Obj => plugin("obj").string("filename", &name).boolean_unless(
-                "flip_tex_coords",
-                file.flip_tex_coords,
-                true,
-            ),
+            MeshFormat::Obj | MeshFormat::ObjPart { .. } => plugin("obj")
+                .string("filename", &name)
+                .boolean_unless("flip_tex_coords", file.flip_tex_coords, true),
             MeshFormat::Ply => plugin("ply").string("filename", &name).boolean_unless(
                 "flip_tex_coords",
                 file.flip_tex_coords,

@@ -1,6 +1,7 @@
 //! pbrt-v3 to v4: a v3 scene is refused with the new spelling of each construct, or converted when the options ask
 //! for it.
 
+mod lights;
 mod table;
 
 use std::collections::HashMap;
@@ -25,6 +26,8 @@ pub(super) struct Old {
     found: Vec<Found>,
     index: HashMap<String, usize>,
     problems: Vec<Diagnostic>,
+    /// Spots with an edge, which are v3's if anything is.
+    spots: Vec<Span>,
 }
 
 /// In place of the new spelling, where pbrt-v4 has none.
@@ -40,7 +43,7 @@ const TYPES: &[(&str, ParamType)] = &[
 
 impl Old {
     pub fn new(lenient: bool) -> Self {
-        Self { lenient, found: Vec::new(), index: HashMap::new(), problems: Vec::new() }
+        Self { lenient, found: Vec::new(), index: HashMap::new(), problems: Vec::new(), spots: Vec::new() }
     }
 
     /// Records that pbrt-v4 writes `now` for `what`.
@@ -62,7 +65,14 @@ impl Old {
     }
 
     /// The problems: errors with the new spelling, or the losses of what was upgraded.
-    pub fn finish(self) -> Vec<Diagnostic> {
+    pub fn finish(mut self) -> Vec<Diagnostic> {
+        if !self.found.is_empty() {
+            for span in std::mem::take(&mut self.spots) {
+                let text = "the edge of a spot of pbrt-v3 falls with the fourth power of its cosine's share of the way; \
+                            here it falls smoothly, and is brighter";
+                self.lost(span, text.to_owned());
+            }
+        }
         let mut problems = self.problems;
         if self.lenient {
             return problems;
@@ -117,6 +127,9 @@ impl Old {
         }
         d.params.iter_mut().for_each(from_xyz);
         self.blackbodies(d);
+        if self.lenient {
+            self.light(d);
+        }
         let class = if d.name == "MakeNamedMaterial" { "Material" } else { d.name.as_str() };
         let kind = kind(d);
         let general: Vec<&Row> = table::ROWS
@@ -126,31 +139,7 @@ impl Old {
         for row in general {
             self.apply(d, row);
         }
-        if self.lenient {
-            average_scale(d);
-        }
         true
-    }
-
-    /// A blackbody had a scale beside its temperature.
-    fn blackbodies(&mut self, d: &mut Directive) {
-        let mut factor = 1.0;
-        let mut place = d.span;
-        for p in d.params.iter_mut().filter(|p| p.kind == ParamType::Blackbody) {
-            if let Values::Floats(v) = &mut p.values
-                && let [_, scale] = v[..]
-            {
-                self.found(p.value_span, "a blackbody with a scale", "the temperature, and \"float scale\"");
-                (factor, place) = (factor * scale, p.span);
-                v.truncate(1);
-            }
-        }
-        let given = d.params.iter_mut().rfind(|p| p.name == "scale" && p.kind == ParamType::Float);
-        match given.map(|p| &mut p.values) {
-            _ if factor == 1.0 => {}
-            Some(Values::Floats(v)) => v.iter_mut().for_each(|v| *v *= factor),
-            _ => d.params.push(made(ParamType::Float, "scale", Values::Floats(vec![factor]), place)),
-        }
     }
 
     fn apply(&mut self, d: &mut Directive, row: &Row) {
@@ -251,18 +240,5 @@ fn from_xyz(p: &mut Param) {
             (-0.969_244 * x + 1.875_968 * y + 0.041_555 * z).max(0.0),
             (0.055_63 * x - 0.203_977 * y + 1.056_972 * z).max(0.0),
         ];
-    }
-}
-
-/// The `scale` of a light was a colour.
-fn average_scale(d: &mut Directive) {
-    if !matches!(d.name.as_str(), "LightSource" | "AreaLightSource") {
-        return;
-    }
-    for p in d.params.iter_mut().filter(|p| p.name == "scale" && p.kind == ParamType::Rgb) {
-        if let Values::Floats(v) = &mut p.values {
-            *v = vec![v.iter().sum::<f64>() / v.len().max(1) as f64];
-            p.kind = ParamType::Float;
-        }
     }
 }

@@ -137,7 +137,12 @@ pub(super) const ROWS: &[Row] = &[
     same("Texture", "texture", "scale", &[("tex1", With("`tex` and `scale`", scale_operands))]),
     // Lights.
     same("LightSource", "light", "", &[("nsamples", Drop), ("samples", Drop)]),
-    same("LightSource", "light", "goniometric", &[("mapname", Rename("filename"))]),
+    same(
+        "LightSource",
+        "light",
+        "goniometric",
+        &[("mapname", Lose("its picture is of latitude and longitude; the light shines evenly"))],
+    ),
     same("LightSource", "light", "projection", &[("mapname", Rename("filename"))]),
     same(
         "LightSource",

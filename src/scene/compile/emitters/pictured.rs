@@ -6,7 +6,7 @@ use super::super::Compiler;
 use super::super::sensor::field_of_view;
 use super::axes;
 use crate::emitter::{Emitter, Frustum, Goniometric, Picture, Projection, Projector};
-use crate::math::Vec3;
+use crate::math::{Frame, Vec2, Vec3};
 use crate::sensor::{Axis, Perspective};
 use crate::spectrum::luminance;
 use crate::texture::Texture;
@@ -19,7 +19,7 @@ pub fn build(
 ) -> Option<Emitter> {
     match kind {
         EmitterKind::Projector { to_world, irradiance, scale, fov, fov_axis } => {
-            let axes = axes(b, to_world, "the projector", at)?;
+            let (axes, [wider, higher]) = frustum_axes(b, to_world, at)?;
             let irradiance = b.param(irradiance, ColorSlot::Emission, at);
             // A picture keeps its shape; anything else is square.
             let aspect = irradiance.texture(b.textures_of(irradiance)).map_or(1.0, |t| match t {
@@ -27,7 +27,8 @@ pub fn build(
                 _ => 1.0,
             });
             let (angle, axis) = field_of_view(*fov, *fov_axis);
-            let half = Perspective::new(angle, axis, aspect).window.half;
+            let [width, height] = Perspective::new(angle, axis, aspect).window.half.to_array();
+            let half = Vec2::new(width * wider, height * higher);
             let irradiance = b.scaled(irradiance, *scale as f32);
             let frustum = Frustum { position: position(to_world), axes, half };
             Some(Emitter::Projector(Projector { frustum, irradiance }))
@@ -68,4 +69,17 @@ pub fn build(
             None
         }
     }
+}
+
+/// The axes of a projector whose picture may be stretched along its sides, and by how much against its depth.
+fn frustum_axes(b: &mut Compiler<'_>, m: &ir::Transform, at: ir::Origin) -> Option<(Frame, [f32; 2])> {
+    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| m.vector(axis));
+    let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let depth = length(columns[2]);
+    let stretch = [length(columns[0]) / depth, length(columns[1]) / depth];
+    let even = m.after(&ir::Transform::scale([1.0 / stretch[0], 1.0 / stretch[1], 1.0]));
+    let even = if m.is_similarity() || !stretch.iter().all(|s| s.is_normal()) { *m } else { even };
+    let axes = axes(b, &even, "the projector", at)?;
+    let stretch = if m.is_similarity() { [1.0; 2] } else { stretch.map(|s| s as f32) };
+    Some((axes, stretch))
 }

@@ -9,7 +9,7 @@ use caustica_formats::ir::{self, ShapeKind, Transform};
 use caustica_formats::mesh::{self, Mesh, MeshOptions, builtin};
 use rayon::prelude::*;
 
-use super::super::{Compiler, analytic, partial};
+use super::super::{Compiler, partial};
 use super::{LevelParts, every_shape};
 use crate::math::Vec3;
 use crate::scene::ShapeRecord;
@@ -114,7 +114,7 @@ pub fn form<'a>(
             triangles: mesh.triangles.clone(),
             attributes: Vec::new(),
         },
-        ShapeKind::Sphere { center, radius } if !analytic::is_similarity(to_level) => {
+        ShapeKind::Sphere { center, radius } if !to_level.is_similarity() => {
             let Some(mesh) = partial::sphere(*center, *radius, mirrored()) else {
                 b.error("the sphere has no radius", shape.origin);
                 return None;

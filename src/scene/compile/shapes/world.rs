@@ -80,7 +80,7 @@ impl World {
             // A stretched quadric becomes an instance of the plain one; an emitting sphere becomes a mesh,
             // because instances cannot emit.
             kind if analytic::is_quadric(kind)
-                && !analytic::is_similarity(&shape.to_world)
+                && !shape.to_world.is_similarity()
                 && !(shape.emission.is_some() && matches!(kind, ShapeKind::Sphere { .. })) =>
             {
                 if let Some(e) = &shape.emission {
