@@ -12,8 +12,7 @@
 //! V(n) = Δₘ/(2ˢ − 1). Independent passes have s = 1 and V(n) = Δₘ, also when later passes are noisier
 //! than earlier ones, as those of progressive photon mapping are: E(A − B)²/4 is (V_A + V_B)/4 then.
 
-use super::STRIDE;
-use super::pixels::luminance_sum;
+use super::stored::{STRIDE, luminance_sum};
 
 /// What each doubling of the passes took from the mean variance of a pixel's luminance.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,17 +2,21 @@
 
 mod doublings;
 pub mod filter;
+mod layer;
 mod pixels;
 mod rejected;
 mod response;
 mod splats;
+mod stored;
 
 pub use doublings::Doublings;
 pub use filter::Filter;
-pub use pixels::{LAYERS, Layer, Mean, Pixels, Radiance, STRIDE};
+pub use layer::{LAYERS, Layer, Radiance};
+pub use pixels::{Mean, Pixels};
 pub use rejected::{Rejected, RejectedLayer};
 pub use response::Response;
 pub use splats::{SplatList, Splats};
+pub use stored::STRIDE;
 
 /// Size of the picture and the part of it that is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

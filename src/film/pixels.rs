@@ -1,55 +1,11 @@
-use super::{Doublings, Rejected};
+//! The sums of a picture over its passes, and what one pass adds to a pixel.
+
+use super::doublings::Doublings;
+use super::layer::{LAYERS, Layer, Radiance};
+use super::rejected::Rejected;
+use super::stored::{ALPHA, SQUARE, STRIDE, luminance_sum};
 use crate::math::Color;
 use crate::spectrum::to_rgb;
-
-/// The parts a picture is made of; they sum to the beauty.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Layer {
-    /// Lamps and environment seen directly or through specular surfaces.
-    Emission,
-    /// Light that reaches the first rough surface straight from a lamp.
-    Direct,
-    /// Light that reaches it through specular surfaces only.
-    Caustic,
-    /// Everything else.
-    Indirect,
-}
-
-/// Layers in storage order with their names in files.
-pub const LAYERS: [(Layer, &str); 4] = [
-    (Layer::Emission, "emission"),
-    (Layer::Direct, "direct"),
-    (Layer::Caustic, "caustic"),
-    (Layer::Indirect, "indirect"),
-];
-
-/// One camera sample, by layer.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Radiance {
-    /// Radiance by layer, indexed by `Layer as usize`.
-    pub layers: [Color; LAYERS.len()],
-    /// 1 where the camera ray met a surface.
-    pub alpha: f32,
-}
-
-impl Radiance {
-    /// Adds light to a layer.
-    #[inline]
-    pub fn add(&mut self, layer: Layer, value: Color) {
-        self.layers[layer as usize] += value;
-    }
-
-    /// Changes the light, not the coverage.
-    #[inline]
-    pub fn map(&mut self, change: impl Fn(Color) -> Color) {
-        self.layers.iter_mut().for_each(|l| *l = change(*l));
-    }
-
-    /// The beauty: all layers together.
-    pub fn sum(&self) -> Color {
-        self.layers.iter().copied().sum()
-    }
-}
 
 /// Sums over passes. f64: after 10⁴ passes f32 sums would drop the small additions.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -60,11 +16,6 @@ pub struct Pixels {
     pub samples_a_pass: u32,
     doublings: Doublings,
 }
-
-const ALPHA: usize = 3 * LAYERS.len();
-const SQUARE: usize = ALPHA + 1;
-/// Numbers kept per pixel.
-pub const STRIDE: usize = SQUARE + 1;
 
 impl Pixels {
     /// Empty sums of `count` pixels.
@@ -146,12 +97,6 @@ impl Pixels {
         let mean = sum / self.sums.len().max(1) as f64 / f64::from(passes.max(1));
         if mean > 0.0 { self.doublings.variance(passes).sqrt() / mean } else { f64::INFINITY }
     }
-}
-
-/// Luminance of the sum of all layers, which come first in `s`.
-pub(super) fn luminance_sum(s: &[f64]) -> f64 {
-    let channel = |c: usize| (0..LAYERS.len()).map(|l| s[3 * l + c]).sum::<f64>();
-    0.212671 * channel(0) + 0.715160 * channel(1) + 0.072169 * channel(2)
 }
 
 /// What a pass brings to a pixel: the mean of its samples.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Layer;
+use super::layer::Layer;
 
 /// Camera samples of one layer that were left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

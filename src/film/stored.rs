@@ -1,0 +1,16 @@
+//! The numbers that are stored for a pixel: layers × RGB, then alpha, then the square of the luminance.
+
+use super::layer::LAYERS;
+
+/// Place of alpha, after the layers.
+pub(super) const ALPHA: usize = 3 * LAYERS.len();
+/// Place of the square of the sample's luminance.
+pub(super) const SQUARE: usize = ALPHA + 1;
+/// Numbers kept per pixel.
+pub const STRIDE: usize = SQUARE + 1;
+
+/// Luminance of the sum of all layers, which come first in `s`.
+pub(super) fn luminance_sum(s: &[f64]) -> f64 {
+    let channel = |c: usize| (0..LAYERS.len()).map(|l| s[3 * l + c]).sum::<f64>();
+    0.212671 * channel(0) + 0.715160 * channel(1) + 0.072169 * channel(2)
+}
