@@ -111,7 +111,7 @@ fn imports_point_downwards() {
     assert!(wrong.is_empty(), "imports that point upwards:\n{}", wrong.join("\n"));
 }
 
-/// `math/kernel` knows only floats; `photon/store` and `scan` only math (and what a photon is);
+/// `math/kernel` knows only floats; `photon/store`, `scan` and `find` only math (and what a photon is);
 /// `bsdf` and `shape` never see a scene (a level rule, restated where it matters most).
 #[test]
 fn the_photon_store_knows_no_surfaces() {
@@ -123,7 +123,7 @@ fn the_photon_store_knows_no_surfaces() {
                 assert!(other.is_empty(), "{}: {other:?}", s.path);
                 assert!(!product(&s.text).contains("use super::"), "{}", s.path);
             }
-            "src/photon/store.rs" | "src/photon/scan.rs" => {
+            "src/photon/store.rs" | "src/photon/scan.rs" | "src/photon/find.rs" => {
                 let other: Vec<_> = targets.iter().filter(|t| **t != "math").collect();
                 assert!(other.is_empty(), "{}: {other:?}", s.path);
             }

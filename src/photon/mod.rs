@@ -2,6 +2,7 @@
 
 mod boundary;
 pub mod estimate;
+mod find;
 pub mod radius;
 mod scan;
 pub mod store;

@@ -4,12 +4,9 @@
 //! instruction set and chosen at run time. No fused operations are used, so every variant gives the
 //! same bits.
 
-use super::store::{HEIGHT, NORMAL_AGREEMENT, PhotonMap, Query};
+use super::store::{HEIGHT, LANES, NORMAL_AGREEMENT, PhotonMap, Query};
 use crate::math::Color;
 use crate::math::kernel::Kernel;
-
-/// Photons tested together.
-pub const LANES: usize = 16;
 
 /// Constants rather than shifts: the compiler then masks and folds whole vectors.
 const BITS: [u32; LANES] = [

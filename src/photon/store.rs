@@ -6,7 +6,6 @@
 use rayon::prelude::*;
 
 use super::PathClass;
-use super::scan::{self, LANES};
 use crate::math::{Bounds, Color, Vec3, encode_direction};
 
 /// A photon as traced.
@@ -39,6 +38,8 @@ pub struct Query {
     pub radius: f32,
 }
 
+/// Photons tested together; the columns of a map are padded by as many.
+pub const LANES: usize = 16;
 /// Smallest cosine between the normals of photon and query for the two to be on one surface.
 pub const NORMAL_AGREEMENT: f32 = 0.6;
 /// Height over the tangent plane, as a share of the distance, up to which a photon is on the surface.
@@ -58,7 +59,7 @@ pub struct PhotonMap {
     /// First photon of each cell, and the count at the end.
     starts: Vec<u32>,
     origin: Vec3,
-    inverse_cell: f32,
+    pub(super) inverse_cell: f32,
     dims: [usize; 3],
     /// All photons are of this class.
     pub uniform_class: Option<PathClass>,
@@ -219,48 +220,10 @@ impl PhotonMap {
         Runs { map: self, x: [self.coordinate(lo.x, 0), self.coordinate(hi.x, 0)], y, z, at: [y[0], z[0]] }
     }
 
-    /// Calls `found(index, squared distance)` for every photon of the disc, in storage order.
-    #[inline]
-    pub fn within(&self, q: &Query, found: &mut impl FnMut(u32, f32)) {
-        if self.count > 0 {
-            scan::visit(self, q, found);
-        }
-    }
-
     /// Where photon `i` lies.
     #[inline]
     pub fn place(&self, i: u32) -> Vec3 {
         Vec3::from_array(self.position.each_ref().map(|axis| axis[i as usize]))
-    }
-
-    /// The `k` nearest photons of the disc (fewer if it holds fewer) as (squared distance, index) in
-    /// `out`, unordered. Ties go to the lower index, so the set does not depend on how it is searched.
-    /// `hint` is where to start; it is updated and affects speed only.
-    pub fn nearest(&self, q: &Query, k: usize, hint: &mut f32, out: &mut Vec<(f32, u32)>) {
-        out.clear();
-        if self.count == 0 || k == 0 {
-            return;
-        }
-        let mut radius =
-            if *hint > 0.0 { hint.min(q.radius) } else { (1.0 / self.inverse_cell).min(q.radius) };
-        loop {
-            out.clear();
-            self.within(&Query { radius, ..*q }, &mut |i, d2| out.push((d2, i)));
-            if out.len() >= k || radius >= q.radius {
-                break;
-            }
-            let growth = if out.len() > 8 { (k as f32 / out.len() as f32).sqrt() * 1.1 } else { 2.0 };
-            radius = (radius * growth.clamp(1.1, 2.0)).min(q.radius);
-        }
-        if out.len() > k {
-            let by_distance = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-            out.select_nth_unstable_by(k - 1, by_distance);
-            out.truncate(k);
-            // A tenth more than this query needed: its neighbour will need about as much.
-            *hint = out[k - 1].0.sqrt() * 1.1;
-        } else {
-            *hint = radius;
-        }
     }
 }
 
