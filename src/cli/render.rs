@@ -12,7 +12,7 @@ use super::scene::SceneArgs;
 use super::{report, summary};
 use crate::math::kernel::KernelKind;
 use crate::render::{Budget, Outcome, Progress, Stop, Sums};
-use crate::session::{Layers, Output, Saver, Session};
+use crate::session::{Error, Layers, Output, Saver, Session};
 use crate::settings::{SETTINGS, Settings};
 
 /// Arguments of `render`.
@@ -99,7 +99,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
         rayon::ThreadPoolBuilder::new().num_threads(n as usize).build_global().map_err(|e| e.to_string())?;
     }
     // Found before the scene is read, which may take long.
-    let layers = args.layers.as_deref().map(str::parse::<Layers>).transpose()?;
+    let layers = args.layers.as_deref().map(str::parse::<Layers>).transpose().map_err(Error::from)?;
     let started = Instant::now();
     let session = args.scene.open(args.quiet)?;
     let load_seconds = started.elapsed().as_secs_f64();

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error as ThisError;
 
+use super::layers::UnknownLayer;
 use super::units::megabytes;
 use crate::render::CheckpointError;
 use crate::settings::SettingError;
@@ -23,11 +24,8 @@ pub enum Error {
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// A layer was asked for that does not exist.
-    #[error("there is no layer `{name}`; there are {}", super::layers::names())]
-    UnknownLayer {
-        /// As it was asked for.
-        name: String,
-    },
+    #[error(transparent)]
+    UnknownLayer(#[from] UnknownLayer),
     /// An output would lose something that was asked for.
     #[error("{what} can be stored in .exr files only, and `{}` is the only output", file.display())]
     NeedsExr {
@@ -98,7 +96,7 @@ impl Error {
         matches!(
             self,
             Self::Setting(_)
-                | Self::UnknownLayer { .. }
+                | Self::UnknownLayer(_)
                 | Self::NeedsExr { .. }
                 | Self::UnknownFormat { .. }
                 | Self::IsInput(_)

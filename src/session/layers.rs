@@ -2,7 +2,8 @@
 
 use std::str::FromStr;
 
-use super::Error;
+use thiserror::Error;
+
 use crate::film::LAYERS;
 
 /// Layers that may be asked for, in the order in which `all` stores them: the parts of the picture, which
@@ -18,8 +19,16 @@ pub const KNOWN: [&str; LAYERS.len() + 2] = {
     known
 };
 
+/// A layer was asked for that does not exist.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("there is no layer `{name}`; there are {}", names())]
+pub struct UnknownLayer {
+    /// As it was asked for.
+    pub name: String,
+}
+
 /// The names, for people.
-pub(super) fn names() -> String {
+fn names() -> String {
     KNOWN.join(", ")
 }
 
@@ -45,11 +54,11 @@ impl Layers {
 }
 
 impl FromStr for Layers {
-    type Err = Error;
+    type Err = UnknownLayer;
 
     /// A list of names of [`KNOWN`] with commas between them, among which `all` stands for every one and
     /// `none` for nothing. A layer that is named twice is stored once.
-    fn from_str(list: &str) -> Result<Self, Error> {
+    fn from_str(list: &str) -> Result<Self, UnknownLayer> {
         let mut layers = Self::default();
         for name in list.split(',').map(str::trim).filter(|name| !name.is_empty()) {
             let wanted = match name {
@@ -57,7 +66,7 @@ impl FromStr for Layers {
                 "all" => &KNOWN[..],
                 _ => match KNOWN.iter().position(|known| *known == name) {
                     Some(i) => &KNOWN[i..=i],
-                    None => return Err(Error::UnknownLayer { name: name.to_owned() }),
+                    None => return Err(UnknownLayer { name: name.to_owned() }),
                 },
             };
             for layer in wanted {

@@ -42,7 +42,7 @@ pub use caustica_formats::ir::{Crop, Filter, SpectrumRule};
 pub use checkpoint::Saver;
 pub use describe::{Description, Finding};
 pub use error::Error;
-pub use layers::{KNOWN as KNOWN_LAYERS, Layers};
+pub use layers::{KNOWN as KNOWN_LAYERS, Layers, UnknownLayer};
 pub use lock::Lock;
 pub use memory::Memory;
 pub use options::Options;
