@@ -1,17 +1,14 @@
-//! Subcommands. Each is one file that parses arguments, calls the library and prints.
+//! Subcommands. Each is one file or folder that parses arguments, calls the library and prints.
 
 mod bench;
-mod check;
 mod compare;
 mod convert;
 mod failure;
 mod inspect;
 mod interrupt;
-mod outside;
 mod render;
 mod report;
 mod scene;
-mod sizes;
 mod summary;
 
 use std::process::ExitCode;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::convert::ConvertArgs;
-use super::failure::Failure;
-use super::report;
+use super::args::ConvertArgs;
+use crate::cli::failure::Failure;
+use crate::cli::{FAILED, report};
 use crate::film::Pixels;
 use crate::render::Budget;
 use crate::session::{Options, Session};
@@ -63,7 +63,7 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
             if good { "equal within noise" } else { "DIFFERENT" },
         )
     })?;
-    Ok(if good { 0 } else { super::FAILED })
+    Ok(if good { 0 } else { FAILED })
 }
 
 /// A small film and a few samples a pixel, by path tracing.

@@ -5,21 +5,11 @@ use std::process::{Command, Stdio};
 
 use caustica_formats::image;
 use caustica_formats::spectrum::luminance;
-use clap::ValueEnum;
 
+use super::args::{ConvertArgs, Renderer};
 use super::check::{PASSES, SIDE, mean_error, picture, small};
-use super::convert::ConvertArgs;
-use super::failure::Failure;
-use super::report;
-
-/// A renderer that may be installed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Renderer {
-    /// Mitsuba 3, as a module of `python3`
-    Mitsuba,
-    /// pbrt-v4, as `pbrt`
-    Pbrt,
-}
+use crate::cli::failure::Failure;
+use crate::cli::{FAILED, report};
 
 /// Largest relative difference of the means beyond noise.
 const LARGEST_BIAS: f64 = 0.01;
@@ -110,7 +100,7 @@ pub fn run(args: &ConvertArgs, renderer: Renderer) -> Result<u8, Failure> {
         100.0 * noise,
         if good { "equal" } else { "DIFFERENT" },
     ))?;
-    Ok(if good { 0 } else { super::FAILED })
+    Ok(if good { 0 } else { FAILED })
 }
 
 /// The renderer's name, and its pictures with different seeds.

@@ -1,50 +1,19 @@
 //! `caustica convert`: a scene in the language that the name of the output asks for.
 
-use std::path::PathBuf;
+mod args;
+mod check;
+mod outside;
+mod sizes;
 
 use caustica_formats::confined::Confined;
 use caustica_formats::image::atomic_write;
 use caustica_formats::{Loss, Read, ReadOptions, WriteError, Written, ir, read_scene, write_scene};
-use clap::Args;
 
 use super::failure::Failure;
-use super::scene::{SpectralRule, pair};
-use super::{check, outside, report, sizes};
+use super::report;
 use crate::session::check_place;
 
-/// Arguments of `convert`.
-#[derive(Debug, Args)]
-pub struct ConvertArgs {
-    /// Scene to read: Mitsuba .xml of any version, pbrt-v4 .pbrt (v3 is upgraded)
-    pub input: PathBuf,
-    /// Scene to write; its extension says the language (.xml: Mitsuba 3, .pbrt: pbrt-v4)
-    pub output: PathBuf,
-    /// Value of a scene parameter `$NAME`
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
-    pub define: Vec<(String, String)>,
-    /// Write the losses as JSON
-    #[arg(long, value_name = "FILE.json")]
-    report: Option<PathBuf>,
-    /// Render both scenes, small, and fail when they differ by more than noise
-    #[arg(long)]
-    check: bool,
-    /// Render the source here and the result with its own renderer, where that is installed, and fail when their
-    /// means differ by more than 1 % and noise
-    #[arg(long, value_name = "RENDERER", value_enum)]
-    check_with: Option<outside::Renderer>,
-    /// Replace files that exist
-    #[arg(long)]
-    force: bool,
-    /// How spectra that the language cannot say become RGB (as for `render`)
-    #[arg(long, value_name = "RULE", value_enum, default_value = "mitsuba3")]
-    pub spectral_to_rgb: SpectralRule,
-    /// Convert what is not supported as something near, with a warning
-    #[arg(long)]
-    pub allow_unsupported: bool,
-    /// Also read and search this folder; a scene may read below its own folder only
-    #[arg(long, value_name = "DIR")]
-    pub allow_path: Vec<PathBuf>,
-}
+pub use args::ConvertArgs;
 
 /// Converts a scene. The exit status is 0, or with `--check` 1 where the pictures differ.
 ///
