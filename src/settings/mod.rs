@@ -1,0 +1,177 @@
+//! Every setting of a render: one row per name, with its type, default and words. The scene sets them
+//! first, the command line after, both by these names.
+//!
+//! To add one: a row of [`settings!`] here, and its name with its type in
+//! `caustica_formats::ir::INTEGRATOR_SETTINGS`, so that scenes may set it too.
+
+mod choices;
+mod numbers;
+mod value;
+
+use thiserror::Error;
+
+use crate::math::kernel::KernelKind;
+
+pub use choices::{IntegratorKind, Lookup, Mode, Roulette};
+pub use numbers::{Cap, Count, Limit, Neighbours, Radius, Samples};
+use value::Value;
+
+/// A setting that could not be set.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum SettingError {
+    /// No row of [`SETTINGS`] has this name.
+    #[error("there is no setting `{name}`{}", suggestion(.nearest))]
+    Unknown {
+        /// As it was given.
+        name: String,
+        /// A name that was probably meant.
+        nearest: Option<String>,
+    },
+    /// The value is none that the setting can have.
+    #[error("setting `{name}` wants {wants}, got `{got}`")]
+    Invalid {
+        /// The setting.
+        name: String,
+        /// What its values look like, in words.
+        wants: String,
+        /// The value that was given.
+        got: String,
+    },
+}
+
+fn suggestion(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or_else(String::new, |n| format!("; did you mean `{n}`?"))
+}
+
+/// One row of [`SETTINGS`].
+#[derive(Debug)]
+pub struct Row {
+    /// By which scenes and the command line set it.
+    pub name: &'static str,
+    /// What its values look like, for people.
+    pub wants: &'static str,
+    /// What it does.
+    pub doc: &'static str,
+    set: fn(&mut Settings, &str) -> Result<(), String>,
+    get: fn(&Settings) -> String,
+}
+
+macro_rules! settings {
+    ($($field:ident: $type:ty = $default:expr, $wants:literal, $doc:literal;)+) => {
+        /// How to render. Field order is that of `--help-settings`.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct Settings { $(#[doc = $doc] pub $field: $type),+ }
+
+        impl Default for Settings {
+            fn default() -> Self {
+                Self { $($field: $default),+ }
+            }
+        }
+
+        /// All settings.
+        pub const SETTINGS: &[Row] = &[$(Row {
+            name: stringify!($field),
+            wants: $wants,
+            doc: $doc,
+            set: |s, text| { s.$field = <$type as Value>::parse(text)?; Ok(()) },
+            get: |s| s.$field.to_string(),
+        }),+];
+    };
+}
+
+settings! {
+    integrator: IntegratorKind = IntegratorKind::PhotonMap, "photonmap or path", "what computes the picture";
+    mode: Mode = Mode::Progressive, "progressive or classic", "a new photon map each pass with shrinking radius, or one map for all passes";
+    passes: u32 = 4, "a whole number from 1", "camera samples a pixel; in progressive mode also photon passes";
+    camera_samples: Samples = Samples(None), "a count or auto", "photon mapping: camera samples a pixel in each pass; auto is 1, but more for pictures below 16384 pixels";
+    max_depth: Limit = Limit::NONE, "a whole number or -1", "path segments from camera to lamp: 1 is emission seen directly, 2 adds direct light";
+    rr_depth: u32 = 5, "a whole number from 1", "path segments before Russian roulette may end a camera path";
+    hide_emitters: bool = false, "true or false", "lamps and environment are not seen directly";
+    nee: bool = true, "true or false", "direct light by next event estimation rather than from first photon hits";
+    photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels";
+    caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is the number of pixels";
+    lookup: Lookup = Lookup::Radius, "radius or nearest", "density from all photons within the radius, or from the nearest ones";
+    neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a global estimate when lookup=nearest; the farthest only bounds the disc";
+    caustic_neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a caustic estimate when lookup=nearest";
+    caustic_cap: Cap = Cap::NONE, "a whole number from 2, or -1", "most caustic photons of one estimate: the nearest are kept";
+    radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "global search radius (of the first pass when progressive)";
+    caustic_radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "caustic search radius (of the first pass when progressive)";
+    alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction: share of new photons kept, global map";
+    caustic_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction of the caustic map";
+    kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "weight of a photon by its distance, global map";
+    caustic_kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "the same for the caustic map";
+    caustic_map: bool = true, "true or false", "caustic photons in a map of their own";
+    glossy: f32 = 0.2, "a number between 0 and 1", "roughness (α) below which a reflection is followed like a mirror's instead of read from photons";
+    boundary: bool = true, "true or false", "correct the density near edges for the missing part of the disc";
+    roulette: Roulette = Roulette::Renormalise, "absorb, retry or renormalise", "what camera paths do with absorption at specular and mixed surfaces";
+    seed: u64 = 0, "a whole number from 0", "random seed";
+}
+
+impl Settings {
+    /// Sets one by name, to a value in the words of the command line.
+    ///
+    /// # Errors
+    /// [`SettingError::Unknown`] with the nearest name, [`SettingError::Invalid`] with what was wanted.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingError> {
+        let Some(row) = SETTINGS.iter().find(|r| r.name == name) else {
+            let nearest = SETTINGS
+                .iter()
+                .map(|r| (strsim::damerau_levenshtein(name, r.name), r.name))
+                .min()
+                .filter(|(d, _)| *d <= 3)
+                .map(|(_, n)| n.to_owned());
+            return Err(SettingError::Unknown { name: name.to_owned(), nearest });
+        };
+        (row.set)(self, value.trim()).map_err(|wants| SettingError::Invalid {
+            name: name.to_owned(),
+            wants,
+            got: value.to_owned(),
+        })
+    }
+
+    /// All names with their present values.
+    pub fn values(&self) -> impl Iterator<Item = (&'static str, String)> {
+        SETTINGS.iter().map(|r| (r.name, (r.get)(self)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_reads_back_what_it_prints() {
+        let settings = Settings::default();
+        let mut copy = Settings { passes: 77, seed: 5, ..Settings::default() };
+        for (name, value) in settings.values() {
+            copy.set(name, &value).unwrap();
+        }
+        assert_eq!(copy, settings);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_what_was_wanted() {
+        let mut s = Settings::default();
+        assert_eq!(
+            s.set("kernal", "cone").unwrap_err().to_string(),
+            "there is no setting `kernal`; did you mean `kernel`?"
+        );
+        assert_eq!(
+            s.set("alpha", "2").unwrap_err().to_string(),
+            "setting `alpha` wants a number between 0 and 1, got `2`"
+        );
+        let one = "a whole number from 2 (the farthest photon bounds the disc and is not counted)";
+        for (name, value, wants) in [
+            ("neighbours", "1", one.to_owned()),
+            ("caustic_neighbours", "0", one.to_owned()),
+            ("caustic_cap", "1", format!("{one}, or -1 for no limit")),
+        ] {
+            let message = format!("setting `{name}` wants {wants}, got `{value}`");
+            assert_eq!(s.set(name, value).unwrap_err().to_string(), message);
+        }
+        s.set("radius", "0.05R").unwrap();
+        assert_eq!(s.radius, Radius::Relative(0.05));
+        s.set("photons", "2.5e5").unwrap();
+        assert_eq!(s.photons, Count::Paths(250_000));
+    }
+}
