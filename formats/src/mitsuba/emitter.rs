@@ -5,11 +5,12 @@ use super::object::{Class, ObjectIndex, Value};
 use super::props::{Nested, Props};
 use super::reader::Reader;
 use super::sensor::{AXES, fov};
+use super::texture::gamma;
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
     AreaEmission, Color, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage,
-    SpotFalloff, TextureEncoding, Transform,
+    SpotFalloff, Transform,
 };
 use crate::plugin::{Plugin, read, unsupported, unsupported_but};
 
@@ -264,20 +265,6 @@ fn turned(props: &mut Props<'_>) -> Transform {
         "Mitsuba looks scaled directions up in one way and samples them in another: its picture is no truth";
     props.problems.push(Diagnostic::warning(text, place).help(help));
     given.after(&Transform::scale(lengths.map(|length| 1.0 / length)))
-}
-
-/// 0.6: 0 is what the file says, −1 sRGB.
-pub(super) fn gamma(props: &mut Props<'_>) -> TextureEncoding {
-    match props.float("gamma", 0.0) {
-        0.0 => TextureEncoding::Auto,
-        1.0 => TextureEncoding::Linear,
-        -1.0 => TextureEncoding::Srgb,
-        gamma if gamma > 0.0 => TextureEncoding::Gamma(gamma),
-        gamma => {
-            props.complain("gamma", format!("`gamma` must be positive, 0 or -1, not {gamma}"));
-            TextureEncoding::Auto
-        }
-    }
 }
 
 fn projector<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {

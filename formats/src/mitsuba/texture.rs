@@ -1,6 +1,5 @@
 //! Textures.
 
-use super::emitter::gamma;
 use super::object::ObjectIndex;
 use super::props::Props;
 use super::reader::Reader;
@@ -67,6 +66,20 @@ fn to_uv(props: &mut Props<'_>, dialect: Dialect) -> Transform {
         // 0.6 scales first; Mitsuba 2 and 3 upgrade these parameters the other way round.
         if dialect == Dialect::Old { offset.after(&scale) } else { scale.after(&offset) }
     })
+}
+
+/// The encoding of a picture by its `gamma` in 0.6: 0 is what the file says, −1 sRGB.
+pub(super) fn gamma(props: &mut Props<'_>) -> TextureEncoding {
+    match props.float("gamma", 0.0) {
+        0.0 => TextureEncoding::Auto,
+        1.0 => TextureEncoding::Linear,
+        -1.0 => TextureEncoding::Srgb,
+        gamma if gamma > 0.0 => TextureEncoding::Gamma(gamma),
+        gamma => {
+            props.complain("gamma", format!("`gamma` must be positive, 0 or -1, not {gamma}"));
+            TextureEncoding::Auto
+        }
+    }
 }
 
 fn bitmap<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<TextureKind> {
