@@ -32,6 +32,7 @@ mod lights;
 mod map;
 mod nee;
 mod noise;
+mod normals;
 mod readme;
 mod roulette;
 mod settings;
