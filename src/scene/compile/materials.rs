@@ -116,12 +116,16 @@ impl Compiler<'_> {
 
     pub(super) fn node(&mut self, id: ir::Id<ir::Bsdf>) -> Node {
         let bsdf = &self.ir.bsdfs[id];
-        let origin = bsdf.origin;
         self.materials.parts = self.materials.parts.saturating_add(1);
         if self.materials.parts > MAX_PARTS {
             return diffuse(Param::Constant(DEFAULT_REFLECTANCE));
         }
-        match &bsdf.kind {
+        self.model(&bsdf.kind, bsdf.origin)
+    }
+
+    /// What [`Self::node`] makes of one kind of BSDF.
+    fn model(&mut self, kind: &BsdfKind, origin: ir::Origin) -> Node {
+        match kind {
             BsdfKind::Diffuse { reflectance } => {
                 diffuse(self.param(reflectance, ColorSlot::Reflectance, origin))
             }

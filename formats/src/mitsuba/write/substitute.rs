@@ -4,7 +4,7 @@ use super::Writer;
 use super::color::rgb_element;
 use super::element::Element;
 use super::interface::same_index;
-use crate::ir::{BsdfKind, Coat, Color, ColorInput, ColorSlot, Ior, Origin, Plastic};
+use crate::ir::{Bsdf, BsdfKind, Coat, Color, ColorInput, ColorSlot, Id, Ior, Origin, Plastic};
 use crate::spectrum::luminance;
 use crate::write::WriteError;
 
@@ -33,20 +33,7 @@ impl Writer<'_, '_> {
                 self.layered([diffuse_reflectance, specular_reflectance], [u, v], origin)
             }
             BsdfKind::Coating { int_ior, ext_ior, specular_reflectance, nested, .. } => {
-                let scene = self.scene;
-                if let BsdfKind::Diffuse { reflectance } = &scene.bsdfs[*nested].kind {
-                    self.out.lose(origin, "a coating", "`plastic` over the same diffuse base");
-                    let plastic = Plastic {
-                        int_ior: int_ior.clone(),
-                        ext_ior: ext_ior.clone(),
-                        diffuse_reflectance: reflectance.clone(),
-                        specular_reflectance: specular_reflectance.clone(),
-                        nonlinear: true,
-                    };
-                    return self.plastic(Element::plugin("bsdf", "plastic"), &plastic, origin);
-                }
-                self.out.lose(origin, "a coating", "the bare material below it");
-                self.bsdf(*nested)
+                self.coating([int_ior, ext_ior], specular_reflectance, *nested, origin)
             }
             BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
                 self.diffuse_transmission(reflectance, transmittance, origin)
@@ -57,27 +44,7 @@ impl Writer<'_, '_> {
                 let color = self.color_input("reflectance", reflectance, Reflectance, Some(0.5), origin)?;
                 Ok(Element::plugin("bsdf", "diffuse").children(color))
             }
-            BsdfKind::CoatedDiffuse { reflectance, coat } => {
-                self.out.lose(
-                    origin,
-                    "multiple scattering under a coat (`coateddiffuse`)",
-                    "plastic with `nonlinear`",
-                );
-                let plastic = Plastic {
-                    int_ior: coat.eta.clone(),
-                    ext_ior: Ior::Value(1.0),
-                    diffuse_reflectance: reflectance.clone(),
-                    specular_reflectance: ColorInput::Color(Color::Gray(1.0)),
-                    nonlinear: true,
-                };
-                self.coat(coat, origin);
-                let microfacet = self.single_alpha(&coat.microfacet, origin)?;
-                if microfacet.is_smooth() {
-                    return self.plastic(Element::plugin("bsdf", "plastic"), &plastic, origin);
-                }
-                let element = self.plastic(Element::plugin("bsdf", "roughplastic"), &plastic, origin)?;
-                self.microfacet(element, &microfacet, origin)
-            }
+            BsdfKind::CoatedDiffuse { reflectance, coat } => self.coated_diffuse(reflectance, coat, origin),
             BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
                 if !same_index(&coat.eta, &Ior::Value(1.0)) {
                     self.out.lose(origin, "a coat over a metal (`coatedconductor`)", "the bare metal");
@@ -94,6 +61,57 @@ impl Writer<'_, '_> {
                 Ok(diffuse(0.5))
             }
         }
+    }
+
+    /// Mitsuba 3 has a coat over a diffuse base only.
+    fn coating(
+        &mut self,
+        [int_ior, ext_ior]: [&Ior; 2],
+        specular_reflectance: &ColorInput,
+        nested: Id<Bsdf>,
+        origin: Origin,
+    ) -> Result<Element, WriteError> {
+        let scene = self.scene;
+        if let BsdfKind::Diffuse { reflectance } = &scene.bsdfs[nested].kind {
+            self.out.lose(origin, "a coating", "`plastic` over the same diffuse base");
+            let plastic = Plastic {
+                int_ior: int_ior.clone(),
+                ext_ior: ext_ior.clone(),
+                diffuse_reflectance: reflectance.clone(),
+                specular_reflectance: specular_reflectance.clone(),
+                nonlinear: true,
+            };
+            return self.plastic(Element::plugin("bsdf", "plastic"), &plastic, origin);
+        }
+        self.out.lose(origin, "a coating", "the bare material below it");
+        self.bsdf(nested)
+    }
+
+    fn coated_diffuse(
+        &mut self,
+        reflectance: &ColorInput,
+        coat: &Coat,
+        origin: Origin,
+    ) -> Result<Element, WriteError> {
+        self.out.lose(
+            origin,
+            "multiple scattering under a coat (`coateddiffuse`)",
+            "plastic with `nonlinear`",
+        );
+        let plastic = Plastic {
+            int_ior: coat.eta.clone(),
+            ext_ior: Ior::Value(1.0),
+            diffuse_reflectance: reflectance.clone(),
+            specular_reflectance: ColorInput::Color(Color::Gray(1.0)),
+            nonlinear: true,
+        };
+        self.coat(coat, origin);
+        let microfacet = self.single_alpha(&coat.microfacet, origin)?;
+        if microfacet.is_smooth() {
+            return self.plastic(Element::plugin("bsdf", "plastic"), &plastic, origin);
+        }
+        let element = self.plastic(Element::plugin("bsdf", "roughplastic"), &plastic, origin)?;
+        self.microfacet(element, &microfacet, origin)
     }
 
     fn coat(&mut self, coat: &Coat, origin: Origin) {

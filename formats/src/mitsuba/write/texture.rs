@@ -132,28 +132,7 @@ impl Writer<'_, '_> {
                 let to_uv = Transform::scale([0.5, 0.5, 1.0]).after(&self.uv_transform(mapping, origin));
                 self.checkerboard([color0, color1], &to_uv, factor, origin)
             }
-            TextureKind::Scale { value, factor: more } => match (value, more) {
-                (ColorInput::Texture(inner), ColorInput::Color(c))
-                | (ColorInput::Color(c), ColorInput::Texture(inner)) => {
-                    let c = self.rgb(c, ColorSlot::Unbounded, origin);
-                    self.said(*inner, times(factor, c))
-                }
-                (ColorInput::Color(a), ColorInput::Color(b)) => {
-                    let a = self.rgb(a, ColorSlot::Unbounded, origin);
-                    let b = self.rgb(b, ColorSlot::Unbounded, origin);
-                    Ok(Said::Constant(times(factor, times(a, b))))
-                }
-                (ColorInput::Texture(a), ColorInput::Texture(b)) => {
-                    let (a, b) = (*a, *b);
-                    match self.said(b, [1.0; 3])? {
-                        Said::Constant(c) => self.said(a, times(factor, c)),
-                        Said::Plugin(_) => {
-                            self.out.lose(origin, "a product of two textures", "the first of them");
-                            self.said(a, factor)
-                        }
-                    }
-                }
-            },
+            TextureKind::Scale { value, factor: more } => self.product([value, more], factor, origin),
             TextureKind::MeshAttribute { name, scale } => {
                 if factor[0] != factor[1] || factor[1] != factor[2] {
                     self.out.lose(origin, "the colour factor of a mesh attribute", "its luminance");
@@ -188,6 +167,37 @@ impl Writer<'_, '_> {
             TextureKind::Noise { .. } => {
                 self.out.lose(origin, "a noise texture", "the constant 0.5");
                 Ok(Said::Constant(factor.map(|v| 0.5 * v)))
+            }
+        }
+    }
+
+    /// `factor` times the product of two inputs.
+    fn product(
+        &mut self,
+        [first, second]: [&ColorInput; 2],
+        factor: [f64; 3],
+        origin: Origin,
+    ) -> Result<Said, WriteError> {
+        match (first, second) {
+            (ColorInput::Texture(inner), ColorInput::Color(c))
+            | (ColorInput::Color(c), ColorInput::Texture(inner)) => {
+                let c = self.rgb(c, ColorSlot::Unbounded, origin);
+                self.said(*inner, times(factor, c))
+            }
+            (ColorInput::Color(a), ColorInput::Color(b)) => {
+                let a = self.rgb(a, ColorSlot::Unbounded, origin);
+                let b = self.rgb(b, ColorSlot::Unbounded, origin);
+                Ok(Said::Constant(times(factor, times(a, b))))
+            }
+            (ColorInput::Texture(a), ColorInput::Texture(b)) => {
+                let (a, b) = (*a, *b);
+                match self.said(b, [1.0; 3])? {
+                    Said::Constant(c) => self.said(a, times(factor, c)),
+                    Said::Plugin(_) => {
+                        self.out.lose(origin, "a product of two textures", "the first of them");
+                        self.said(a, factor)
+                    }
+                }
             }
         }
     }

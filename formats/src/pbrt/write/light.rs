@@ -5,8 +5,8 @@ use super::film::smaller_fov;
 use super::picture::WIDEST;
 use super::text::{Params, transform};
 use crate::ir::{
-    AreaEmission, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage,
-    Origin, Shape, SpotFalloff, TextureEncoding, Transform,
+    AreaEmission, Color, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, Id,
+    LightImage, Origin, Shape, SpotFalloff, Texture, TextureEncoding, Transform,
 };
 use crate::spectrum::luminance;
 use crate::write::{Cone, WriteError};
@@ -39,21 +39,8 @@ impl Writer<'_, '_> {
                 ("projection", to_world.after(&Transform::scale([-1.0, 1.0, 1.0])), p)
             }
             EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, falloff, texture } => {
-                if *falloff == SpotFalloff::Linear {
-                    let what = "a spot with linear falloff in the angle";
-                    let size = Cone::new(*cutoff_angle, *beam_width, *falloff).change();
-                    self.out.lose_light(origin, what, "smoothstep falloff in the cosine", size);
-                }
-                let mut p = self.color(none.clone(), "I", intensity, emission, origin);
-                if let Some(texture) = *texture {
-                    let mean = self.mean_of(texture)?;
-                    let what = "the texture of a spot that is wide, or whose texture is not by uv";
-                    self.out.lose(origin, what, format!("its mean, rgb {mean:?}"));
-                    let rgb = self.out.rgb(intensity, emission, origin);
-                    p = none.rgb("I", std::array::from_fn(|i| rgb[i] * mean[i]));
-                }
-                let p = p.float("coneangle", *cutoff_angle);
-                ("spot", *to_world, p.float("conedeltaangle", cutoff_angle - beam_width))
+                let angles = [*cutoff_angle, *beam_width];
+                ("spot", *to_world, self.spot(intensity, angles, *falloff, *texture, origin)?)
             }
             EmitterKind::Directional { direction, irradiance } => {
                 let p = self.color(none, "L", irradiance, emission, origin);
@@ -114,6 +101,31 @@ impl Writer<'_, '_> {
             text.push_str("AttributeEnd\n");
         }
         self.body.push_str(&text);
+    }
+
+    /// A spot of one colour; its angles are half angles in degrees.
+    fn spot(
+        &mut self,
+        intensity: &Color,
+        [cutoff_angle, beam_width]: [f64; 2],
+        falloff: SpotFalloff,
+        texture: Option<Id<Texture>>,
+        origin: Origin,
+    ) -> Result<Params, WriteError> {
+        if falloff == SpotFalloff::Linear {
+            let what = "a spot with linear falloff in the angle";
+            let size = Cone::new(cutoff_angle, beam_width, falloff).change();
+            self.out.lose_light(origin, what, "smoothstep falloff in the cosine", size);
+        }
+        let mut p = self.color(Params::default(), "I", intensity, ColorSlot::Emission, origin);
+        if let Some(texture) = texture {
+            let mean = self.mean_of(texture)?;
+            let what = "the texture of a spot that is wide, or whose texture is not by uv";
+            self.out.lose(origin, what, format!("its mean, rgb {mean:?}"));
+            let rgb = self.out.rgb(intensity, ColorSlot::Emission, origin);
+            p = Params::default().rgb("I", std::array::from_fn(|i| rgb[i] * mean[i]));
+        }
+        Ok(p.float("coneangle", cutoff_angle).float("conedeltaangle", cutoff_angle - beam_width))
     }
 
     /// The parameters of Mitsuba's projector as pbrt's.
