@@ -44,7 +44,8 @@ fn a_crop_shows_the_pixels_of_the_whole_film() {
 #[test]
 fn every_filter_keeps_the_mean() {
     let lamp = panel(2.0, "<translate x='-2'/>", "1");
-    for (name, _) in caustica::session::Filter::NAMED {
+    for row in caustica::session::Filter::NAMED {
+        let name = row.name;
         let view = camera("0,0,3", "0,0,0", 30.0, 16).replace("type='box'", &format!("type='{name}'"));
         let picture = render(&scene(&format!("{view}{lamp}")), EMISSION, 2048);
         assert_agree(name, picture.beauty(0), Estimate::exact(0.5), 0.01);

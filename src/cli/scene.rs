@@ -125,7 +125,7 @@ fn filter(name: &str) -> Result<Filter, String> {
 
 /// "box, tent or lanczos".
 fn filter_names() -> String {
-    let names: Vec<&str> = Filter::NAMED.iter().map(|(name, _)| *name).collect();
+    let names: Vec<&str> = Filter::NAMED.iter().map(|row| row.name).collect();
     match names.split_last() {
         Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
         _ => names.concat(),
@@ -204,8 +204,8 @@ mod tests {
 
     #[test]
     fn every_named_filter_is_accepted_and_listed() {
-        for (name, expected) in Filter::NAMED {
-            assert_eq!(filter(name), Ok(*expected));
+        for row in Filter::NAMED {
+            assert_eq!(filter(row.name), Ok(row.default));
         }
         assert_eq!(
             filter("sinc"),

@@ -33,8 +33,8 @@ pub use interface::{
 pub use query::{Nature, Query, emits, uses_textures};
 pub use references::{Uses, canonical, parts};
 pub use sensor::{
-    ComponentFormat, Crop, Film, Filter, Fov, FovAxis, Lens, PixelFormat, Projection, Sampler, Sensor,
-    Tonemap,
+    ComponentFormat, Crop, Film, Filter, FilterNumber, FilterParameter, Fov, FovAxis, Lens, NamedFilter,
+    PixelFormat, Projection, Sampler, Sensor, Tonemap,
 };
 pub use shape::{
     AreaEmission, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind,

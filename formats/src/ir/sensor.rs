@@ -1,5 +1,7 @@
 //! Sensors, films, reconstruction filters and samplers.
 
+use std::mem::discriminant;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Origin, Transform};
@@ -188,20 +190,73 @@ pub enum Filter {
     },
 }
 
+/// A filter that Mitsuba has a plugin for.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedFilter {
+    /// Of the plugin.
+    pub name: &'static str,
+    /// With Mitsuba's default parameters.
+    pub default: Filter,
+    /// In the order they are written.
+    pub parameters: &'static [FilterParameter],
+}
+
+/// A parameter of a [`NamedFilter`].
+#[derive(Clone, Copy, Debug)]
+pub struct FilterParameter {
+    /// As written.
+    pub name: &'static str,
+    /// Where a filter of this kind keeps it; `None` for other kinds.
+    pub number: fn(&mut Filter) -> Option<FilterNumber<'_>>,
+}
+
+/// The value of a [`FilterParameter`], with the values that it may take.
+#[derive(Debug, PartialEq)]
+pub enum FilterNumber<'a> {
+    /// Above 0.
+    Positive(&'a mut f64),
+    /// Any number.
+    Any(&'a mut f64),
+    /// A whole number from 1 to 64.
+    Count(&'a mut u32),
+}
+
+/// A row of [`Filter::NAMED`]: `field: Kind("name as written") = default`.
+macro_rules! named {
+    ($name:literal, $Variant:ident { $($field:ident: $Kind:ident($written:literal) = $value:expr),* }) => {
+        NamedFilter {
+            name: $name,
+            default: Filter::$Variant { $($field: $value),* },
+            parameters: &[$(FilterParameter {
+                name: $written,
+                number: |filter| match filter {
+                    Filter::$Variant { $field, .. } => Some(FilterNumber::$Kind($field)),
+                    _ => None,
+                },
+            }),*],
+        }
+    };
+}
+
 impl Filter {
-    /// Filters by the names of Mitsuba's plugins, with its default parameters.
-    pub const NAMED: &[(&str, Self)] = &[
-        ("box", Self::Box { radius: 0.5 }),
-        ("tent", Self::Tent { radius: 1.0 }),
-        ("gaussian", Self::Gaussian { stddev: 0.5 }),
-        ("mitchell", Self::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
-        ("catmullrom", Self::CatmullRom),
-        ("lanczos", Self::Lanczos { lobes: 3 }),
+    /// The filters of Mitsuba: its scenes are read and written by these rows, and the command line lists them.
+    pub const NAMED: &[NamedFilter] = &[
+        named!("box", Box { radius: Positive("radius") = 0.5 }),
+        named!("tent", Tent { radius: Positive("radius") = 1.0 }),
+        named!("gaussian", Gaussian { stddev: Positive("stddev") = 0.5 }),
+        named!("mitchell", Mitchell { b: Any("B") = 1.0 / 3.0, c: Any("C") = 1.0 / 3.0 }),
+        named!("catmullrom", CatmullRom {}),
+        named!("lanczos", Lanczos { lobes: Count("lobes") = 3 }),
     ];
 
     /// The filter of this name in [`Filter::NAMED`].
     pub fn named(name: &str) -> Option<Self> {
-        Self::NAMED.iter().find(|(known, _)| *known == name).map(|(_, filter)| *filter)
+        Self::NAMED.iter().find(|row| row.name == name).map(|row| row.default)
+    }
+
+    /// The row of [`Filter::NAMED`] for filters of this kind; `None` for those that only pbrt has.
+    pub fn row(&self) -> Option<&'static NamedFilter> {
+        Self::NAMED.iter().find(|row| discriminant(&row.default) == discriminant(self))
     }
 }
 

@@ -4,11 +4,12 @@ use super::object::{Class, ObjectIndex};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
-use crate::ir::{ComponentFormat, Crop, Film, Filter, Origin, PixelFormat, Tonemap};
+use crate::ir::{
+    ComponentFormat, Crop, Film, Filter, FilterNumber, NamedFilter, Origin, PixelFormat, Tonemap,
+};
 use crate::plugin::{Plugin, read, unsupported};
 
 type ReadTonemap = fn(&mut Props<'_>) -> Option<Tonemap>;
-type ReadFilter = fn(&mut Props<'_>) -> Filter;
 
 pub(super) const FILMS: &[Plugin<ReadTonemap>] = &[
     read("hdrfilm", high_range),
@@ -18,14 +19,10 @@ pub(super) const FILMS: &[Plugin<ReadTonemap>] = &[
     unsupported("specfilm"),
 ];
 
-pub(super) const FILTERS: &[Plugin<ReadFilter>] = &[
-    read("box", |p| Filter::Box { radius: p.positive("radius", 0.5) }),
-    read("tent", |p| Filter::Tent { radius: p.positive("radius", 1.0) }),
-    read("gaussian", |p| Filter::Gaussian { stddev: p.positive("stddev", 0.5) }),
-    read("mitchell", mitchell),
-    read("catmullrom", |_| Filter::CatmullRom),
-    read("lanczos", |p| Filter::Lanczos { lobes: p.count("lobes", 3, 1..=64) }),
-];
+/// A plugin for each of [`Filter::NAMED`].
+pub(super) fn filters() -> Vec<Plugin<&'static NamedFilter>> {
+    Filter::NAMED.iter().map(|row| read(row.name, row)).collect()
+}
 
 const PIXEL_FORMATS: &[(&str, PixelFormat)] = &[
     ("rgb", PixelFormat::Rgb),
@@ -105,18 +102,29 @@ impl<'a> Reader<'a> {
     }
 
     fn filter(&mut self, index: ObjectIndex) -> Option<Filter> {
-        let reader = self.plugin(FILTERS, index, "gaussian is used")?;
+        let row = self.plugin(&filters(), index, "gaussian is used")?;
         let mut props = self.props(index);
-        let filter = reader(&mut props);
+        let filter = filter(row, &mut props);
         self.finish(props);
         Some(filter)
     }
 }
 
-fn mitchell(props: &mut Props<'_>) -> Filter {
-    // Capital letters in the manual, small ones in upgraded 0.x files.
-    let (b, c) = (props.float("b", 1.0 / 3.0), props.float("c", 1.0 / 3.0));
-    Filter::Mitchell { b: props.float("B", b), c: props.float("C", c) }
+fn filter(row: &NamedFilter, props: &mut Props<'_>) -> Filter {
+    let mut filter = row.default;
+    if let Filter::Mitchell { b, c } = &mut filter {
+        // Capital letters in the manual, small ones in upgraded 0.x files.
+        (*b, *c) = (props.float("b", *b), props.float("c", *c));
+    }
+    for parameter in row.parameters {
+        match (parameter.number)(&mut filter) {
+            Some(FilterNumber::Positive(value)) => *value = props.positive(parameter.name, *value),
+            Some(FilterNumber::Any(value)) => *value = props.float(parameter.name, *value),
+            Some(FilterNumber::Count(value)) => *value = props.count(parameter.name, *value, 1..=64),
+            None => {}
+        }
+    }
+    filter
 }
 
 fn crop(props: &mut Props<'_>, width: u32, height: u32) -> Option<Crop> {

@@ -81,7 +81,7 @@ pub fn support() -> Vec<Concept> {
         concept("spectra", color::SPECTRA),
         concept("sensors", sensor::SENSORS),
         concept("films", film::FILMS),
-        concept("filters", film::FILTERS),
+        concept("filters", &film::filters()),
         concept("samplers", sensor::SAMPLERS),
         concept("integrators", integrator::INTEGRATORS),
     ]

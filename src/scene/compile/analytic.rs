@@ -1,9 +1,16 @@
-//! Analytic shapes of the IR placed in the world.
+//! Shapes that are intersected by their equations, placed in the world.
 
 use caustica_formats::ir::{ShapeKind, Transform};
 
 use crate::math::{Frame, Vec3};
 use crate::shape::{Analytic, Cylinder, Disk, Sphere};
+
+/// A whole sphere, cylinder or disk in object space, as [`ShapeKind`] has them.
+pub enum Quadric {
+    Sphere { center: [f64; 3], radius: f64 },
+    Cylinder { p0: [f64; 3], p1: [f64; 3], radius: f64 },
+    Disk,
+}
 
 pub fn is_quadric(kind: &ShapeKind) -> bool {
     matches!(kind, ShapeKind::Sphere { .. } | ShapeKind::Cylinder { .. })
@@ -31,20 +38,20 @@ fn about(m: &Transform, p0: [f64; 3], p1: [f64; 3], axis: Vec3) -> Frame {
 
 /// The shape under `m`, which must be a similarity for spheres and cylinders. `None` when nothing of
 /// it is left. Mirroring turns the normals of spheres and cylinders inwards, as in Mitsuba 3.9.
-pub fn place(kind: &ShapeKind, m: &Transform, flip: bool) -> Option<Analytic> {
+pub fn place(quadric: &Quadric, m: &Transform, flip: bool) -> Option<Analytic> {
     let axes = columns(m);
     let scale = dot(axes[0], axes[0]).sqrt();
     let inward = flip != (m.determinant3() < 0.0);
     let unit = axes.map(|a| vec3(a.map(|x| x / scale)));
-    match kind {
-        ShapeKind::Sphere { center, radius } => {
+    match quadric {
+        Quadric::Sphere { center, radius } => {
             let radius = radius.abs() * scale;
             let to_object = Frame { s: unit[0], t: unit[1], n: unit[2] };
             (radius as f32 > 0.0 && (radius as f32).is_finite()).then(|| {
                 Analytic::Sphere(Sphere { center: m.point(*center).into(), radius, to_object, inward })
             })
         }
-        ShapeKind::Cylinder { p0, p1, radius } => {
+        Quadric::Cylinder { p0, p1, radius } => {
             let (a, b) = (m.point(*p0), m.point(*p1));
             let d = vec3([b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
             let length = d.length();
@@ -59,7 +66,7 @@ pub fn place(kind: &ShapeKind, m: &Transform, flip: bool) -> Option<Analytic> {
                 })
             })
         }
-        ShapeKind::Disk => {
+        Quadric::Disk => {
             let (u, v) = (vec3(axes[0]), vec3(axes[1]));
             // The image of +Z as a normal lies on the side that the transformed Z axis points to.
             let n = u.cross(v).normalize_or_zero();
@@ -67,6 +74,5 @@ pub fn place(kind: &ShapeKind, m: &Transform, flip: bool) -> Option<Analytic> {
             (n != Vec3::ZERO)
                 .then(|| Analytic::Disk(Disk::new(m.point([0.0; 3]).into(), u, v, if flip { -n } else { n })))
         }
-        _ => None,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Writer;
 use super::element::Element;
-use crate::ir::{ComponentFormat, Film, Filter, PixelFormat};
+use crate::ir::{ComponentFormat, Film, Filter, FilterNumber, FilterParameter, PixelFormat};
 
 impl Writer<'_, '_> {
     pub fn film(&mut self, f: &Film) -> Element {
@@ -61,54 +61,65 @@ impl Writer<'_, '_> {
     }
 
     fn filter(&mut self, f: &Film) -> Element {
-        let plugin = |name: &str| Element::plugin("rfilter", name);
-        match &f.filter {
-            Filter::Box { radius } => plugin("box").float_unless("radius", *radius, 0.5),
-            Filter::Tent { radius } => plugin("tent").float_unless("radius", *radius, 1.0),
-            Filter::Gaussian { stddev } => plugin("gaussian").float_unless("stddev", *stddev, 0.5),
-            Filter::Mitchell { b, c } => mitchell(*b, *c),
-            Filter::CatmullRom => plugin("catmullrom"),
-            Filter::Lanczos { lobes } => plugin("lanczos").integer("lobes", i64::from(*lobes)),
+        let mut filter = self.own_filter(f);
+        let Some(row) = filter.row() else {
+            self.out.lose(f.origin, "a filter that Mitsuba does not have", "its gaussian");
+            return Element::plugin("rfilter", "gaussian");
+        };
+        let mut default = row.default;
+        let mut element = Element::plugin("rfilter", row.name);
+        for FilterParameter { name, number } in row.parameters {
+            element = match (number(&mut filter), number(&mut default)) {
+                (Some(FilterNumber::Count(value)), _) => element.integer(name, i64::from(*value)),
+                (Some(value), Some(default)) if value == default => element,
+                (Some(FilterNumber::Positive(value) | FilterNumber::Any(value)), _) => {
+                    element.float(name, *value)
+                }
+                (None, _) => element,
+            };
+        }
+        element
+    }
+
+    /// Mitsuba's filter that is nearest to one of pbrt's; others as they are.
+    fn own_filter(&mut self, f: &Film) -> Filter {
+        match f.filter {
             Filter::TruncatedGaussian { sigma, radius } => {
                 if radius.iter().any(|r| (r / sigma - 4.0).abs() > 1e-9) {
-                    self.lose_radius(f, "a gaussian filter", *radius, "the cut at four standard deviations");
+                    self.lose_radius(f, "a gaussian filter", radius, "the cut at four standard deviations");
                 }
-                plugin("gaussian").float_unless("stddev", *sigma, 0.5)
+                Filter::Gaussian { stddev: sigma }
             }
             Filter::ScaledMitchell { b, c, radius } => {
-                if *radius != [2.0; 2] {
-                    self.lose_radius(f, "a mitchell filter", *radius, "radius 2");
+                if radius != [2.0; 2] {
+                    self.lose_radius(f, "a mitchell filter", radius, "radius 2");
                 }
-                mitchell(*b, *c)
+                Filter::Mitchell { b, c }
             }
             Filter::WideBox { radius } => {
                 if radius[0] != radius[1] {
-                    self.lose_radius(f, "a box filter", *radius, "the first of them");
+                    self.lose_radius(f, "a box filter", radius, "the first of them");
                 }
-                plugin("box").float_unless("radius", radius[0], 0.5)
+                Filter::Box { radius: radius[0] }
             }
             Filter::WideTent { radius } => {
                 if radius[0] != radius[1] {
-                    self.lose_radius(f, "a triangle filter", *radius, "the first of them");
+                    self.lose_radius(f, "a triangle filter", radius, "the first of them");
                 }
-                plugin("tent").float_unless("radius", radius[0], 1.0)
+                Filter::Tent { radius: radius[0] }
             }
             Filter::WindowedSinc { tau, radius } => {
                 let lobes = tau.round().clamp(1.0, 64.0);
-                if radius.iter().any(|r| *r != *tau) || lobes != *tau {
-                    self.lose_radius(f, "a sinc filter", *radius, "lanczos with as many lobes as tau");
+                if radius.iter().any(|r| *r != tau) || lobes != tau {
+                    self.lose_radius(f, "a sinc filter", radius, "lanczos with as many lobes as tau");
                 }
-                plugin("lanczos").integer("lobes", lobes as i64)
+                Filter::Lanczos { lobes: lobes as u32 }
             }
+            own => own,
         }
     }
 
     fn lose_radius(&mut self, f: &Film, what: &str, [x, y]: [f64; 2], instead: &str) {
         self.out.lose(f.origin, format!("{what} of radius {x} × {y}"), instead);
     }
-}
-
-fn mitchell(b: f64, c: f64) -> Element {
-    let third = 1.0 / 3.0;
-    Element::plugin("rfilter", "mitchell").float_unless("B", b, third).float_unless("C", c, third)
 }

@@ -11,6 +11,12 @@ use crate::write::number;
 /// For unlimited depth: pbrt has no infinity, and no path survives this many bounces.
 const UNLIMITED: i64 = 1_000_000;
 
+/// A filter of pbrt and its parameters for a filter that it can express.
+type Express = fn(&Filter) -> Option<Params>;
+
+const FILTERS: [(&str, Express); 5] =
+    [("box", even), ("triangle", triangle), ("gaussian", gaussian), ("mitchell", mitchell), ("sinc", sinc)];
+
 impl Writer<'_, '_> {
     pub fn head(&mut self, text: &mut String) {
         let scene = self.scene;
@@ -107,28 +113,11 @@ impl Writer<'_, '_> {
         p = p.float_unless("whitebalance", f.white_balance.unwrap_or(0.0), 0.0);
         p = p.boolean_unless("savefp16", f.component_format != ComponentFormat::Float32, true);
         p.write(text, "", "Film", &["rgb"]);
-        let wide = |p: Params, [x, y]: [f64; 2]| p.float("xradius", x).float("yradius", y);
-        let none = Params::default();
-        let (name, p) = match f.filter {
-            Filter::Box { radius } => ("box", wide(none, [radius; 2])),
-            Filter::WideBox { radius } => ("box", wide(none, radius)),
-            Filter::Tent { radius } => ("triangle", wide(none, [radius; 2])),
-            Filter::WideTent { radius } => ("triangle", wide(none, radius)),
-            Filter::Gaussian { stddev } => ("gaussian", wide(none, [4.0 * stddev; 2]).float("sigma", stddev)),
-            Filter::TruncatedGaussian { sigma, radius } => {
-                ("gaussian", wide(none, radius).float("sigma", sigma))
-            }
-            Filter::Mitchell { b, c } => ("mitchell", wide(none, [2.0; 2]).float("B", b).float("C", c)),
-            Filter::CatmullRom => ("mitchell", wide(none, [2.0; 2]).float("B", 0.0).float("C", 0.5)),
-            Filter::ScaledMitchell { b, c, radius } => {
-                ("mitchell", wide(none, radius).float("B", b).float("C", c))
-            }
-            Filter::Lanczos { lobes } => {
-                let lobes = f64::from(lobes);
-                ("sinc", wide(none, [lobes; 2]).float("tau", lobes))
-            }
-            Filter::WindowedSinc { tau, radius } => ("sinc", wide(none, radius).float("tau", tau)),
-        };
+        let filter = FILTERS.iter().find_map(|(name, of)| Some((*name, of(&f.filter)?)));
+        let (name, p) = filter.unwrap_or_else(|| {
+            self.out.lose(f.origin, "a filter that pbrt does not have", "its gaussian");
+            ("gaussian", Params::default())
+        });
         p.write(text, "", "PixelFilter", &[name]);
     }
 
@@ -162,6 +151,54 @@ impl Writer<'_, '_> {
         let bounces = if depth < 0 { UNLIMITED } else { (depth - 1).max(0) };
         p.integer("maxdepth", bounces).write(text, "", "Integrator", &[plugin]);
     }
+}
+
+fn wide([x, y]: [f64; 2]) -> Params {
+    Params::default().float("xradius", x).float("yradius", y)
+}
+
+fn even(filter: &Filter) -> Option<Params> {
+    match *filter {
+        Filter::Box { radius } => Some(wide([radius; 2])),
+        Filter::WideBox { radius } => Some(wide(radius)),
+        _ => None,
+    }
+}
+
+fn triangle(filter: &Filter) -> Option<Params> {
+    match *filter {
+        Filter::Tent { radius } => Some(wide([radius; 2])),
+        Filter::WideTent { radius } => Some(wide(radius)),
+        _ => None,
+    }
+}
+
+fn gaussian(filter: &Filter) -> Option<Params> {
+    let (sigma, radius) = match *filter {
+        Filter::Gaussian { stddev } => (stddev, [4.0 * stddev; 2]),
+        Filter::TruncatedGaussian { sigma, radius } => (sigma, radius),
+        _ => return None,
+    };
+    Some(wide(radius).float("sigma", sigma))
+}
+
+fn mitchell(filter: &Filter) -> Option<Params> {
+    let (b, c, radius) = match *filter {
+        Filter::Mitchell { b, c } => (b, c, [2.0; 2]),
+        Filter::CatmullRom => (0.0, 0.5, [2.0; 2]),
+        Filter::ScaledMitchell { b, c, radius } => (b, c, radius),
+        _ => return None,
+    };
+    Some(wide(radius).float("B", b).float("C", c))
+}
+
+fn sinc(filter: &Filter) -> Option<Params> {
+    let (tau, radius) = match *filter {
+        Filter::Lanczos { lobes } => (f64::from(lobes), [f64::from(lobes); 2]),
+        Filter::WindowedSinc { tau, radius } => (tau, radius),
+        _ => return None,
+    };
+    Some(wide(radius).float("tau", tau))
 }
 
 /// The directive whose camera stands like this, where there is one.

@@ -1,9 +1,10 @@
 //! How far the author's scene reaches, before anything is placed.
 
-use caustica_formats::ir::{PartialQuadric, ShapeKind};
+use caustica_formats::ir::{PartialQuadric, ShapeKind, Transform};
 
 use super::super::Compiler;
-use super::meshes::{Meshes, cache_key};
+use super::super::analytic::Quadric;
+use super::meshes::{Form, Meshes, cache_key, form_of_kind};
 
 /// The point of the scene's bounds that is nearest to `camera`, or their middle without one, in the
 /// author's coordinates and f64: single precision is finest there.
@@ -45,29 +46,31 @@ fn corners(kind: &ShapeKind, meshes: &Meshes) -> Vec<[f64; 3]> {
     let around = |lo: [f64; 3], hi: [f64; 3]| {
         (0..8).map(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { lo[a] } else { hi[a] })).collect()
     };
-    match kind {
-        ShapeKind::Mesh(file) => match meshes.get(&cache_key(file)) {
-            Some(Some(mesh)) => mesh.positions.iter().map(|p| p.map(f64::from)).collect(),
-            _ => Vec::new(),
-        },
-        ShapeKind::Sphere { center, radius } => {
-            around(center.map(|c| c - radius.abs()), center.map(|c| c + radius.abs()))
-        }
-        ShapeKind::Cylinder { p0, p1, radius } => around(
-            std::array::from_fn(|i| p0[i].min(p1[i]) - radius.abs()),
-            std::array::from_fn(|i| p0[i].max(p1[i]) + radius.abs()),
-        ),
-        ShapeKind::Rectangle | ShapeKind::Disk => around([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]),
-        ShapeKind::Cube => around([-1.0; 3], [1.0; 3]),
-        ShapeKind::Inline(mesh) => mesh.positions.iter().map(|p| p.map(f64::from)).collect(),
+    let vertices = |positions: &[[f32; 3]]| positions.iter().map(|p| p.map(f64::from)).collect();
+    let form = match kind {
+        // Without a copy of its other lists.
+        ShapeKind::Inline(mesh) => return vertices(&mesh.positions),
+        // The true surface reaches beyond its facets.
         ShapeKind::Partial(quadric) => {
             let (radius, low, high) = match *quadric {
                 PartialQuadric::Sphere { radius, z_min, z_max, .. }
                 | PartialQuadric::Cylinder { radius, z_min, z_max, .. } => (radius, z_min, z_max),
                 PartialQuadric::Disk { height, radius, .. } => (radius, height, height),
             };
-            around([-radius, -radius, low], [radius, radius, high])
+            return around([-radius, -radius, low], [radius, radius, high]);
         }
-        ShapeKind::Instance { .. } => Vec::new(),
+        kind => form_of_kind(meshes, kind, &Transform::IDENTITY),
+    };
+    match form {
+        Ok(Some(Form::Triangles(mesh))) => vertices(&mesh.positions),
+        Ok(Some(Form::Quadric(Quadric::Sphere { center, radius }))) => {
+            around(center.map(|c| c - radius.abs()), center.map(|c| c + radius.abs()))
+        }
+        Ok(Some(Form::Quadric(Quadric::Cylinder { p0, p1, radius }))) => around(
+            std::array::from_fn(|i| p0[i].min(p1[i]) - radius.abs()),
+            std::array::from_fn(|i| p0[i].max(p1[i]) + radius.abs()),
+        ),
+        Ok(Some(Form::Quadric(Quadric::Disk))) => around([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]),
+        Ok(None) | Err(_) => Vec::new(),
     }
 }

@@ -9,6 +9,7 @@ use caustica_formats::ir::{self, ShapeKind, Transform};
 use caustica_formats::mesh::{self, Mesh, MeshOptions, builtin};
 use rayon::prelude::*;
 
+use super::super::analytic::Quadric;
 use super::super::{Compiler, partial};
 use super::{LevelParts, every_shape};
 use crate::math::Vec3;
@@ -90,8 +91,8 @@ impl LoadedMeshes<'_> {
 pub enum Form<'a> {
     /// In object space.
     Triangles(Cow<'a, Mesh>),
-    /// A model of its own: sphere, disk or cylinder.
-    Quadric,
+    /// A model of its own, in object space.
+    Quadric(Quadric),
 }
 
 /// What a shape becomes when it is placed by `to_level`; `None` after a problem, which is reported here
@@ -102,37 +103,50 @@ pub fn form<'a>(
     shape: &ir::Shape,
     to_level: &Transform,
 ) -> Option<Form<'a>> {
+    form_of_kind(meshes, &shape.kind, to_level).unwrap_or_else(|problem| {
+        b.error(problem, shape.origin);
+        None
+    })
+}
+
+/// As [`form`], with the problem as text. `None` for a mesh that could not be read, and for an instance, which
+/// has no surface of its own.
+pub fn form_of_kind<'a>(
+    meshes: &'a Meshes,
+    kind: &ShapeKind,
+    to_level: &Transform,
+) -> Result<Option<Form<'a>>, &'static str> {
     let mirrored = || to_level.determinant3() < 0.0;
-    let mesh = match &shape.kind {
-        ShapeKind::Mesh(file) => {
-            return meshes.get(&cache_key(file))?.as_ref().map(|m| Form::Triangles(Cow::Borrowed(m)));
+    let mesh = match *kind {
+        ShapeKind::Mesh(ref file) => {
+            let mesh = meshes.get(&cache_key(file)).and_then(Option::as_ref);
+            return Ok(mesh.map(|m| Form::Triangles(Cow::Borrowed(m))));
         }
-        ShapeKind::Inline(mesh) => Mesh {
+        ShapeKind::Inline(ref mesh) => Mesh {
             positions: mesh.positions.clone(),
             normals: mesh.normals.clone(),
             uvs: mesh.uvs.clone(),
             triangles: mesh.triangles.clone(),
             attributes: Vec::new(),
         },
-        ShapeKind::Sphere { center, radius } if !to_level.is_similarity() => {
-            let Some(mesh) = partial::sphere(*center, *radius, mirrored()) else {
-                b.error("the sphere has no radius", shape.origin);
-                return None;
-            };
-            mesh
+        ShapeKind::Sphere { center, radius } => {
+            if to_level.is_similarity() {
+                return Ok(Some(Form::Quadric(Quadric::Sphere { center, radius })));
+            }
+            partial::sphere(center, radius, mirrored()).ok_or("the sphere has no radius")?
         }
-        ShapeKind::Partial(quadric) => {
-            let Some(mesh) = partial::mesh(quadric, mirrored()) else {
-                b.error("nothing is left of this shape: its cuts meet", shape.origin);
-                return None;
-            };
-            mesh
+        ShapeKind::Cylinder { p0, p1, radius } => {
+            return Ok(Some(Form::Quadric(Quadric::Cylinder { p0, p1, radius })));
+        }
+        ShapeKind::Disk => return Ok(Some(Form::Quadric(Quadric::Disk))),
+        ShapeKind::Partial(ref quadric) => {
+            partial::mesh(quadric, mirrored()).ok_or("nothing is left of this shape: its cuts meet")?
         }
         ShapeKind::Rectangle => builtin::rectangle(mirrored()),
         ShapeKind::Cube => builtin::cube(),
-        _ => return Some(Form::Quadric),
+        ShapeKind::Instance { .. } => return Ok(None),
     };
-    Some(Form::Triangles(Cow::Owned(mesh)))
+    Ok(Some(Form::Triangles(Cow::Owned(mesh))))
 }
 
 /// Whether the author's normals or winding decide which side of the mesh is the front (pbrt).

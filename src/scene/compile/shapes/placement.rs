@@ -3,8 +3,9 @@
 use caustica_formats::ir::{self, Transform};
 use caustica_formats::mesh::Mesh;
 
+use super::super::Compiler;
+use super::super::analytic::{self, Quadric};
 use super::super::attributes::with_default_uvs;
-use super::super::{Compiler, analytic};
 use super::meshes::{Form, Meshes, add_mesh, form, is_authored, oriented_by_author};
 use super::{LevelParts, lamps, split};
 use crate::emitter::{Emitter, Surface};
@@ -41,7 +42,7 @@ pub fn add_shape(
     let Some(form) = form(b, meshes, shape, to_level) else { return };
     let mesh = match &form {
         Form::Triangles(mesh) => Some(mesh.as_ref()),
-        Form::Quadric => None,
+        Form::Quadric(_) => None,
     };
     let varies = shines_by_texture(shape) || b.varies(material);
     // Without authored uv, the pieces of a split triangle would have other uv than the whole.
@@ -50,9 +51,12 @@ pub fn add_shape(
     let pieces = mesh.filter(|m| emitters.is_some() && own_uvs(m)).and_then(|m| split::split(m, to_level));
     let mesh = pieces.as_ref().or(mesh);
     b.attach_attributes(material, mesh, index, shape.origin);
-    let surface = match mesh {
-        Some(mesh) => add_triangles(b, shape, mesh, to_level, index, varies, level, &mut record),
-        None => add_quadric(b, shape, to_level, index, level, &mut record),
+    let surface = match &form {
+        Form::Triangles(whole) => {
+            let mesh = mesh.unwrap_or(whole);
+            add_triangles(b, shape, mesh, to_level, index, varies, level, &mut record)
+        }
+        Form::Quadric(quadric) => add_quadric(b, shape, quadric, to_level, index, level, &mut record),
     };
     let Ok(surface) = surface else { return };
     if let (Some(emission), Some(surface), Some(emitters)) = (&shape.emission, surface, emitters) {
@@ -104,12 +108,13 @@ fn add_triangles(
 fn add_quadric(
     b: &mut Compiler<'_>,
     shape: &ir::Shape,
+    quadric: &Quadric,
     to_level: &Transform,
     index: u32,
     level: &mut LevelParts,
     record: &mut ShapeRecord,
 ) -> Result<Option<Surface>, Reported> {
-    let Some(quadric) = analytic::place(&shape.kind, to_level, shape.flip_normals) else {
+    let Some(quadric) = analytic::place(quadric, to_level, shape.flip_normals) else {
         b.error("the shape's radius, length or axes are degenerate", shape.origin);
         return Err(Reported);
     };
