@@ -8,7 +8,7 @@ use caustica::scene::Scene;
 use caustica::spectrum::rgb;
 use caustica::transport::Owner;
 
-use crate::support::{DOWN, SIGMAS, Stage, area, camera, diffuse, rectangle, scene, sphere};
+use crate::support::{DOWN, SIGMAS, Stage, area, camera, diffuse, pbrt_scene, rectangle, scene, sphere};
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
