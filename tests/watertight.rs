@@ -263,7 +263,7 @@ fn instances_equal_copies() {
     let mut floats = Floats::new(4);
     let rays: Vec<(Vec3, Vec3)> = (0..20_000).map(|_| (floats.vector() * 4.0, floats.vector())).collect();
     for transform in [
-        "<rotate x='1' y='2' z='3' angle='40'/><translate x='0.2' y='-0.1' z='0.3'/>",
+        "<rotate x='0.267261242' y='0.534522484' z='0.801783726' angle='40'/><translate x='0.2' y='-0.1' z='0.3'/>",
         "<scale value='1.3'/><translate y='0.5'/>",
         "<scale x='-1'/><rotate z='1' angle='20'/>",
         "<scale x='0.7' y='-1.2' z='1.1'/><translate z='0.4'/>",

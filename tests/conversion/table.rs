@@ -60,7 +60,7 @@ const MITSUBA: [(&str, &str, &str, &str); 11] = [
         "turned cylinder",
         "cylinder",
         "<point name='p0' value='0,-0.8,0'/><point name='p1' value='0,0.8,0'/><float name='radius' value='0.7'/>",
-        "<rotate x='1' y='0.3' angle='50'/><rotate z='1' angle='-70'/>",
+        "<rotate x='0.957826285' y='0.287347886' angle='50'/><rotate z='1' angle='-70'/>",
     ),
     ("obj", "obj", "<string name='filename' value='mesh.obj'/>", TURN),
     ("ply", "ply", "<string name='filename' value='mesh.ply'/>", TURN),

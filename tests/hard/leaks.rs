@@ -16,7 +16,7 @@ const MESH: &str = "<shape type='obj'><string name='filename' value='mesh.obj'/>
 #[test]
 fn ten_million_rays_at_edges_and_vertices_all_hit() {
     let (points, faces) = icosphere(4);
-    let turn = "<transform name='to_world'><rotate x='1' y='2' z='3' angle='40'/></transform>";
+    let turn = "<transform name='to_world'><rotate x='0.267261242' y='0.534522484' z='0.801783726' angle='40'/></transform>";
     let group = format!(
         "<shape type='shapegroup' id='g'>{}</shape><shape type='instance'><ref id='g'/>{turn}</shape>",
         MESH.replace('@', "")

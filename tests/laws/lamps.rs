@@ -15,7 +15,7 @@ const CHECKS: &str = "<emitter type='area'><texture name='radiance' type='checke
     <transform name='to_uv'><scale x='1.5' y='1'/></transform></texture></emitter>";
 
 /// Turned, so that no face lies along an axis.
-const TURN: &str = "<rotate x='1' y='0.4' z='-0.3' angle='37'/><translate x='0.3' y='-0.2' z='0.1'/>";
+const TURN: &str = "<rotate x='0.894427191' y='0.357770876' z='-0.268328157' angle='37'/><translate x='0.3' y='-0.2' z='0.1'/>";
 
 fn shape(kind: &str, scale: &str, rest: &str) -> String {
     format!("<shape type='{kind}'>{rest}<transform name='to_world'>{scale}{TURN}</transform>{CHECKS}</shape>")
