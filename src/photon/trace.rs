@@ -216,8 +216,12 @@ fn trace_path(
         let Some((d, next, event)) = scatter(job, &vertex, flux, &mut sampler) else { return first };
         let length = Length { segments: depth, most: job.max_depth };
         let survival = roulette::light_survival(flux, next, length);
-        let Some(survived) = roulette::survivor(next, survival, &mut sampler) else { return first };
-        flux = survived;
+        flux = if survival < 1.0 {
+            let Some(survivor) = roulette::survivor(next, survival, &mut sampler) else { return first };
+            survivor
+        } else {
+            next
+        };
         class = class.after_light_event(event);
         depth += 1;
         ray = surface.leave(d);

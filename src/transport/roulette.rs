@@ -47,7 +47,8 @@ pub fn light_survival(before: Color, after: Color, length: Length) -> f32 {
 /// What a path carries if it goes on, which it does with probability `survival`; `None` when it ends.
 #[inline(always)]
 pub fn survivor(carried: Color, survival: f32, sampler: &mut Sampler) -> Option<Color> {
-    if survival < 1.0 && sampler.random() >= survival {
+    // Drawn always: whether rounding makes a probability 1 must not move the numbers that follow.
+    if sampler.random() >= survival {
         return None;
     }
     Some(carried / survival.min(1.0))
