@@ -249,29 +249,33 @@ fn look(scene: &Scene, rays: &[(Vec3, Vec3)]) -> Vec<Option<(f32, Vec3, Vec3)>> 
 fn instances_equal_copies() {
     let (points, faces) = icosphere(1);
     let text = obj(&points, &faces);
-    let shapes = |transform: &str| {
+    let shapes = |round: &str, transform: &str| {
         let place = |own: &str| format!("<transform name='to_world'>{own}{transform}</transform>");
         format!(
             "<shape type='obj'><string name='filename' value='ball.obj'/><boolean name='face_normals' value='true'/>{}</shape>
              <shape type='cube'>{}</shape>
-             <shape type='sphere'><float name='radius' value='0.7'/>{}</shape>",
+             <shape type='{round}'>{}</shape>",
             place("<translate x='-1.5'/>"),
             place("<scale value='0.4'/><translate y='1.2'/>"),
-            place("<translate x='1.5'/>")
+            place("<scale value='0.7'/><translate x='1.5'/>")
         )
     };
     let mut floats = Floats::new(4);
-    let rays: Vec<(Vec3, Vec3)> = (0..20_000).map(|_| (floats.vector() * 4.0, floats.vector())).collect();
-    for transform in [
-        "<rotate x='0.267261242' y='0.534522484' z='0.801783726' angle='40'/><translate x='0.2' y='-0.1' z='0.3'/>",
-        "<scale value='1.3'/><translate y='0.5'/>",
-        "<scale x='-1'/><rotate z='1' angle='20'/>",
-        "<scale x='0.7' y='-1.2' z='1.1'/><translate z='0.4'/>",
+    let rays: Vec<(Vec3, Vec3)> = (0..30_000).map(|_| (floats.vector() * 4.0, floats.vector())).collect();
+    // Mitsuba's spheres stay round where their own transform stretches them, but not where that of an instance does.
+    for (round, transform) in [
+        (
+            "sphere",
+            "<rotate x='0.267261242' y='0.534522484' z='0.801783726' angle='40'/><translate x='0.2' y='-0.1' z='0.3'/>",
+        ),
+        ("sphere", "<scale value='1.3'/><translate y='0.5'/>"),
+        ("sphere", "<scale x='-1'/><rotate z='1' angle='20'/>"),
+        ("disk", "<scale x='0.7' y='-1.2' z='1.1'/><translate z='0.4'/>"),
     ] {
         let view = camera("0,0,9", "0,0,0", 40.0, 4);
         let files = [("ball.obj", text.as_str())];
-        let copies = scene_with(&format!("{view}{}", shapes(transform)), &files);
-        let group = format!("<shape type='shapegroup' id='g'>{}</shape>", shapes(""));
+        let copies = scene_with(&format!("{view}{}", shapes(round, transform)), &files);
+        let group = format!("<shape type='shapegroup' id='g'>{}</shape>", shapes(round, ""));
         let instance = format!(
             "{view}{group}<shape type='instance'><ref id='g'/><transform name='to_world'>{transform}</transform></shape>"
         );
