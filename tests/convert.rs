@@ -76,8 +76,7 @@ fn what_mitsuba_cannot_express_is_listed() {
     std::fs::write(folder.path().join("a.pbrt"), PBRT).unwrap();
     let run = convert(&["a.pbrt", "b.xml", "--report", "loss.json", "--check"], folder.path());
     assert!(run.status.success(), "{}{}", text(&run.stdout), text(&run.stderr));
-    let report = std::fs::read_to_string(folder.path().join("loss.json")).unwrap();
-    let losses: Vec<serde_json::Value> = serde_json::from_str(&report).unwrap();
+    let losses = losses(&folder.path().join("loss.json"));
     let shadowing = losses.iter().find(|loss| loss["what"].as_str().unwrap().contains("shadowing"));
     assert_eq!(shadowing.unwrap()["place"], "a.pbrt:19:10");
     for loss in &losses {
@@ -170,6 +169,11 @@ fn plastic_keeps_its_brightness_in_pbrt() {
     assert!(run.status.success(), "{}{}", text(&run.stdout), text(&run.stderr));
 }
 
+/// What `--report` wrote.
+fn losses(report: &Path) -> Vec<serde_json::Value> {
+    serde_json::from_str(&std::fs::read_to_string(report).unwrap()).unwrap()
+}
+
 /// The light of a ball in even light, before and after: a metal dimmed to half of its reflectance is written as the
 /// metal itself.
 #[test]
@@ -185,8 +189,7 @@ fn losses_of_materials_have_a_size() {
     std::fs::write(folder.path().join("a.xml"), scene).unwrap();
     let run = convert(&["a.xml", "b.pbrt", "--report", "loss.json"], folder.path());
     assert!(run.status.success(), "{}", text(&run.stderr));
-    let report = std::fs::read_to_string(folder.path().join("loss.json")).unwrap();
-    let losses: Vec<serde_json::Value> = serde_json::from_str(&report).unwrap();
+    let losses = losses(&folder.path().join("loss.json"));
     let dimmed = losses.iter().find(|l| l["what"] == "the specular reflectance of a metal").unwrap();
     let size = dimmed["size"].as_f64().unwrap();
     // Of balls with the same paths; spectra differ by how they become RGB.
@@ -211,8 +214,7 @@ fn the_size_of_a_rough_principled_material_is_told() {
     std::fs::write(folder.path().join("a.xml"), scene).unwrap();
     let run = convert(&["a.xml", "b.pbrt", "--report", "loss.json"], folder.path());
     assert!(run.status.success(), "{}", text(&run.stderr));
-    let report = std::fs::read_to_string(folder.path().join("loss.json")).unwrap();
-    let losses: Vec<serde_json::Value> = serde_json::from_str(&report).unwrap();
+    let losses = losses(&folder.path().join("loss.json"));
     let size =
         losses.iter().find(|l| l["what"] == "the `principled` model").unwrap()["size"].as_f64().unwrap();
     assert!((-0.72..-0.64).contains(&size), "{size}");

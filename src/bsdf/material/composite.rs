@@ -25,7 +25,7 @@ fn side(w: Vec3, mirrored: bool) -> Vec3 {
     if mirrored { Vec3::new(w.x, w.y, -w.z) } else { w }
 }
 
-/// A frame in which an component may scatter light.
+/// A frame in which a component may scatter light.
 #[derive(Clone, Copy)]
 struct Pose {
     frame: Option<Frame>,
@@ -57,6 +57,23 @@ impl Component {
             (self.seen(wi), None)
         };
         std::iter::once(first).chain(second)
+    }
+
+    /// One of [`Self::poses`], drawn by `u` in proportion to `share`, which is asked only where there are two.
+    fn draw_pose(
+        &self,
+        wi: Vec3,
+        mode: Transport,
+        u: &mut f32,
+        share: impl Fn(&Pose) -> f32,
+    ) -> Option<Pose> {
+        let mut poses = self.poses(wi, mode);
+        let (first, second) = (poses.next()?, poses.next());
+        let Some(second) = second else { return Some(first) };
+        let shares = [&first, &second].map(share);
+        let sum = shares[0] + shares[1];
+        let chosen = pick(u, shares.into_iter().map(|s| s / sum))?;
+        Some(if chosen == 0 { first } else { second })
     }
 
     fn local(&self, pose: &Pose, w: Vec3) -> Vec3 {
@@ -261,11 +278,9 @@ impl Composite {
             }
             u_lobe -= lobe.probability;
         }
-        let smooth = component.smooth_probability(wi, mode);
-        u_lobe /= smooth;
-        let share = |pose: Pose| component.smooth_in(&pose, wi) * pose.probability / smooth;
-        let chosen = pick(&mut u_lobe, component.poses(wi, mode).map(share))?;
-        let pose = component.poses(wi, mode).nth(chosen)?;
+        u_lobe /= component.smooth_probability(wi, mode);
+        let share = |pose: &Pose| component.smooth_in(pose, wi) * pose.probability;
+        let pose = component.draw_pose(wi, mode, &mut u_lobe, share)?;
         let lobes = component.bxdf.lobes(component.local(&pose, wi));
         let lobe = pick(&mut u_lobe, lobes.iter().map(|l| l.probability))?;
         let (range, event) = if lobes[lobe].roughness < glossy {
@@ -297,10 +312,8 @@ impl Composite {
         }
         let chosen = pick(&mut u_lobe, self.components.iter().map(|e| share(e) / all))?;
         let component = &self.components[chosen];
-        let own = share(component);
-        let of_pose = |pose: Pose| component.share_in(&pose, wi, range, component.weight) / own;
-        let chosen = pick(&mut u_lobe, component.poses(wi, mode).map(of_pose))?;
-        let pose = component.poses(wi, mode).nth(chosen)?;
+        let of_pose = |pose: &Pose| component.share_in(pose, wi, range, component.weight);
+        let pose = component.draw_pose(wi, mode, &mut u_lobe, of_pose)?;
         let lobes = component.bxdf.lobes(component.local(&pose, wi));
         let probability = |l: &Lobe| if range.contains(l.roughness) { l.probability } else { 0.0 };
         let inside: f32 = lobes.iter().map(probability).sum();
