@@ -12,10 +12,8 @@ pub struct ReadOptions {
     /// `-D name=value`: values of `$name` in the scene; they win over `<default>`. Giving one that
     /// the scene never uses is an error.
     pub defines: Vec<(String, String)>,
-    /// Known plugins that are not rendered yet become a named substitute and a warning.
-    pub allow_unsupported: bool,
-    /// pbrt-v3 scenes are converted to v4 while reading, instead of refused.
-    pub upgrade_v3: bool,
+    /// What is unknown or not rendered yet becomes the nearest thing that is, with a warning that names it.
+    pub lenient: bool,
     /// Searched for meshes, textures and includes after the folders of the scene.
     pub search: Vec<PathBuf>,
 }

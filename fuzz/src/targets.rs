@@ -83,7 +83,7 @@ fn files(name: &str, data: &[u8]) -> Memory {
 }
 
 fn read(name: &str, files: &Memory) -> Option<ir::Scene> {
-    let options = ReadOptions { allow_unsupported: true, upgrade_v3: true, ..ReadOptions::default() };
+    let options = ReadOptions { lenient: true, ..ReadOptions::default() };
     match read_scene(files, Path::new(name), &options) {
         Ok(read) => {
             let _ = read.sources.render(&read.warnings);
@@ -128,8 +128,7 @@ fn picture(start: &[u8], data: &[u8]) {
 /// A scene that can be read must compile or be refused, and then give a finite picture.
 fn render(name: &str, data: &[u8]) {
     let files = files(name, data);
-    let options =
-        Options { allow_unsupported: true, upgrade_v3: true, spectrum_rule: None, ..Options::default() };
+    let options = Options { lenient: true, spectrum_rule: None, ..Options::default() };
     let mut session = match Session::open_in(&files, Path::new(name), &options) {
         Ok(session) => session,
         Err(problem) => {

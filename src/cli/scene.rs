@@ -58,9 +58,9 @@ pub struct SceneArgs {
     /// the file's own version does
     #[arg(long, value_name = "RULE", value_enum, default_value = "mitsuba3")]
     spectral_to_rgb: SpectralRule,
-    /// Render what is not supported as something near, with a warning
-    #[arg(long)]
-    allow_unsupported: bool,
+    /// What is unknown or not supported becomes the nearest thing that is, with a warning
+    #[arg(long, alias = "allow-unsupported")]
+    lenient: bool,
     /// Also read and search this folder; a scene may read below its own folder only
     #[arg(long, value_name = "DIR")]
     allow_path: Vec<PathBuf>,
@@ -160,7 +160,7 @@ impl SceneArgs {
     /// # Errors
     /// As [`Self::open`].
     pub fn inspect(&self) -> Result<Session, Failure> {
-        let options = Options { allow_unsupported: true, ..self.options() };
+        let options = Options { lenient: true, ..self.options() };
         Ok(Session::open(self.path()?, &options)?)
     }
 
@@ -191,8 +191,7 @@ impl SceneArgs {
             crop: self.crop,
             filter: self.filter,
             spectrum_rule: self.spectral_to_rgb.rule(),
-            allow_unsupported: self.allow_unsupported,
-            upgrade_v3: false,
+            lenient: self.lenient,
             settings: rows.chain(self.set.iter().cloned()).collect(),
         }
     }

@@ -30,9 +30,7 @@ pub struct Options {
     /// Whose conversion of spectra to RGB; `None` is that of the file's own version.
     pub spectrum_rule: Option<SpectrumRule>,
     /// Replace what cannot be rendered by something near, with a warning.
-    pub allow_unsupported: bool,
-    /// Read pbrt-v3 scenes as well.
-    pub upgrade_v3: bool,
+    pub lenient: bool,
     /// Names and values from [`SETTINGS`](crate::settings::SETTINGS), applied in order after the scene's own.
     pub settings: Vec<(String, String)>,
 }
@@ -48,8 +46,7 @@ impl Default for Options {
             crop: None,
             filter: None,
             spectrum_rule: Some(SpectrumRule::Mitsuba3),
-            allow_unsupported: false,
-            upgrade_v3: false,
+            lenient: false,
             settings: Vec::new(),
         }
     }
@@ -57,20 +54,11 @@ impl Default for Options {
 
 impl Options {
     pub(super) fn reading(&self) -> ReadOptions {
-        ReadOptions {
-            defines: self.defines.clone(),
-            allow_unsupported: self.allow_unsupported,
-            search: self.allow_paths.clone(),
-            upgrade_v3: self.upgrade_v3,
-        }
+        ReadOptions { defines: self.defines.clone(), lenient: self.lenient, search: self.allow_paths.clone() }
     }
 
     pub(super) fn compiling(&self) -> CompileOptions {
-        CompileOptions {
-            sensor: self.sensor,
-            allow_unsupported: self.allow_unsupported,
-            spectrum_rule: self.spectrum_rule,
-        }
+        CompileOptions { sensor: self.sensor, lenient: self.lenient, spectrum_rule: self.spectrum_rule }
     }
 
     /// Changes the film of the chosen sensor.
@@ -109,7 +97,7 @@ impl Options {
             ("definitions (-D)".to_owned(), defined.join(" ")),
             ("sensor".to_owned(), self.sensor.map_or_else(|| "default".to_owned(), |n| n.to_string())),
             ("spectral-to-rgb".to_owned(), rule),
-            ("allow-unsupported".to_owned(), self.allow_unsupported.to_string()),
+            ("lenient".to_owned(), self.lenient.to_string()),
         ]
     }
 }

@@ -38,7 +38,7 @@ def scenes(folders):
 
 def check(binary, path, seconds, folder):
     out, report = folder / "made.xml", folder / "losses.json"
-    command = [binary, "convert", path, out, "--force", "--allow-unsupported", "--check-with", "mitsuba",
+    command = [binary, "convert", path, out, "--force", "--lenient", "--check-with", "mitsuba",
                "--allow-path", path.parent.parent, "--report", report]
     report.unlink(missing_ok=True)
     try:

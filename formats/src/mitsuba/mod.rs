@@ -45,8 +45,7 @@ pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Rea
         upgrade::upgrade(&mut tree.root, &tree.versions);
         let dialect = tree.versions.first().copied().unwrap_or(version::Version(3, 0, 0)).dialect();
         let folders = search_folders(path, &tree.folders, options);
-        let resolver =
-            resolve::Resolver::new(files, &sources, &folders, &mut problems, options.allow_unsupported);
+        let resolver = resolve::Resolver::new(files, &sources, &folders, &mut problems, options.lenient);
         let objects = resolver.objects(tree);
         let reader = reader::Reader::new(&objects, dialect, files, &sources, &folders, options);
         let (scene, found) = reader.scene();

@@ -148,10 +148,10 @@ impl<'a> Reader<'a> {
         let what = format!("{} plugin `{}` is not supported yet", object.class.name(), object.plugin);
         let problem = if !object.used {
             Diagnostic::warning(format!("{what}, but nothing uses it"), Some(object.span))
-        } else if self.options.allow_unsupported {
+        } else if self.options.lenient {
             Diagnostic::warning(format!("{what}: {instead}"), Some(object.span))
         } else {
-            let ours = format!("--allow-unsupported renders without it: {instead}");
+            let ours = format!("--lenient renders without it: {instead}");
             let help = if advice.is_empty() { ours } else { format!("{advice}; {ours}") };
             Diagnostic::error(what, Some(object.span)).help(help)
         };

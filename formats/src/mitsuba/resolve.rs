@@ -168,7 +168,7 @@ impl<'a> Resolver<'a> {
         let problem = Diagnostic::error(text, Some(element.tag_span));
         self.problems.push(match nearest(&element.tag, known) {
             Some(known) => problem.help(format!("did you mean <{known}>?")),
-            None => problem.help("remove it; --allow-unsupported skips unknown elements"),
+            None => problem.help("remove it; --lenient skips unknown elements"),
         });
     }
 

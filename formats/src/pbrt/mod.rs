@@ -44,7 +44,7 @@ use crate::read::{Failure, Read, ReadOptions};
 pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Read, Box<Failure>> {
     let mut sources = SourceMap::default();
     let mut problems = Vec::new();
-    let mut old = upgrade::Old::new(options.upgrade_v3);
+    let mut old = upgrade::Old::default();
     let own = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let folders: Vec<_> = std::iter::once(own).chain(options.search.iter().cloned()).collect();
     let mut directives = Vec::new();

@@ -192,10 +192,10 @@ impl<'a> Reader<'a> {
     /// Reports something of pbrt that is not supported.
     pub fn unsupported(&mut self, what: &str, instead: &str, span: Span) {
         let text = format!("{what} is not supported yet");
-        let problem = if self.options.allow_unsupported {
+        let problem = if self.options.lenient {
             Diagnostic::warning(format!("{text}: {instead}"), Some(span))
         } else {
-            let help = format!("--allow-unsupported renders without it: {instead}");
+            let help = format!("--lenient renders without it: {instead}");
             Diagnostic::error(text, Some(span)).help(help)
         };
         self.problems.push(problem.unsupported());

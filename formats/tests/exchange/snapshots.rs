@@ -45,7 +45,7 @@ fn said_of(name: &Path, text: Vec<u8>) -> String {
     };
     let strict = said(&ReadOptions::default());
     assert!(!strict.is_empty(), "nothing is said of {}", name.display());
-    let lenient = said(&ReadOptions { allow_unsupported: true, upgrade_v3: true, ..ReadOptions::default() });
+    let lenient = said(&ReadOptions { lenient: true, ..ReadOptions::default() });
     if lenient == strict {
         strict
     } else {

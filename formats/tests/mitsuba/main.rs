@@ -56,8 +56,8 @@ fn failure_with(scene: &str, more: &[(&str, &str)], defines: &[(&str, &str)]) ->
 }
 
 /// The rendered warnings of a scene that is accepted.
-fn warnings(scene: &str, allow_unsupported: bool) -> String {
-    let options = ReadOptions { allow_unsupported, ..ReadOptions::default() };
+fn warnings(scene: &str, lenient: bool) -> String {
+    let options = ReadOptions { lenient, ..ReadOptions::default() };
     let read = try_read(scene, &[], &options).unwrap_or_else(|e| panic!("{e}"));
     trimmed(&read.sources.render(&read.warnings))
 }

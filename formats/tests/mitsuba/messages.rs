@@ -276,7 +276,7 @@ fn unsupported_plugin() {
     3 │     <bsdf type='hair'>
       │                 ^^^^
       │
-      = help: --allow-unsupported renders without it: diffuse gray 0.5 is used
+      = help: --lenient renders without it: diffuse gray 0.5 is used
     "#);
     assert_snapshot!(warnings(text, true), @r#"
     warning: bsdf plugin `hair` is not supported yet: diffuse gray 0.5 is used
@@ -372,6 +372,6 @@ fn several_problems_in_source_order() {
     13 │   <teapot/>
        │    ^^^^^^
        │
-       = help: remove it; --allow-unsupported skips unknown elements
+       = help: remove it; --lenient skips unknown elements
     "#);
 }

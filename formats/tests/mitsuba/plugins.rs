@@ -190,7 +190,7 @@ fn sensors_may_mirror_but_not_scale() {
 fn substitutes_are_those_that_the_warning_names() {
     let text = "<scene version='3.0.0'><bsdf type='conductor' id='c'><texture type='wireframe' name='specular_reflectance'>\
         <string name='name' value='vertex_color'/></texture></bsdf><shape type='cube'><bsdf type='hk'><ref id='c'/></bsdf></shape></scene>";
-    let options = ReadOptions { allow_unsupported: true, ..ReadOptions::default() };
+    let options = ReadOptions { lenient: true, ..ReadOptions::default() };
     let read = try_read(text, &[], &options).unwrap();
     let messages: Vec<&str> = read.warnings.iter().map(|w| w.message.as_str()).collect();
     assert_eq!(

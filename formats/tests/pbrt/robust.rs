@@ -28,10 +28,10 @@ LightSource "spot" "rgb I" [1 1 1] "float power" 5 "point3 from" [1 2 3]
 Include "ball.pbrt"
 "#;
 
-fn read(bytes: Vec<u8>, upgrade_v3: bool) -> bool {
+fn read(bytes: Vec<u8>) -> bool {
     let Memory(mut map) = files("");
     map.insert("scene.pbrt".into(), bytes);
-    let options = ReadOptions { upgrade_v3, ..ReadOptions::default() };
+    let options = ReadOptions::default();
     let result = read_scene(&Memory(map), Path::new("scene.pbrt"), &options);
     // Rendering must survive every span as well.
     result.map_err(|failure| failure.to_string()).map(|r| r.sources.render(&r.warnings)).is_ok()
@@ -39,13 +39,13 @@ fn read(bytes: Vec<u8>, upgrade_v3: bool) -> bool {
 
 #[test]
 fn the_scene_itself_is_accepted() {
-    assert!(read(SCENE.into(), false), "{:?}", problems(SCENE));
+    assert!(read(SCENE.into()), "{:?}", problems(SCENE));
 }
 
 #[test]
 fn truncation_at_every_byte() {
     for end in 0..SCENE.len() {
-        read(SCENE.as_bytes()[..end].to_vec(), false);
+        read(SCENE.as_bytes()[..end].to_vec());
     }
 }
 
@@ -56,7 +56,7 @@ fn flipped_and_replaced_bytes() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize
     };
-    for round in 0..3000 {
+    for _ in 0..3000 {
         let mut bytes = SCENE.as_bytes().to_vec();
         for _ in 0..=random() % 4 {
             let at = random() % bytes.len();
@@ -69,7 +69,7 @@ fn flipped_and_replaced_bytes() {
                 }
             }
         }
-        read(bytes, round % 2 == 0);
+        read(bytes);
     }
 }
 

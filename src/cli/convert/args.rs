@@ -32,9 +32,9 @@ pub struct ConvertArgs {
     /// How spectra that the language cannot say become RGB (as for `render`)
     #[arg(long, value_name = "RULE", value_enum, default_value = "mitsuba3")]
     pub spectral_to_rgb: SpectralRule,
-    /// Convert what is not supported as something near, with a warning
-    #[arg(long)]
-    pub allow_unsupported: bool,
+    /// What is unknown or not supported becomes the nearest thing that is, with a warning
+    #[arg(long, alias = "allow-unsupported")]
+    pub lenient: bool,
     /// Also read and search this folder; a scene may read below its own folder only
     #[arg(long, value_name = "DIR")]
     pub allow_path: Vec<PathBuf>,

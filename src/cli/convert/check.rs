@@ -29,14 +29,14 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
             defines: args.define.clone(),
             allow_paths: args.allow_path.clone(),
             spectrum_rule: args.spectral_to_rgb.rule(),
-            ..small(args.allow_unsupported, seed)
+            ..small(args.lenient, seed)
         };
         picture(&args.input, &options)
     };
     let first = source(1)?;
     let other = source(2)?;
     // The result's folder holds all it needs; its spectra mean what its language says.
-    let options = Options { spectrum_rule: None, ..small(args.allow_unsupported, 1) };
+    let options = Options { spectrum_rule: None, ..small(args.lenient, 1) };
     let result = picture(&args.output, &options)?;
     if first.len() != result.len() {
         return Err(Failure::Work(format!(
@@ -67,13 +67,12 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
 }
 
 /// A small film and a few samples a pixel, by path tracing.
-pub fn small(allow_unsupported: bool, seed: u64) -> Options {
+pub fn small(lenient: bool, seed: u64) -> Options {
     let settings =
         [("integrator", "path".to_owned()), ("passes", PASSES.to_string()), ("seed", seed.to_string())];
     Options {
         longest_side: Some(SIDE),
-        allow_unsupported,
-        upgrade_v3: true,
+        lenient,
         settings: settings.map(|(name, value)| (name.to_owned(), value)).to_vec(),
         ..Options::default()
     }

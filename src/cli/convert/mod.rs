@@ -20,12 +20,8 @@ pub use args::ConvertArgs;
 /// # Errors
 /// When the scene cannot be read, or the result cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
-    let options = ReadOptions {
-        defines: args.define.clone(),
-        allow_unsupported: args.allow_unsupported,
-        upgrade_v3: true,
-        search: args.allow_path.clone(),
-    };
+    let options =
+        ReadOptions { defines: args.define.clone(), lenient: args.lenient, search: args.allow_path.clone() };
     let files = Confined::new(&args.input, &args.allow_path);
     let mut read = read_scene(&files, &args.input, &options).map_err(|failure| failure.to_string())?;
     warn(&read);

@@ -74,7 +74,7 @@ pub fn run(args: &ConvertArgs, renderer: Renderer) -> Result<u8, Failure> {
         defines: args.define.clone(),
         allow_paths: args.allow_path.clone(),
         spectrum_rule: args.spectral_to_rgb.rule(),
-        ..small(args.allow_unsupported, 1)
+        ..small(args.lenient, 1)
     };
     let ours = picture(&args.input, &options)?;
     let mean = |values: &mut dyn Iterator<Item = f64>| {

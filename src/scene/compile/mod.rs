@@ -36,7 +36,7 @@ pub struct CompileOptions {
     /// Which sensor; `None` is the scene's default.
     pub sensor: Option<usize>,
     /// Replace what cannot be rendered by something near, with a warning.
-    pub allow_unsupported: bool,
+    pub lenient: bool,
     /// Whose conversion of spectra to RGB; `None` is that of the file's own version.
     pub spectrum_rule: Option<ir::SpectrumRule>,
 }
@@ -77,13 +77,13 @@ impl Compiler<'_> {
         self.diagnostics.push(Diagnostic::warning(message, origin.0));
     }
 
-    /// An error, or with `--allow-unsupported` a warning that names the substitute.
+    /// An error, or with `--lenient` a warning that names the substitute.
     fn unsupported(&mut self, what: &str, substitute: &str, origin: ir::Origin) {
-        let problem = if self.options.allow_unsupported {
+        let problem = if self.options.lenient {
             Diagnostic::warning(format!("{what} is not rendered yet; {substitute} instead"), origin.0)
         } else {
             Diagnostic::error(format!("{what} is not rendered yet"), origin.0)
-                .help(format!("--allow-unsupported renders {substitute} instead"))
+                .help(format!("--lenient renders {substitute} instead"))
         };
         self.diagnostics.push(problem.unsupported());
     }

@@ -110,7 +110,7 @@ impl Old {
 
     /// The shutter of v3 decides how far things move while it is open, never how bright the picture is.
     pub fn shutters(&self, directives: &mut [Directive]) {
-        if self.lenient && !self.found.is_empty() {
+        if !self.found.is_empty() {
             for camera in directives.iter_mut().filter(|d| d.name == "Camera") {
                 camera.params.retain(|p| !matches!(p.name.as_str(), "shutteropen" | "shutterclose"));
             }

@@ -1,5 +1,4 @@
-//! pbrt-v3 to v4: a v3 scene is refused with the new spelling of each construct, or converted when the options ask
-//! for it.
+//! pbrt-v3 to v4: what a v3 scene says becomes what v4 says for it.
 
 mod lights;
 mod table;
@@ -7,7 +6,7 @@ mod table;
 use std::collections::HashMap;
 
 use super::directive::{Directive, Param, ParamType, Value, Values};
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Severity, Span};
 use table::{Change, Row};
 
 /// One construct of pbrt-v3 and where it stands.
@@ -20,9 +19,8 @@ struct Found {
 }
 
 /// Collects the old constructs of a scene.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Old {
-    lenient: bool,
     found: Vec<Found>,
     index: HashMap<String, usize>,
     problems: Vec<Diagnostic>,
@@ -42,10 +40,6 @@ const TYPES: &[(&str, ParamType)] = &[
 ];
 
 impl Old {
-    pub fn new(lenient: bool) -> Self {
-        Self { lenient, found: Vec::new(), index: HashMap::new(), problems: Vec::new(), spots: Vec::new() }
-    }
-
     /// Records that pbrt-v4 writes `now` for `what`.
     pub fn found(&mut self, span: Span, what: &str, now: &str) {
         if let Some(&known) = self.index.get(what) {
@@ -64,7 +58,7 @@ impl Old {
         Some(kind)
     }
 
-    /// The problems: errors with the new spelling, or the losses of what was upgraded.
+    /// One note that the scene is of pbrt-v3, and the losses of what was upgraded.
     pub fn finish(mut self) -> Vec<Diagnostic> {
         if !self.found.is_empty() {
             for span in std::mem::take(&mut self.spots) {
@@ -74,29 +68,15 @@ impl Old {
             }
         }
         let mut problems = self.problems;
-        if self.lenient {
-            return problems;
-        }
-        for found in self.found {
-            let instead = match found.now.as_str() {
-                NOTHING => format!("has {NOTHING}"),
-                now => format!("writes {now}"),
-            };
-            let text = format!("{} is pbrt-v3 syntax: pbrt-v4 {instead}", found.what);
-            let problem = Diagnostic::error(text, Some(found.first));
-            problems.push(match found.more {
-                0 => problem,
-                1 => problem.help("it occurs in one more place"),
-                more => problem.help(format!("it occurs in {more} more places")),
-            });
+        if let Some(first) = self.found.first() {
+            let text = format!("this is a pbrt-v3 scene ({}): it is read as pbrt-v3 means it", first.what);
+            problems.push(Diagnostic::new(Severity::Note, text, Some(first.first)));
         }
         problems
     }
 
     fn lost(&mut self, span: Span, text: String) {
-        if self.lenient {
-            self.problems.push(Diagnostic::warning(text, Some(span)));
-        }
+        self.problems.push(Diagnostic::warning(text, Some(span)));
     }
 
     /// Converts a directive to pbrt-v4; `false` when nothing remains of it.
@@ -127,9 +107,7 @@ impl Old {
         }
         d.params.iter_mut().for_each(from_xyz);
         self.blackbodies(d);
-        if self.lenient {
-            self.light(d);
-        }
+        self.light(d);
         let class = if d.name == "MakeNamedMaterial" { "Material" } else { d.name.as_str() };
         let kind = kind(d);
         let general: Vec<&Row> = table::ROWS
