@@ -113,7 +113,7 @@ fn materials_nested_in_themselves_are_refused() {
     assert_eq!(coats(4), "");
     for layers in [5, 200] {
         let said = coats(layers);
-        assert!(said.contains("more than 4 coats over each other cannot be rendered"), "{said}");
+        assert!(said.contains("a material under more than 4 coats is not supported"), "{said}");
         assert_eq!(said.matches("error").count(), 1, "{said}");
     }
 }

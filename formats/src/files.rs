@@ -25,10 +25,22 @@ pub trait Files: fmt::Debug + Sync {
     fn declare(&self, _folder: &Path) -> bool {
         false
     }
+    /// Files that the scene names and may not read, links followed.
+    fn outside(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
 }
 
 /// No scene, mesh or texture file may be larger than this (8 GiB).
 pub const MAX_FILE_BYTES: u64 = 8 << 30;
+
+/// The system's words for an error, without its number in the system's list.
+pub fn plain(error: io::Error) -> io::Error {
+    let text = error.to_string();
+    let Some((words, rest)) = text.split_once(" (os error ") else { return error };
+    let after = rest.split_once(')').map_or("", |(_, after)| after);
+    io::Error::new(error.kind(), format!("{words}{after}"))
+}
 
 /// The file system.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,7 +48,7 @@ pub struct Disk;
 
 impl Files for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let about = std::fs::metadata(path)?;
+        let about = std::fs::metadata(path).map_err(plain)?;
         // A device or a pipe may never end.
         if !about.is_file() {
             return Err(io::Error::other("it is not a regular file"));
@@ -45,7 +57,7 @@ impl Files for Disk {
         if length > MAX_FILE_BYTES {
             return Err(io::Error::other(format!("{length} bytes is over the limit of {MAX_FILE_BYTES}")));
         }
-        std::fs::read(path)
+        std::fs::read(path).map_err(plain)
     }
 
     fn is_file(&self, path: &Path) -> bool {

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use super::failure::Failure;
 use super::report;
 use crate::scene::compile::MAX_PIXELS;
-use crate::session::{Error, Options, Session};
+use crate::session::{Error, Inspection, Options, Session};
 
 /// Scene file, parameters, camera, film and settings, for every subcommand that opens a scene.
 #[derive(Debug, Args)]
@@ -143,25 +143,22 @@ impl SceneArgs {
     /// # Errors
     /// When no scene is named, or it cannot be opened.
     pub fn open(&self, quiet: bool) -> Result<Session, Failure> {
-        let session = Session::open(self.path()?, &self.options());
-        let warnings = match &session {
-            Ok(session) => session.warnings(),
-            Err(Error::Scene { warnings, .. }) => warnings,
-            Err(_) => "",
-        };
-        if !quiet && !warnings.is_empty() {
-            report::line(warnings);
+        let session = Session::open(self.path()?, &self.options()).map_err(|error| match error {
+            Error::Scene(failure) if quiet => Error::Scene(Box::new(failure.errors_only())),
+            error => error,
+        })?;
+        if !quiet && !session.warnings().is_empty() {
+            report::line(session.warnings());
         }
-        Ok(session?)
+        Ok(session)
     }
 
-    /// As [`Self::open`], without printing. What is not supported is no error.
+    /// As [`Self::open`], without printing; a scene that cannot be rendered is looked at all the same.
     ///
     /// # Errors
-    /// As [`Self::open`].
-    pub fn inspect(&self) -> Result<Session, Failure> {
-        let options = Options { lenient: true, ..self.options() };
-        Ok(Session::open(self.path()?, &options)?)
+    /// When no scene is named, or what was asked for is wrong.
+    pub fn inspect(&self) -> Result<Inspection, Failure> {
+        Ok(Inspection::of(self.path()?, &self.options())?)
     }
 
     fn path(&self) -> Result<&Path, Failure> {

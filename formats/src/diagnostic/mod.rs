@@ -49,6 +49,8 @@ pub struct Diagnostic {
     pub help: Vec<String>,
     /// Names something that is known and not rendered.
     pub unsupported: bool,
+    /// What was asked for beside the scene is wrong, not the scene.
+    pub request: bool,
 }
 
 impl Diagnostic {
@@ -61,6 +63,7 @@ impl Diagnostic {
             labels: Vec::new(),
             help: Vec::new(),
             unsupported: false,
+            request: false,
         }
     }
 
@@ -78,6 +81,13 @@ impl Diagnostic {
     #[must_use]
     pub fn unsupported(mut self) -> Self {
         self.unsupported = true;
+        self
+    }
+
+    /// Marks it as a message about what was asked for, such as a value for a parameter that no scene has.
+    #[must_use]
+    pub fn request(mut self) -> Self {
+        self.request = true;
         self
     }
 
@@ -129,7 +139,7 @@ pub(crate) fn in_source_order(problems: &mut Vec<Diagnostic>) {
 }
 
 /// Most messages printed at once.
-const SHOWN: usize = 100;
+pub(crate) const SHOWN: usize = 100;
 
 /// The last boundary between characters of `text` at or before `offset`.
 pub(crate) fn char_floor(text: &str, offset: usize) -> usize {

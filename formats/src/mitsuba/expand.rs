@@ -11,6 +11,7 @@ use super::xml;
 use crate::diagnostic::{Diagnostic, SourceMap, Span};
 use crate::encoding::{as_declared, into_utf8};
 use crate::files::{Files, Included};
+use crate::misnamed;
 use crate::missing::{find, not_found};
 use crate::read::ReadOptions;
 
@@ -136,6 +137,9 @@ impl<'a> Expander<'a> {
 
     fn text(&self, path: &Path) -> Result<String, String> {
         let bytes = as_declared(into_utf8(self.files.read(path).map_err(|e| e.to_string())?));
+        if let Some(what) = misnamed::named(&bytes) {
+            return Err(format!("it is {what}"));
+        }
         if u32::try_from(bytes.len()).is_err() {
             return Err("a scene file must be smaller than 4 GiB".to_owned());
         }

@@ -114,7 +114,8 @@ impl Parameters {
         self.items.iter().filter(|p| p.given && !p.used).map(|unused| {
             let name = &unused.name;
             let problem =
-                Diagnostic::error(format!("the scene never uses the parameter `{name}` given by -D"), None);
+                Diagnostic::error(format!("the scene never uses the parameter `{name}` given by -D"), None)
+                    .request();
             let known = self.items.iter().filter(|p| p.used || !p.given).map(|p| p.name.as_str());
             problem.suggest_or(name, known.clone(), || {
                 let mut known: Vec<_> = known.collect();

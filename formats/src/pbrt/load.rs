@@ -8,6 +8,7 @@ use super::upgrade::Old;
 use crate::diagnostic::{Diagnostic, SourceMap, Span};
 use crate::encoding::into_utf8;
 use crate::files::{Files, Included, is_gzip, unpack};
+use crate::misnamed;
 use crate::missing::{find, not_found};
 
 /// Deepest nesting of includes.
@@ -134,6 +135,9 @@ impl<'a> Loader<'a> {
         let bytes = self.files.read(path).map_err(|e| e.to_string())?;
         let bytes = if is_gzip(&bytes) { unpack(&bytes, MAX_TEXT)? } else { bytes };
         let bytes = into_utf8(bytes);
+        if let Some(what) = misnamed::named(&bytes) {
+            return Err(format!("it is {what}"));
+        }
         if bytes.len() as u64 > MAX_TEXT {
             return Err("it is over 4 GiB".to_owned());
         }

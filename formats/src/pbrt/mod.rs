@@ -56,7 +56,7 @@ pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Rea
     old.shutters(&mut directives);
     for (name, _) in &options.defines {
         let text = format!("`{name}` is defined, but pbrt scenes have no parameters");
-        problems.push(Diagnostic::error(text, None));
+        problems.push(Diagnostic::error(text, None).request());
     }
     let readable = !directives.is_empty() || problems.is_empty();
     if readable {

@@ -19,7 +19,7 @@ pub(crate) use output::Output;
 pub(crate) use sample::Sampled;
 pub(crate) use slide::Cone;
 
-use crate::files::Files;
+use crate::files::{Files, plain};
 use crate::image::atomic_write;
 
 /// Something in the scene that the written one cannot express.
@@ -123,7 +123,7 @@ impl Written {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let io = |path: &Path| {
             let path = path.to_path_buf();
-            move |error| WriteError::Io { path, error }
+            move |error| WriteError::Io { path, error: plain(error) }
         };
         self.check(&self.path, replace)?;
         let mut changed = Vec::new();

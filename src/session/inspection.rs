@@ -1,0 +1,76 @@
+//! What is found out about a scene, whether or not it can be rendered.
+
+use std::path::{Path, PathBuf};
+
+use caustica_formats::confined::Confined;
+use caustica_formats::read_scene;
+
+use super::describe::Contents;
+use super::{Description, Error, Finding, Options, Session};
+
+/// A scene that was looked at. Where it cannot be rendered, there is as much of it as could be found out.
+#[derive(Debug)]
+pub struct Inspection {
+    pub(super) path: PathBuf,
+    /// The scene, or if it is refused what `lenient` makes of it.
+    pub(super) session: Option<Session>,
+    /// What the files say, where there is no session.
+    pub(super) contents: Option<Contents>,
+    pub(super) findings: Vec<Finding>,
+    /// Why the scene is refused.
+    pub failure: Option<Error>,
+}
+
+impl Inspection {
+    /// Opens the scene as [`Session::open`] does; [`Self::failure`] is what that fails with.
+    ///
+    /// # Errors
+    /// When what was asked for is wrong, so that nothing was looked at.
+    pub fn of(path: impl AsRef<Path>, options: &Options) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let refused = |failure: Error, findings| {
+            let (session, contents) = substitute(path, options, findings);
+            (session, contents, Some(failure))
+        };
+        let mut findings = Vec::new();
+        let (session, contents, failure) = match Session::open(path, options) {
+            Ok(session) => {
+                findings.extend_from_slice(session.findings());
+                let failure = session.check_memory().err();
+                (Some(session), None, failure)
+            }
+            Err(Error::Scene(failure)) => {
+                findings.extend(failure.diagnostics.iter().map(|d| Finding::new(d, &failure.sources)));
+                refused(Error::Scene(failure), &findings)
+            }
+            Err(error) => return Err(error),
+        };
+        Ok(Self { path: path.to_path_buf(), session, contents, findings, failure })
+    }
+
+    /// Warnings of a scene that can be rendered, without those about what is not supported, which [`Self::describe`]
+    /// lists.
+    pub fn other_warnings(&self) -> Option<&str> {
+        self.session.as_ref().map(Session::other_warnings).filter(|text| !text.is_empty())
+    }
+
+    /// What is in the scene, what rendering it will do, and what is wrong with it.
+    pub fn describe(&self) -> Description<'_> {
+        Description::of(self)
+    }
+}
+
+/// What can be said of a scene that is refused because of `findings`.
+fn substitute(path: &Path, options: &Options, findings: &[Finding]) -> (Option<Session>, Option<Contents>) {
+    let lenient = Options { lenient: true, ..options.clone() };
+    let files = Confined::new(path, &options.allow_paths);
+    let Ok(mut read) = read_scene(&files, path, &lenient.reading()) else { return (None, None) };
+    // What is broken stays so; only what is not supported has a substitute.
+    let may_open = findings.iter().all(|finding| finding.unsupported || !finding.is_error());
+    let session = if may_open { Session::open(path, &lenient).ok() } else { None };
+    let contents = session.is_none().then(|| {
+        lenient.override_film(&mut read.scene);
+        Contents::of(&read.scene, options.sensor)
+    });
+    (session, contents)
+}
