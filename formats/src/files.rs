@@ -34,12 +34,20 @@ pub trait Files: fmt::Debug + Sync {
 /// No scene, mesh or texture file may be larger than this (8 GiB).
 pub const MAX_FILE_BYTES: u64 = 8 << 30;
 
-/// The system's words for an error, without its number in the system's list.
-pub fn plain(error: io::Error) -> io::Error {
+/// An error in the system's words, without its number in the system's list.
+pub fn words(error: &io::Error) -> String {
     let text = error.to_string();
-    let Some((words, rest)) = text.split_once(" (os error ") else { return error };
+    let Some((words, rest)) = text.split_once(" (os error ") else { return text };
     let after = rest.split_once(')').map_or("", |(_, after)| after);
-    io::Error::new(error.kind(), format!("{words}{after}"))
+    format!("{words}{after}")
+}
+
+/// As [`words`], still an error.
+pub fn plain(error: io::Error) -> io::Error {
+    match words(&error) {
+        text if text == error.to_string() => error,
+        text => io::Error::new(error.kind(), text),
+    }
 }
 
 /// The file system.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use caustica_formats::diagnostic::nearest;
 use caustica_formats::ir::{Crop, Filter, SpectrumRule};
 use clap::{Args, ValueEnum};
 
@@ -120,7 +121,11 @@ fn crop(text: &str) -> Result<Crop, String> {
 }
 
 fn filter(name: &str) -> Result<Filter, String> {
-    Filter::named(name).ok_or_else(|| format!("expected {}", filter_names()))
+    Filter::named(name).ok_or_else(|| {
+        let near = nearest(name, Filter::NAMED.iter().map(|row| row.name));
+        let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        format!("expected {}{hint}", filter_names())
+    })
 }
 
 /// "box, tent or lanczos".
@@ -207,5 +212,6 @@ mod tests {
             filter("sinc"),
             Err("expected box, tent, gaussian, mitchell, catmullrom or lanczos".to_owned())
         );
+        assert!(filter("gausian").unwrap_err().ends_with("; did you mean `gaussian`?"));
     }
 }

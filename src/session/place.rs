@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use caustica_formats::files::plain;
+use caustica_formats::files::words;
 
 use super::Error;
 
@@ -66,7 +66,7 @@ pub fn check_place(file: &Path) -> Result<(), Error> {
     }
     match tempfile::Builder::new().prefix(".caustica-probe").tempfile_in(folder) {
         Ok(_) => Ok(()),
-        Err(e) => fail(&plain(e)),
+        Err(e) => fail(&words(&e)),
     }
 }
 
@@ -88,7 +88,7 @@ pub(super) fn keep_elsewhere(file: &Path, bytes: &[u8]) -> Result<PathBuf, Strin
         );
         match kept {
             Ok(path) => return Ok(path),
-            Err(e) => problems.push(format!("`{}`: {}", folder.display(), plain(e))),
+            Err(e) => problems.push(format!("`{}`: {}", folder.display(), words(&e))),
         }
     }
     Err(problems.join(", "))

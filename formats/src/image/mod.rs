@@ -17,7 +17,7 @@ use thiserror::Error;
 
 use crate::misnamed;
 
-pub use crate::files::plain;
+pub use crate::files::words;
 pub use atomic::{atomic_replace, atomic_write};
 pub use exr_write::{ExrLayer, ExrOptions, encode_exr, write_exr};
 pub use hdr::encode_hdr;

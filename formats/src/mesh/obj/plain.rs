@@ -6,35 +6,41 @@ use std::io::{self, BufRead, Read};
 /// Longest number: more digits could be more than a number holds.
 const LONGEST: usize = 30;
 
-/// What a byte may be part of.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Class {
-    Blank,
-    Digit,
-    Sign,
-    Exponent,
-    Slash,
-    End,
-    Other,
-}
+const BLANK: u8 = 1;
+const DIGIT: u8 = 2;
+/// Digits, signs and points.
+const NUMBER: u8 = 4;
 
-const CLASS: [Class; 256] = {
-    let mut class = [Class::Other; 256];
+/// What a byte may be part of.
+const CLASS: [u8; 256] = {
+    let mut class = [0; 256];
     let mut byte = 0;
     while byte < 256 {
         class[byte] = match byte as u8 {
-            b' ' | b'\t' | b'\r' => Class::Blank,
-            b'0'..=b'9' => Class::Digit,
-            b'-' | b'+' | b'.' => Class::Sign,
-            b'e' => Class::Exponent,
-            b'/' => Class::Slash,
-            b'\n' => Class::End,
-            _ => Class::Other,
+            b' ' | b'\t' | b'\r' => BLANK,
+            b'0'..=b'9' => DIGIT | NUMBER,
+            b'-' | b'+' | b'.' => NUMBER,
+            _ => 0,
         };
         byte += 1;
     }
     class
 };
+
+/// The first byte from `at` on that is not of a class.
+#[inline(always)]
+fn past(bytes: &[u8], mut at: usize, class: u8) -> usize {
+    while at < bytes.len() && CLASS[usize::from(bytes[at])] & class != 0 {
+        at += 1;
+    }
+    at
+}
+
+/// Whether a word ends here.
+#[inline(always)]
+fn is_end(bytes: &[u8], at: usize) -> bool {
+    bytes.get(at).is_none_or(|&byte| byte == b'\n' || CLASS[usize::from(byte)] == BLANK)
+}
 
 /// Hands out the statements of vertices and faces.
 pub(super) struct Plain<'a> {
@@ -73,10 +79,7 @@ impl<'a> Plain<'a> {
         self.line = "";
         let bytes = self.text.as_bytes();
         while self.next < bytes.len() && !self.odd {
-            let mut start = self.next;
-            while start < bytes.len() && CLASS[usize::from(bytes[start])] == Class::Blank {
-                start += 1;
-            }
+            let start = past(bytes, self.next, BLANK);
             let is = |at: usize, byte: u8| bytes.get(at) == Some(&byte);
             let blank = |at: usize| bytes.get(at).is_some_and(|b| matches!(b, b' ' | b'\t'));
             let end = match bytes.get(start) {
@@ -118,26 +121,22 @@ impl<'a> Plain<'a> {
     #[inline]
     fn numbers(&self, start: usize, least: usize, most: usize) -> Option<usize> {
         let bytes = self.text.as_bytes();
-        let (mut at, mut found, mut length) = (start, 0, 0);
+        let (mut at, mut found) = (start, 0);
         loop {
-            let class = bytes.get(at).map_or(Class::End, |&byte| CLASS[usize::from(byte)]);
-            match class {
-                Class::Digit | Class::Sign => length += 1,
-                // Other exponents may lead beyond all numbers.
-                Class::Exponent if bytes.get(at + 1) == Some(&b'-') => length += 1,
-                Class::Blank | Class::End => {
-                    found += usize::from(length > 0);
-                    if length > LONGEST {
-                        return None;
-                    }
-                    length = 0;
-                    if class == Class::End {
-                        return (least..=most).contains(&found).then_some(at);
-                    }
-                }
-                Class::Exponent | Class::Slash | Class::Other => return None,
+            at = past(bytes, at, BLANK);
+            if at == bytes.len() || bytes[at] == b'\n' {
+                return (least..=most).contains(&found).then_some(at);
             }
-            at += 1;
+            let word = at;
+            at = past(bytes, at, NUMBER);
+            // Other exponents may lead beyond all numbers.
+            if bytes[at..].starts_with(b"e-") {
+                at = past(bytes, at + 2, DIGIT);
+            }
+            if at == word || at - word > LONGEST || !is_end(bytes, at) {
+                return None;
+            }
+            found += 1;
         }
     }
 
@@ -145,34 +144,35 @@ impl<'a> Plain<'a> {
     #[inline]
     fn face(&mut self, start: usize) -> Option<usize> {
         let bytes = self.text.as_bytes();
-        let (mut at, mut corners, mut slashes) = (start, 0, 0);
-        let mut before = Class::Blank;
+        let (mut at, mut corners) = (start, 0);
         loop {
-            let class = bytes.get(at).map_or(Class::End, |&byte| CLASS[usize::from(byte)]);
-            match class {
-                Class::Digit => {
-                    if before != Class::Digit {
-                        corners += usize::from(before == Class::Blank);
-                        // Indices count from 1.
-                        if bytes[at] == b'0' {
-                            return None;
-                        }
-                        if slashes > 0 {
-                            *self.named.get_mut(slashes - 1)? = true;
-                        }
-                    }
-                }
-                Class::Slash if before != Class::Blank => slashes += 1,
-                Class::Blank | Class::End => {
-                    slashes = 0;
-                    if class == Class::End {
-                        return (corners >= 3).then_some(at);
-                    }
-                }
-                Class::Slash | Class::Sign | Class::Exponent | Class::Other => return None,
+            at = past(bytes, at, BLANK);
+            if at == bytes.len() || bytes[at] == b'\n' {
+                return (corners >= 3).then_some(at);
             }
-            before = class;
-            at += 1;
+            for kind in 0..3 {
+                let index = at;
+                at = past(bytes, at, DIGIT);
+                if at > index {
+                    // Indices count from 1.
+                    if bytes[index] == b'0' {
+                        return None;
+                    }
+                    if kind > 0 {
+                        self.named[kind - 1] = true;
+                    }
+                } else if kind != 1 {
+                    return None;
+                }
+                if bytes.get(at) != Some(&b'/') {
+                    break;
+                }
+                at += 1;
+            }
+            if !is_end(bytes, at) {
+                return None;
+            }
+            corners += 1;
         }
     }
 }
@@ -202,5 +202,82 @@ impl BufRead for Plain<'_> {
         self.fill_buf()?;
         out.push_str(self.line);
         Ok(std::mem::take(&mut self.line).len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{mended, plain};
+
+    const LINES: &[&str] = &[
+        "v 0 0 0",
+        "v 1.5 -2 3e-2",
+        "  v\t1 2 3 \r",
+        "v 0 1 0",
+        "v 4 5 6",
+        "vt 0.5 0.25",
+        "vt .5 1 0",
+        "vn 0 0 1",
+        "f 1 2 3",
+        "f 1/1 2/1 3/2",
+        "f 1//1 2//1 3//1 4//1",
+        "f 1/1/1 2/2/1 4/1/1",
+        "g one",
+        "# a comment",
+        "",
+    ];
+    const ODD: &[&str] = &[
+        "v 1 2",
+        "v 1 2 3 4",
+        "v 1 2 3 0.1 0.2 0.3",
+        "v 1e30 1e39 1",
+        "v nan 0 0",
+        "vt 0.5",
+        "vt inf 1",
+        "vn 1 2 3 4",
+        "f 1 2",
+        "f 0 1 2",
+        "f 01 2 3",
+        "f -1 -2 -3",
+        "f 1/ 2/ 3/",
+        "f 1/2/3/4 2 3",
+        "f 1/9 2/9 3/9",
+        "f 1 2 99",
+        "f 99999999999999999999 1 2",
+        "f 1 2 3 # comment",
+        "f 1 2 \\",
+        "# continued \\",
+        "l 1 2",
+        "v 1 2 0000000000000000000000000000000000001",
+    ];
+
+    /// Whatever is not handed to the mending pass reads as if it had been.
+    #[test]
+    fn unmended_files_read_as_mended_ones() {
+        let mut state = 1_u32;
+        let mut next = |n: usize| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as usize % n
+        };
+        let mut taken = 0;
+        for _ in 0..4000 {
+            let (count, odd) = (3 + next(14), next(3) == 0);
+            let mut lines: Vec<&str> = (0..count).map(|_| LINES[next(LINES.len())]).collect();
+            if odd {
+                lines.insert(next(count), ODD[next(ODD.len())]);
+            }
+            let text = lines.join("\n");
+            if let Some(models) = plain(&text) {
+                let mended = mended(&text, None);
+                let mended = mended.unwrap_or_else(|e| panic!("{text}\nis refused: {e}"));
+                let parts = |models: &[tobj::Model]| format!("{:?}", models);
+                assert_eq!(parts(&models), parts(&mended), "{text}");
+                taken += usize::from(!models.is_empty());
+            }
+        }
+        assert!(taken > 200, "only {taken} files had faces and nothing to mend");
+        for odd in ODD.iter().filter(|line| !line.starts_with(['l', '#'])) {
+            assert!(plain(&format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\n{odd}\n")).is_none(), "{odd}");
+        }
     }
 }
