@@ -24,10 +24,10 @@ pub struct InspectArgs {
 pub fn run(args: &InspectArgs) -> Result<u8, Failure> {
     let inspection = args.scene.inspect()?;
     let description = inspection.describe();
-    match (&inspection.failure, inspection.other_warnings()) {
-        (Some(failure), _) => report::error(&failure.to_string()),
-        (None, Some(warnings)) if !args.json => report::line(warnings),
-        (None, _) => {}
+    match &inspection.failure {
+        Some(failure) => report::error(&failure.to_string()),
+        None if args.json || inspection.warnings().is_empty() => {}
+        None => report::line(&inspection.warnings()),
     }
     report::data(&if args.json {
         serde_json::to_string_pretty(&description).map_err(|e| e.to_string())?

@@ -71,6 +71,12 @@ impl Finding {
         }
     }
 
+    /// A warning about what stands in no file.
+    pub(super) fn warning(message: String) -> Self {
+        let place = Place::default();
+        Self { severity: "warning", message, place, help: Vec::new(), labels: Vec::new(), unsupported: false }
+    }
+
     /// Whether it keeps the scene from being rendered.
     pub fn is_error(&self) -> bool {
         self.severity == "error"

@@ -28,30 +28,31 @@ impl Inspection {
     /// When what was asked for is wrong, so that nothing was looked at.
     pub fn of(path: impl AsRef<Path>, options: &Options) -> Result<Self, Error> {
         let path = path.as_ref();
-        let refused = |failure: Error, findings| {
-            let (session, contents) = substitute(path, options, findings);
-            (session, contents, Some(failure))
-        };
         let mut findings = Vec::new();
         let (session, contents, failure) = match Session::open(path, options) {
             Ok(session) => {
                 findings.extend_from_slice(session.findings());
-                let failure = session.check_memory().err();
-                (Some(session), None, failure)
+                // That is not the scene's fault: another machine renders it.
+                findings.extend(session.check_memory().err().map(|e| Finding::warning(e.to_string())));
+                (Some(session), None, None)
             }
             Err(Error::Scene(failure)) => {
                 findings.extend(failure.diagnostics.iter().map(|d| Finding::new(d, &failure.sources)));
-                refused(Error::Scene(failure), &findings)
+                let (session, contents) = substitute(path, options);
+                (session, contents, Some(Error::Scene(failure)))
             }
             Err(error) => return Err(error),
         };
         Ok(Self { path: path.to_path_buf(), session, contents, findings, failure })
     }
 
-    /// Warnings of a scene that can be rendered, without those about what is not supported, which [`Self::describe`]
-    /// lists.
-    pub fn other_warnings(&self) -> Option<&str> {
-        self.session.as_ref().map(Session::other_warnings).filter(|text| !text.is_empty())
+    /// For people, of a scene that can be rendered: what is worth a warning, without what is not supported, which
+    /// [`Self::describe`] lists.
+    pub fn warnings(&self) -> String {
+        let Some(session) = &self.session else { return String::new() };
+        let memory = session.check_memory().err().map(|e| format!("warning: {e}"));
+        let texts = [session.other_warnings().to_owned(), memory.unwrap_or_default()];
+        texts.join("\n").trim().to_owned()
     }
 
     /// What is in the scene, what rendering it will do, and what is wrong with it.
@@ -60,14 +61,13 @@ impl Inspection {
     }
 }
 
-/// What can be said of a scene that is refused because of `findings`.
-fn substitute(path: &Path, options: &Options, findings: &[Finding]) -> (Option<Session>, Option<Contents>) {
+/// What can be said of a scene that is refused.
+fn substitute(path: &Path, options: &Options) -> (Option<Session>, Option<Contents>) {
     let lenient = Options { lenient: true, ..options.clone() };
     let files = Confined::new(path, &options.allow_paths);
     let Ok(mut read) = read_scene(&files, path, &lenient.reading()) else { return (None, None) };
-    // What is broken stays so; only what is not supported has a substitute.
-    let may_open = findings.iter().all(|finding| finding.unsupported || !finding.is_error());
-    let session = if may_open { Session::open(path, &lenient).ok() } else { None };
+    // What is broken stays so; only what is unknown or not supported has a substitute.
+    let session = if options.lenient { None } else { Session::open(path, &lenient).ok() };
     let contents = session.is_none().then(|| {
         lenient.override_film(&mut read.scene);
         Contents::of(&read.scene, options.sensor)

@@ -96,10 +96,10 @@ impl BenchArgs {
             self.take(&file)?;
         }
         if self.scenes.len() != self.references.len() {
+            let (scenes, references) = (self.scenes.len(), self.references.len());
             return Err(BenchError::Usage(format!(
-                "{} scenes but {} references: give --reference REF.exr for each scene",
-                self.scenes.len(),
-                self.references.len()
+                "every scene needs a reference; scenes: {scenes}, references: {references}; give --reference REF.exr \
+                 for each scene, in their order"
             )));
         }
         if self.configs.is_empty() {
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn every_scene_has_a_reference() {
         let args = parse(&["a.xml", "b.xml", "--reference", "a.exr"]).resolve();
-        assert!(args.unwrap_err().to_string().contains("2 scenes but 1 references"));
+        assert!(args.unwrap_err().to_string().contains("scenes: 2, references: 1"));
         let args = parse(&["a.xml", "--reference", "a.exr", "--passes", "1,4"]).resolve().unwrap();
         assert_eq!(args.points(), [Budget::Passes(1), Budget::Passes(4)]);
         assert_eq!(args.configs, ["caustica"]);
