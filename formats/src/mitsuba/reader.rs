@@ -9,6 +9,7 @@ use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
 use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Query, Scene, ShapeGroup, Texture};
+use crate::misnamed;
 use crate::missing::{find, not_found};
 use crate::plugin::{self, Plugin, Status};
 use crate::read::ReadOptions;
@@ -183,7 +184,8 @@ impl<'a> Reader<'a> {
 
     /// The content of a file that was found.
     pub fn file(&self, path: &Path) -> Result<Vec<u8>, String> {
-        self.files.read(path).map_err(|e| e.to_string())
+        let bytes = self.files.read(path).map_err(|e| e.to_string())?;
+        misnamed::named(&bytes).map_or(Ok(bytes), |what| Err(format!("it is {what}")))
     }
 
     /// The file `name` in one of `folders`.
