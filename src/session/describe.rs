@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Debug, Write};
+use std::path::Path;
 
 use caustica_formats::ir;
 use serde::Serialize;
 
 use super::units::{count, megabytes};
-use super::{Finding, Inspection, Plan, Session};
+use super::{Finding, Plan, Session};
 use crate::scene::Scene;
 
 /// All that is said of a scene. Serialises to the JSON of `inspect --json`, prints as its text. What could not be
@@ -82,14 +83,20 @@ impl Statistics {
 }
 
 impl<'a> Description<'a> {
-    pub(super) fn of(inspection: &'a Inspection) -> Self {
-        let session = inspection.session.as_ref();
+    /// Of the scene at `path` with what was found; without a session of what its files say.
+    pub(super) fn of(
+        path: &Path,
+        renders: bool,
+        diagnostics: &'a [Finding],
+        session: Option<&'a Session>,
+        contents: Option<&'a Contents>,
+    ) -> Self {
         Self {
-            scene: inspection.path.display().to_string(),
-            renders: inspection.failure.is_none(),
-            diagnostics: &inspection.findings,
+            scene: path.display().to_string(),
+            renders,
+            diagnostics,
             hash: session.map(Session::hash),
-            read: session.map(|session| &session.contents).or(inspection.contents.as_ref()),
+            read: session.map(|session| &session.contents).or(contents),
             statistics: session.map(|session| Statistics::of(&session.scene)),
             plan: session.map(Session::plan),
             settings: session.map(|session| session.settings.values().collect()),

@@ -11,12 +11,12 @@ use super::{Description, Error, Finding, Options, Session};
 /// A scene that was looked at. Where it cannot be rendered, there is as much of it as could be found out.
 #[derive(Debug)]
 pub struct Inspection {
-    pub(super) path: PathBuf,
+    path: PathBuf,
     /// The scene, or if it is refused what `lenient` makes of it.
-    pub(super) session: Option<Session>,
+    session: Option<Session>,
     /// What the files say, where there is no session.
-    pub(super) contents: Option<Contents>,
-    pub(super) findings: Vec<Finding>,
+    contents: Option<Contents>,
+    findings: Vec<Finding>,
     /// Why the scene is refused.
     pub failure: Option<Error>,
 }
@@ -57,7 +57,8 @@ impl Inspection {
 
     /// What is in the scene, what rendering it will do, and what is wrong with it.
     pub fn describe(&self) -> Description<'_> {
-        Description::of(self)
+        let (session, contents) = (self.session.as_ref(), self.contents.as_ref());
+        Description::of(&self.path, self.failure.is_none(), &self.findings, session, contents)
     }
 }
 
