@@ -255,8 +255,7 @@ fn run<I: Integrator>(
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         progress(&Progress { pixels: &pixels, passes, elapsed: start.elapsed(), pass });
     };
-    (stats.passes, stats.resumed_passes) = (passes, done);
-    stats.seconds = start.elapsed().as_secs_f64();
+    (stats.passes, stats.resumed_passes, stats.seconds) = (passes, done, start.elapsed().as_secs_f64());
     Outcome { pixels, statistics: stats, stop }
 }
 
