@@ -220,6 +220,7 @@ mod tests {
         "vn 0 0 1",
         "f 1 2 3",
         "f 1/1 2/1 3/2",
+        "f 1/ 2/ 3/",
         "f 1//1 2//1 3//1 4//1",
         "f 1/1/1 2/2/1 4/1/1",
         "g one",
@@ -239,7 +240,6 @@ mod tests {
         "f 0 1 2",
         "f 01 2 3",
         "f -1 -2 -3",
-        "f 1/ 2/ 3/",
         "f 1/2/3/4 2 3",
         "f 1/9 2/9 3/9",
         "f 1 2 99",
@@ -270,7 +270,7 @@ mod tests {
             if let Some(models) = plain(&text) {
                 let mended = mended(&text, None);
                 let mended = mended.unwrap_or_else(|e| panic!("{text}\nis refused: {e}"));
-                let parts = |models: &[tobj::Model]| format!("{:?}", models);
+                let parts = |models: &[tobj::Model]| format!("{models:?}");
                 assert_eq!(parts(&models), parts(&mended), "{text}");
                 taken += usize::from(!models.is_empty());
             }
