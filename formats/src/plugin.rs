@@ -62,7 +62,11 @@ pub(crate) fn find<F: Copy>(table: &[Plugin<F>], name: &str) -> Option<Status<F>
 
 /// The error for a name that no version of the language has; `what` is the likes of "bsdf plugin".
 pub(crate) fn unknown<F>(table: &[Plugin<F>], what: &str, name: &str, span: Span) -> Diagnostic {
-    let problem = Diagnostic::error(format!("unknown {what} `{name}`"), Some(span));
+    suggest(table, name, Diagnostic::error(format!("unknown {what} `{name}`"), Some(span)))
+}
+
+/// With the name of the table that was probably meant, or all that can be read.
+pub(crate) fn suggest<F>(table: &[Plugin<F>], name: &str, problem: Diagnostic) -> Diagnostic {
     problem.suggest_or(name, table.iter().map(|row| row.name), || {
         let readable = table.iter().filter(|row| matches!(row.status, Status::Read(_)));
         let names: Vec<&str> = readable.map(|row| row.name).collect();

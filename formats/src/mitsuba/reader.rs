@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use super::object::{Class, Object, ObjectIndex, Value};
+use super::policy::{Policy, changes_light};
 use super::props::Props;
 use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
@@ -11,7 +12,6 @@ use crate::files::Files;
 use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Query, Scene, ShapeGroup, Texture};
 use crate::missing::{find, not_found};
 use crate::plugin::{self, Plugin, Status};
-use crate::read::ReadOptions;
 
 pub(super) struct Reader<'a> {
     pub objects: &'a [Object],
@@ -23,7 +23,7 @@ pub(super) struct Reader<'a> {
     files: &'a dyn Files,
     sources: &'a SourceMap,
     folders: &'a [PathBuf],
-    options: &'a ReadOptions,
+    policy: Policy,
     /// Objects that several others refer to are read once.
     pub bsdfs: HashMap<ObjectIndex, Id<Bsdf>>,
     pub textures: HashMap<ObjectIndex, Id<Texture>>,
@@ -42,7 +42,7 @@ impl<'a> Reader<'a> {
         files: &'a dyn Files,
         sources: &'a SourceMap,
         folders: &'a [PathBuf],
-        options: &'a ReadOptions,
+        policy: Policy,
     ) -> Self {
         let scene = Scene {
             origin: Origin(objects.first().map(|root| root.span)),
@@ -66,7 +66,7 @@ impl<'a> Reader<'a> {
             files,
             sources,
             folders,
-            options,
+            policy,
             bsdfs: HashMap::new(),
             textures: HashMap::new(),
             groups: HashMap::new(),
@@ -119,7 +119,7 @@ impl<'a> Reader<'a> {
 
     /// Ends the reading of an object.
     pub fn finish(&mut self, props: Props<'a>) {
-        self.problems.extend(props.finish());
+        self.problems.extend(props.finish(self.policy));
     }
 
     /// The reader of an object's plugin, or `None` after reporting that there is none and what
@@ -136,7 +136,9 @@ impl<'a> Reader<'a> {
                 None
             }
             None => {
-                self.problems.push(unknown(table, object));
+                let what = format!("unknown {} plugin `{}`", object.class.name(), object.plugin);
+                let problem = self.policy.plugin(object, &what, instead);
+                self.problems.push(plugin::suggest(table, &object.plugin, problem));
                 None
             }
         }
@@ -145,17 +147,17 @@ impl<'a> Reader<'a> {
     /// Reports an object that is known but not rendered.
     pub fn unsupported(&mut self, index: ObjectIndex, advice: &str, instead: &str) {
         let object = &self.objects[index];
-        let what = format!("{} plugin `{}` is not supported yet", object.class.name(), object.plugin);
-        let problem = if !object.used {
-            Diagnostic::warning(format!("{what}, but nothing uses it"), Some(object.span))
-        } else if self.options.lenient {
-            Diagnostic::warning(format!("{what}: {instead}"), Some(object.span))
+        let (class, plugin) = (object.class.name(), &object.plugin);
+        let what = if object.used && changes_light(object.class) {
+            format!("{class} plugin `{plugin}` is not supported yet")
         } else {
-            let ours = format!("--lenient renders without it: {instead}");
-            let help = if advice.is_empty() { ours } else { format!("{advice}; {ours}") };
-            Diagnostic::error(what, Some(object.span)).help(help)
+            format!("{class} plugin `{plugin}` is not rendered")
         };
-        self.problems.push(problem.unsupported());
+        let mut problem = self.policy.plugin(object, &what, instead);
+        if !advice.is_empty() {
+            problem = problem.help(advice);
+        }
+        self.problems.push(problem);
     }
 
     /// [`Self::unsupported`] for classes without a table.
@@ -195,9 +197,4 @@ impl<'a> Reader<'a> {
     pub fn strict(&self) -> Severity {
         if self.dialect == Dialect::Old { Severity::Warning } else { Severity::Error }
     }
-}
-
-/// The error for a plugin that no version of Mitsuba has.
-pub(super) fn unknown<F>(table: &[Plugin<F>], object: &Object) -> Diagnostic {
-    plugin::unknown(table, &format!("{} plugin", object.class.name()), &object.plugin, object.span)
 }

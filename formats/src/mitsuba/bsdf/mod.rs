@@ -33,6 +33,7 @@ pub(super) const BSDFS: &[Plugin<ReadBsdf>] = &[
     unsupported("hair"),
     unsupported("measured"),
     unsupported("measured_polarized"),
+    unsupported("measuredbtf"),
     unsupported("polarizer"),
     unsupported("retarder"),
     unsupported("circular"),
