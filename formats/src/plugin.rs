@@ -1,6 +1,6 @@
 //! Plugin tables, which both scene languages have: one row per name, with its reader or its status.
 
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Severity, Span};
 
 /// How a plugin of a scene language is supported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,9 +65,13 @@ pub(crate) fn unknown<F>(table: &[Plugin<F>], what: &str, name: &str, span: Span
     suggest(table, name, Diagnostic::error(format!("unknown {what} `{name}`"), Some(span)))
 }
 
-/// With the name of the table that was probably meant, or all that can be read.
+/// With the name of the table that was probably meant; an error without one gets all that can be read.
 pub(crate) fn suggest<F>(table: &[Plugin<F>], name: &str, problem: Diagnostic) -> Diagnostic {
-    problem.suggest_or(name, table.iter().map(|row| row.name), || {
+    let names = table.iter().map(|row| row.name);
+    if problem.severity < Severity::Error {
+        return problem.suggest(name, names);
+    }
+    problem.suggest_or(name, names, || {
         let readable = table.iter().filter(|row| matches!(row.status, Status::Read(_)));
         let names: Vec<&str> = readable.map(|row| row.name).collect();
         format!("known: {}", names.join(", "))

@@ -271,7 +271,8 @@ fn numbers(props: &mut Props<'_>, name: &'static str) -> Option<Vec<f64>> {
 }
 
 fn irregular(props: &mut Props<'_>) -> Option<Color> {
-    let (wavelengths, values) = (numbers(props, "wavelengths")?, numbers(props, "values")?);
+    let (wavelengths, values) = (numbers(props, "wavelengths"), numbers(props, "values"));
+    let (wavelengths, values) = (wavelengths?, values?);
     if wavelengths.len() != values.len() {
         let text = format!("{} wavelengths but {} values", wavelengths.len(), values.len());
         props.complain("values", text);
