@@ -31,6 +31,8 @@ pub(super) struct Reader<'a> {
     pub emissions: HashMap<ObjectIndex, Option<AreaEmission>>,
     /// Materials of OBJ files, by file and name.
     pub obj_bsdfs: HashMap<(PathBuf, String), Id<Bsdf>>,
+    /// What is read now belongs to an emitter, whose textures hold light and no reflectances.
+    pub in_emitter: bool,
     /// Emitters that became lights of the scene.
     pub lights: HashSet<ObjectIndex>,
 }
@@ -72,6 +74,7 @@ impl<'a> Reader<'a> {
             groups: HashMap::new(),
             emissions: HashMap::new(),
             obj_bsdfs: HashMap::new(),
+            in_emitter: false,
             lights: HashSet::new(),
         }
     }

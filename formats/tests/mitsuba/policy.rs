@@ -1,7 +1,7 @@
 //! What is a warning and what is an error: by whether it changes the light, and by `--lenient`.
 
 use caustica_formats::diagnostic::{Diagnostic, Severity};
-use caustica_formats::ir::{BsdfKind, Color, ColorInput, Filter, Projection};
+use caustica_formats::ir::{BsdfKind, Color, ColorInput, Filter, FloatInput, PrincipledIndex, Projection};
 use caustica_formats::{ReadOptions, ir};
 
 use crate::{headlines, try_read};
@@ -239,4 +239,57 @@ fn marks_of_manifold_sampling_are_no_unknown_parameters() {
     assert!(headlines(text).is_empty(), "{:?}", headlines(text));
     // That the picture is missing is said alone.
     assert_eq!(headlines(&text.replace("wood.png", "no.png")), ["texture `no.png` not found"]);
+}
+
+/// Up to 3.6 Mitsuba takes the colours of a texture inside of an emitter as light.
+#[test]
+fn textures_of_emitters_may_exceed_one() {
+    let texture = "<texture type='checkerboard' name='NAME'><rgb name='color1' value='30'/></texture>";
+    let light = format!(
+        "<shape type='cube'><emitter type='area'>{}</emitter></shape>",
+        texture.replace("NAME", "radiance")
+    );
+    let found = only("3.0.0", &light, false);
+    assert_eq!(
+        (found.0, found.1.as_str()),
+        (Severity::Warning, "`color1` is light here and may be more than 1: [30, 30, 30]")
+    );
+    let paint = format!("<bsdf type='diffuse'>{}</bsdf>", texture.replace("NAME", "reflectance"));
+    let found = only("3.0.0", &paint, false);
+    assert_eq!(
+        (found.0, found.1.as_str()),
+        (Severity::Error, "`color1` is a reflectance and must lie between 0 and 1, not [30, 30, 30]")
+    );
+}
+
+/// The teaching renderer lajolla has Disney's model under names of its own.
+#[test]
+fn disney_models_become_principled() {
+    let read = |plugin: &str, inner: &str| {
+        let text = format!("<scene version='0.5.0'><bsdf type='{plugin}'>{inner}</bsdf></scene>");
+        let (scene, said) = said(&text, false);
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert_eq!(
+            said[0].message,
+            format!("bsdf `{plugin}` is rendered as `principled`, whose lobes are weighted otherwise")
+        );
+        match scene.unwrap().bsdfs.iter().next().unwrap().1.kind.clone() {
+            BsdfKind::Principled(p) => *p,
+            other => panic!("{other:?}"),
+        }
+    };
+    let whole = read(
+        "disneybsdf",
+        "<rgb name='baseColor' value='.8 .6 .2'/><float name='specularTransmission' value='.25'/><float name='clearcoatGloss' value='.75'/><float name='eta' value='1.4'/>",
+    );
+    assert_eq!(whole.base_color, ColorInput::Color(Color::Rgb([0.8, 0.6, 0.2])));
+    assert_eq!((whole.spec_trans, whole.clearcoat_gloss), (FloatInput::Value(0.25), FloatInput::Value(0.75)));
+    assert_eq!(whole.index, PrincipledIndex::Eta(1.4));
+    let metal = read("disneymetal", "<float name='roughness' value='.2'/>");
+    assert_eq!((metal.metallic, metal.roughness), (FloatInput::Value(1.0), FloatInput::Value(0.2)));
+    assert_eq!(read("disneyglass", "").spec_trans, FloatInput::Value(1.0));
+    assert_eq!(
+        read("disneydiffuse", "<float name='subsurface' value='.5'/>").flatness,
+        FloatInput::Value(0.5)
+    );
 }
