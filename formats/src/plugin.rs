@@ -60,6 +60,11 @@ pub(crate) fn find<F: Copy>(table: &[Plugin<F>], name: &str) -> Option<Status<F>
     table.iter().find(|row| row.name == name).map(|row| row.status)
 }
 
+/// What is rendered instead of a plugin of the table; `None` when it is rendered itself or not at all.
+pub(crate) fn instead<F>(table: &[Plugin<F>], name: &str) -> Option<&'static str> {
+    table.iter().find(|row| row.name == name).map(|row| row.instead).filter(|instead| !instead.is_empty())
+}
+
 /// The error for a name that no version of the language has; `what` is the likes of "bsdf plugin".
 pub(crate) fn unknown<F>(table: &[Plugin<F>], what: &str, name: &str, span: Span) -> Diagnostic {
     suggest(table, name, Diagnostic::error(format!("unknown {what} `{name}`"), Some(span)))

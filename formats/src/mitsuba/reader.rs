@@ -133,7 +133,16 @@ impl<'a> Reader<'a> {
             return None;
         }
         match plugin::find(table, &object.plugin) {
-            Some(Status::Read(reader)) => Some(reader),
+            Some(Status::Read(reader)) => {
+                // Integrators have words of their own.
+                let instead =
+                    plugin::instead(table, &object.plugin).filter(|_| object.class != Class::Integrator);
+                if let Some(instead) = instead {
+                    let text = format!("{} `{}` is rendered {instead}", object.class.name(), object.plugin);
+                    self.problems.push(Diagnostic::warning(text, Some(object.span)));
+                }
+                Some(reader)
+            }
             Some(Status::Unsupported(advice)) => {
                 self.unsupported(index, advice, instead);
                 None

@@ -1,6 +1,5 @@
 //! Disney's model as Mitsuba 3 has it.
 
-use crate::diagnostic::Diagnostic;
 use crate::ir::{BsdfKind, ColorSlot, FloatInput, Principled, PrincipledIndex, PrincipledThin};
 use crate::mitsuba::props::Props;
 use crate::mitsuba::reader::Reader;
@@ -47,8 +46,6 @@ pub(super) fn principled<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> 
 /// The models of the teaching renderer lajolla, which reads Mitsuba's language: Disney's model and its lobes.
 pub(super) fn disney<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
     let plugin = props.object.plugin.as_str();
-    let text = format!("bsdf `{plugin}` is rendered as `principled`, whose lobes are weighted otherwise");
-    props.problems.push(Diagnostic::warning(text, Some(props.object.span)));
     let all = plugin == "disneybsdf";
     let constant = |value: f64| FloatInput::Value(value);
     let weight = |name: &str| constant(if plugin == name { 1.0 } else { 0.0 });
