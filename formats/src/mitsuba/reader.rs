@@ -86,9 +86,9 @@ impl<'a> Reader<'a> {
         for entry in &root.entries {
             let Value::Object(index) = entry.value else {
                 if !matches!(entry.value, Value::Broken) {
-                    let name = entry.name.as_deref().unwrap_or_default();
-                    let text = format!("the scene takes no parameter `{name}`");
-                    self.problems.push(Diagnostic::error(text, Some(entry.name_span)));
+                    let name = entry.spelling.as_ref().or(entry.name.as_ref());
+                    let text = format!("unknown parameter `{}` of the scene", name.map_or("", |n| n));
+                    self.problems.push(self.policy.parameter(root, false, &text, entry.name_span));
                 }
                 continue;
             };

@@ -93,7 +93,8 @@ impl<'a> Reader<'a> {
     fn report_shape_index(&mut self, index: ObjectIndex) {
         let entry = self.objects[index].entries.iter().find(|e| e.name.as_deref() == Some("shape_index"));
         if let Some(entry) = entry.filter(|e| matches!(e.value, Value::Integer(0..))) {
-            let text = "`shape_index` of an obj file is not supported: all its objects are loaded";
+            let name = entry.spelling.as_deref().unwrap_or("shape_index");
+            let text = format!("`{name}` of an obj file is not supported: all its objects are loaded");
             self.problems.push(Diagnostic::warning(text, Some(entry.name_span)));
         }
     }

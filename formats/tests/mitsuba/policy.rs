@@ -77,6 +77,12 @@ fn unknown_parameters_are_errors_from_version_2_on() {
         assert_eq!(only(version, &body, false), (Severity::Error, name.to_owned(), false));
         assert_eq!(only(version, &body, true), (Severity::Warning, ignored.clone(), true));
     }
+    let of_scene = ("<float name='fogDensity' value='1'/>", "unknown parameter `fogDensity` of the scene");
+    assert_eq!(
+        only("0.6.0", of_scene.0, false),
+        (Severity::Warning, format!("{} is ignored", of_scene.1), false)
+    );
+    assert_eq!(only("3.0.0", of_scene.0, false), (Severity::Error, of_scene.1.to_owned(), false));
     // Mitsuba 0.6 warns of parameters only: a nested object that has no place there stops it.
     let nested = format!("<shape type='sphere'><texture type='checkerboard' name='paint'/></shape>{light}");
     assert_eq!(only("0.6.0", &nested, false).0, Severity::Error);
