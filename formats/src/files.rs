@@ -137,8 +137,10 @@ pub(crate) fn part_by_part(
 /// What the files of a scene read more than once may add up to, in bytes: includes that multiply each
 /// other would fill the memory out of a few kilobytes.
 const MAX_REPEATED: u64 = 64 << 20;
+/// What a file read once more counts at least: an empty one costs memory too.
+const LEAST_REPEATED: u64 = 1 << 10;
 
-/// Keeps count of the files a scene includes.
+/// Keeps count of the files a scene includes. There may be any number of them; their size is limited.
 #[derive(Debug, Default)]
 pub(crate) struct Included {
     seen: BTreeSet<PathBuf>,
@@ -149,12 +151,17 @@ impl Included {
     /// Counts one more inclusion of a file of so many bytes.
     pub fn count(&mut self, path: &Path, bytes: usize) -> Result<(), String> {
         if !self.seen.insert(path.to_path_buf()) {
-            self.repeated += bytes as u64;
+            self.repeated += (bytes as u64).max(LEAST_REPEATED);
         }
-        if self.repeated > MAX_REPEATED {
+        if self.is_full() {
             return Err(format!("files included again and again add up to more than {MAX_REPEATED} bytes"));
         }
         Ok(())
+    }
+
+    /// Whether the limit was passed, which [`Self::count`] reported: nothing more should be read.
+    pub fn is_full(&self) -> bool {
+        self.repeated > MAX_REPEATED
     }
 }
 

@@ -169,7 +169,7 @@ pub struct SourceMap {
 impl SourceMap {
     /// Adds a file and returns its index.
     pub fn add(&mut self, path: PathBuf, text: String) -> u32 {
-        let id = u32::try_from(self.files.len()).expect("include depth and count are limited");
+        let id = u32::try_from(self.files.len()).expect("memory holds fewer files");
         self.files.push((path, text));
         id
     }

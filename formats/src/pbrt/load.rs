@@ -13,8 +13,6 @@ use crate::missing::{find, not_found};
 
 /// Deepest nesting of includes.
 const MAX_DEPTH: usize = 64;
-/// Most files of a scene.
-const MAX_FILES: usize = 10_000;
 /// Most bytes of all files together: spans are 32 bits.
 const MAX_TEXT: u64 = u32::MAX as u64 - 1;
 
@@ -25,7 +23,6 @@ pub(super) struct Loader<'a> {
     pub sources: &'a mut SourceMap,
     pub problems: &'a mut Vec<Diagnostic>,
     pub old: &'a mut Old,
-    count: usize,
     bytes: u64,
     repeats: Included,
     open: Vec<PathBuf>,
@@ -45,7 +42,6 @@ impl<'a> Loader<'a> {
             sources,
             problems,
             old,
-            count: 0,
             bytes: 0,
             repeats: Included::default(),
             open: Vec::new(),
@@ -64,12 +60,12 @@ impl<'a> Loader<'a> {
                 .collect();
             return self.error(format!("files include each other: {}", chain.join(" → ")), from);
         }
-        self.count += 1;
-        if self.open.len() >= MAX_DEPTH || self.count > MAX_FILES {
-            return self.error(
-                format!("includes are nested more than {MAX_DEPTH} deep, or more than {MAX_FILES} files are included"),
-                from,
-            );
+        if self.open.len() >= MAX_DEPTH {
+            return self.error(format!("includes are nested more than {MAX_DEPTH} deep"), from);
+        }
+        // Reported already.
+        if self.repeats.is_full() || self.bytes > MAX_TEXT {
+            return;
         }
         let text = match self.text(path) {
             Ok(text) => text,
