@@ -24,6 +24,8 @@ pub(super) struct Loader<'a> {
     pub sources: &'a mut SourceMap,
     pub problems: &'a mut Vec<Diagnostic>,
     pub old: &'a mut Old,
+    /// A file is missing or cannot be read.
+    pub incomplete: bool,
     count: usize,
     bytes: u64,
     repeats: Included,
@@ -44,6 +46,7 @@ impl<'a> Loader<'a> {
             sources,
             problems,
             old,
+            incomplete: false,
             count: 0,
             bytes: 0,
             repeats: Included::default(),
@@ -72,7 +75,10 @@ impl<'a> Loader<'a> {
         }
         let text = match self.text(path) {
             Ok(text) => text,
-            Err(e) => return self.error(format!("cannot read `{}`: {e}", path.display()), from),
+            Err(e) => {
+                self.incomplete = true;
+                return self.error(format!("cannot read `{}`: {e}", path.display()), from);
+            }
         };
         self.bytes += text.len() as u64;
         if self.bytes > MAX_TEXT {
@@ -106,6 +112,7 @@ impl<'a> Loader<'a> {
             return;
         };
         let Some(path) = find(self.files, &name, self.folders) else {
+            self.incomplete = true;
             self.problems.push(not_found(self.files, "file", &name, span, self.folders));
             return;
         };

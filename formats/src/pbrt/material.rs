@@ -1,16 +1,21 @@
 //! Materials. Opaque ones are two-sided in pbrt, so they are wrapped in `TwoSided`.
 
-use super::color::Use;
+use std::rc::Rc;
+
+use super::color::{Use, linear};
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param};
+use super::older;
 use super::params::Params;
-use super::reader::{Named, Reader, text};
+use super::policy::Fault;
+use super::reader::{Reader, text};
+use super::state::Named;
 use super::texture::upside_down;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
-    Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
-    Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, Passage, PerturbedShading, RoughnessRemap,
-    Shadowing, Texture, TextureKind, Transform,
+    Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, ColorSlot, Conductor, ConductorMaterial, Dielectric,
+    FloatInput, Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, Passage, PerturbedShading,
+    RoughnessRemap, Shadowing, Texture, TextureKind, Transform,
 };
 use crate::plugin::{Plugin, approximated, read, unsupported};
 
@@ -37,8 +42,19 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     unsupported("hair"),
     unsupported("measured"),
     // pbrt-v3.
+    read("metal", older::metal),
+    read("glass", older::glass),
+    read("mirror", older::mirror),
     unsupported("disney"),
     unsupported("fourier"),
+    // pbrt-v2 and v1.
+    approximated("shinymetal", older::shiny_metal, older::ONE_LOBE),
+    approximated("brushedmetal", older::brushed_metal, older::ONE_LOBE),
+    approximated("bluepaint", older::measured, older::DIFFUSE_PART),
+    approximated("clay", older::measured, older::DIFFUSE_PART),
+    approximated("felt", older::measured, older::DIFFUSE_PART),
+    approximated("primer", older::measured, older::DIFFUSE_PART),
+    approximated("skin", older::measured, older::DIFFUSE_PART),
 ];
 
 const WHITE: ColorInput = ColorInput::Color(Color::Gray(1.0));
@@ -51,7 +67,7 @@ impl Reader<'_> {
     /// Reads a material; with a slot, into it.
     pub fn material(&mut self, mut p: Params, slot: Option<(Id<Bsdf>, &str)>) -> Id<Bsdf> {
         let reader = self.plugin(MATERIALS, &mut p, "diffuse gray 0.5 is used");
-        if matches!(p.kind.as_str(), "" | "none") {
+        if matches!(p.kind.as_str(), "" | "none") && !self.policy.is_three() {
             let text = format!("material `{}` is an old name of `interface`", p.kind);
             p.problems.push(Diagnostic::warning(text, Some(p.span)));
         }
@@ -117,40 +133,56 @@ impl Reader<'_> {
     pub fn named_material(&mut self, d: &Directive, params: Vec<Param>) {
         let (name, span) = (text(d, 0).to_owned(), d.arguments[0].span);
         let Some(p) = self.named_entity("material", d, params) else { return };
-        let id = self.slot(&name, span);
+        let earlier = self.names.materials.get(&name).and_then(|named| named.defined);
+        // What an earlier definition gave to shapes stays theirs.
+        let id = if earlier.is_some() { self.empty_slot(&name, span) } else { self.slot(&name, span) };
         self.material(p, Some((id, &name)));
         // Only now: a mix may not contain itself.
-        if let Some(named) = self.materials.get_mut(&name) {
-            let earlier = named.defined.replace(span);
-            self.redefined("material", &name, span, earlier);
+        if let Some(named) = Rc::make_mut(&mut self.names).materials.get_mut(&name) {
+            (named.id, named.defined) = (id, Some(span));
         }
+        self.redefined("material", &name, span, earlier);
     }
 
-    /// The material called `name`, which may be defined later.
-    pub fn material_by_name(&mut self, name: &str, span: Span) -> Id<Bsdf> {
+    /// The material called `name`; in pbrt-v4 it may be defined later, in pbrt-v3 nothing happens then.
+    pub fn material_by_name(&mut self, name: &str, span: Span) -> Option<Id<Bsdf>> {
+        if self.policy.is_three()
+            && self.names.materials.get(name).is_none_or(|named| named.defined.is_none())
+        {
+            if !self.incomplete {
+                let problem = self.no_material(name, span);
+                self.problems.push(self.policy.judge(Fault::Mistake, problem, "the material stays as it is"));
+            }
+            return None;
+        }
         let id = self.slot(name, span);
-        if let Some(named) = self.materials.get_mut(name) {
+        if let Some(named) = Rc::make_mut(&mut self.names).materials.get_mut(name) {
             named.used.get_or_insert(span);
         }
-        id
+        Some(id)
     }
 
     fn slot(&mut self, name: &str, span: Span) -> Id<Bsdf> {
-        if let Some(named) = self.materials.get(name) {
+        if let Some(named) = self.names.materials.get(name) {
             return named.id;
         }
-        let kind = BsdfKind::Diffuse { reflectance: GRAY };
-        let id =
-            self.scene.bsdfs.push(Bsdf { name: Some(name.to_owned()), origin: Origin(Some(span)), kind });
-        self.materials.insert(name.to_owned(), Named { id, defined: None, used: None });
+        let id = self.empty_slot(name, span);
+        let named = Named { id, defined: None, used: None };
+        Rc::make_mut(&mut self.names).materials.insert(name.to_owned(), named);
         id
+    }
+
+    fn empty_slot(&mut self, name: &str, span: Span) -> Id<Bsdf> {
+        let kind = BsdfKind::Diffuse { reflectance: GRAY };
+        self.scene.bsdfs.push(Bsdf { name: Some(name.to_owned()), origin: Origin(Some(span)), kind })
     }
 
     /// The current material, or pbrt's default.
     pub fn current_material(&mut self, origin: Origin) -> Id<Bsdf> {
-        if let Some(id) = self.state.material {
-            return id;
-        }
+        self.state.material.unwrap_or_else(|| self.default_material(origin))
+    }
+
+    fn default_material(&mut self, origin: Origin) -> Id<Bsdf> {
         if let Some(id) = self.default_material {
             return id;
         }
@@ -167,20 +199,21 @@ impl Reader<'_> {
 
     /// Reports names that were used and never defined.
     pub fn check_materials(&mut self) {
-        let missing: Vec<(String, Span)> = self
-            .materials
-            .iter()
-            .filter_map(|(name, named)| {
-                named.used.filter(|_| named.defined.is_none()).map(|span| (name.clone(), span))
-            })
-            .collect();
-        for (name, span) in missing {
-            let defined = self.materials.iter().filter(|(_, named)| named.defined.is_some());
-            let problem = Diagnostic::error(format!("no material named `{name}`"), Some(span));
-            self.problems.push(problem.suggest_or(&name, defined.map(|(name, _)| name.as_str()), || {
-                "MakeNamedMaterial defines one".to_owned()
-            }));
+        let used = self.names.materials.iter().filter(|(_, named)| named.defined.is_none());
+        let missing: Vec<(String, Span)> =
+            used.filter_map(|(name, named)| named.used.map(|span| (name.clone(), span))).collect();
+        for (name, span) in missing.into_iter().filter(|_| !self.incomplete) {
+            let problem = self.no_material(&name, span);
+            self.problems.push(self.policy.judge(Fault::Mistake, problem, "diffuse gray 0.5 is used"));
         }
+    }
+
+    fn no_material(&self, name: &str, span: Span) -> Diagnostic {
+        let defined = self.names.materials.iter().filter(|(_, named)| named.defined.is_some());
+        let problem = Diagnostic::error(format!("no material named `{name}`"), Some(span));
+        problem.suggest_or(name, defined.map(|(name, _)| name.as_str()), || {
+            "MakeNamedMaterial defines one".to_owned()
+        })
     }
 
     /// `roughness`, or `uroughness` and `vroughness`, under a prefix.
@@ -212,7 +245,7 @@ impl Reader<'_> {
         }
     }
 
-    fn metal(&mut self, p: &mut Params, eta: &'static str, k: &'static str) -> Conductor {
+    pub fn metal(&mut self, p: &mut Params, eta: &'static str, k: &'static str) -> Conductor {
         let reflectance = self.optional_color_input(p, "reflectance", Use::Albedo);
         if reflectance.is_some()
             && let Some(other) = [eta, k].into_iter().find(|name| p.has(name))
@@ -312,6 +345,16 @@ fn diffuse_transmission(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> 
 }
 
 fn mix(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
+    if r.policy.is_three() && !p.has("materials") {
+        // It weighs the first, and may do so by colour.
+        let weight = r.mix_weight(p);
+        let mut part = |name| {
+            let (name, span) = p.optional_string(name).unwrap_or_else(|| (String::new(), p.span));
+            r.mixed(p, &name, span)
+        };
+        let [second, first] = ["namedmaterial1", "namedmaterial2"].map(&mut part);
+        return Some(BsdfKind::Blend { weight, first: first?, second: second? });
+    }
     let weight = r.float_input(p, "amount", 0.5);
     let Some((names, span)) = p.string_list("materials") else {
         if !p.has("materials") {
@@ -331,12 +374,30 @@ fn mix(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
 impl Reader<'_> {
     /// A part of a mix; it must be defined before.
     fn mixed(&mut self, p: &mut Params, name: &str, span: Span) -> Option<Id<Bsdf>> {
-        if let Some(named) = self.materials.get(name).filter(|named| named.defined.is_some()) {
+        if let Some(named) = self.names.materials.get(name).filter(|named| named.defined.is_some()) {
             return Some(named.id);
         }
-        let known = self.materials.iter().filter(|(_, named)| named.defined.is_some());
-        let problem = Diagnostic::error(format!("no material called `{name}` is defined above"), Some(span));
-        p.problems.push(problem.suggest(name, known.map(|(name, _)| name.as_str())));
-        None
+        if !self.incomplete {
+            let known = self.names.materials.iter().filter(|(_, named)| named.defined.is_some());
+            let problem =
+                Diagnostic::error(format!("no material called `{name}` is defined above"), Some(span));
+            let problem = problem.suggest(name, known.map(|(name, _)| name.as_str()));
+            p.problems.push(self.policy.judge(Fault::Mistake, problem, "diffuse gray 0.5 is used"));
+        }
+        Some(self.default_material(p.origin()))
+    }
+
+    /// The weight of the first material of a mix of pbrt-v3.
+    fn mix_weight(&mut self, p: &mut Params) -> FloatInput {
+        let rgb = match self.optional_color_input(p, "amount", Use::Unbounded) {
+            None => return FloatInput::Value(0.5),
+            Some(ColorInput::Texture(id)) => return FloatInput::Texture(id),
+            Some(ColorInput::Color(color)) => linear(&color, ColorSlot::Reflectance).unwrap_or([0.5; 3]),
+        };
+        let mean = rgb.iter().sum::<f64>() / 3.0;
+        if rgb.iter().any(|c| (c - mean).abs() > 1e-3) {
+            p.warn("amount", format!("a mix cannot be coloured: the mean of `amount`, {mean:.4}, is used"));
+        }
+        FloatInput::Value(mean.clamp(0.0, 1.0))
     }
 }

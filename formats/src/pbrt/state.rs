@@ -7,7 +7,7 @@ use super::directive::Param;
 use super::params::Params;
 use super::space::ColorSpace;
 use crate::diagnostic::Span;
-use crate::ir::{Bsdf, Id, Transform};
+use crate::ir::{Bsdf, ColorInput, FloatInput, Id, Transform};
 
 /// The two transforms of a moving scene.
 pub(super) type Ctm = [Transform; 2];
@@ -71,10 +71,28 @@ impl Graphics {
     }
 }
 
+/// Something named that may be used before it is defined.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Named<T> {
+    pub id: Id<T>,
+    pub defined: Option<Span>,
+    pub used: Option<Span>,
+}
+
+/// What names stand for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Names {
+    pub float_textures: HashMap<String, (FloatInput, Span)>,
+    pub color_textures: HashMap<String, (ColorInput, Span)>,
+    pub materials: HashMap<String, Named<Bsdf>>,
+}
+
 /// What opened a scope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
     Attribute,
+    /// Of pbrt-v3: the transforms only.
+    Transform,
     Object,
 }
 
@@ -83,5 +101,7 @@ pub(super) enum Scope {
 pub(super) struct Saved {
     pub scope: Scope,
     pub graphics: Graphics,
+    /// Of pbrt-v3, where names end with their scope.
+    pub names: Option<Rc<Names>>,
     pub span: Span,
 }
