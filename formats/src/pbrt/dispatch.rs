@@ -26,12 +26,15 @@ impl Reader<'_> {
             "Texture" => self.texture(&d, params),
             "Material" => {
                 let p = self.entity("material", &d, params, Some("material"));
+                self.state.material_params = self.policy.is_three().then(|| Rc::new(p.clone()));
                 self.state.material = Some(self.material(p, None));
             }
             "MakeNamedMaterial" => self.named_material(&d, params),
             "NamedMaterial" => {
-                let id = self.material_by_name(text(&d, 0), d.arguments[0].span);
-                self.state.material = id.or(self.state.material);
+                if let Some(id) = self.material_by_name(text(&d, 0), d.arguments[0].span) {
+                    self.state.material = Some(id);
+                    self.state.material_params = self.names.material_params.get(text(&d, 0)).cloned();
+                }
             }
             "Volume" => {
                 let what = format!("participating medium `{}`", text(&d, 0));

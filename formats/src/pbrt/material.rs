@@ -2,9 +2,10 @@
 
 use std::rc::Rc;
 
-use super::color::{Use, linear};
+use super::color::Use;
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param};
+use super::mix;
 use super::older;
 use super::params::Params;
 use super::policy::Fault;
@@ -13,9 +14,9 @@ use super::state::Named;
 use super::texture::upside_down;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
-    Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, ColorSlot, Conductor, ConductorMaterial, Dielectric,
-    FloatInput, Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, Passage, PerturbedShading,
-    RoughnessRemap, Shadowing, Texture, TextureKind, Transform,
+    Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
+    Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, Passage, PerturbedShading, RoughnessRemap,
+    Shadowing, Texture, TextureKind, Transform,
 };
 use crate::plugin::{Plugin, approximated, read, unsupported};
 
@@ -34,7 +35,7 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     read("dielectric", dielectric),
     read("thindielectric", thin_dielectric),
     read("diffusetransmission", diffuse_transmission),
-    read("mix", mix),
+    read("mix", mix::mix),
     read("interface", |_, _| Some(BsdfKind::Null)),
     read("none", |_, _| Some(BsdfKind::Null)),
     read("", |_, _| Some(BsdfKind::Null)),
@@ -121,7 +122,8 @@ impl Reader<'_> {
             return kind;
         }
         // A constant displacement moves the surface nowhere that can be seen.
-        match self.optional_float_input(p, "displacement") {
+        let name = if self.policy.is_three() { "bumpmap" } else { "displacement" };
+        match self.optional_float_input(p, name) {
             Some(height @ FloatInput::Texture(_)) => {
                 let nested = self.scene.bsdfs.push(Bsdf { name: None, origin, kind });
                 BsdfKind::BumpMap { height, scale: 1.0, shading: SHADING, nested }
@@ -136,6 +138,9 @@ impl Reader<'_> {
         let earlier = self.names.materials.get(&name).and_then(|named| named.defined);
         // What an earlier definition gave to shapes stays theirs.
         let id = if earlier.is_some() { self.empty_slot(&name, span) } else { self.slot(&name, span) };
+        if self.policy.is_three() {
+            Rc::make_mut(&mut self.names).material_params.insert(name.clone(), Rc::new(p.clone()));
+        }
         self.material(p, Some((id, &name)));
         // Only now: a mix may not contain itself.
         if let Some(named) = Rc::make_mut(&mut self.names).materials.get_mut(&name) {
@@ -182,7 +187,18 @@ impl Reader<'_> {
         self.state.material.unwrap_or_else(|| self.default_material(origin))
     }
 
-    fn default_material(&mut self, origin: Origin) -> Id<Bsdf> {
+    /// The current material of pbrt-v3 with parameters that a shape gives it.
+    pub fn changed_material(&mut self, changes: Vec<Param>, origin: Origin) -> Id<Bsdf> {
+        let mut p = match (&self.state.material_params, origin.0) {
+            (Some(params), _) => Params::clone(params),
+            (None, Some(span)) => Params::new("material", "matte", span, Vec::new(), self.common()),
+            (None, None) => return self.current_material(origin),
+        };
+        p.change(changes);
+        self.material(p, None)
+    }
+
+    pub fn default_material(&mut self, origin: Origin) -> Id<Bsdf> {
         if let Some(id) = self.default_material {
             return id;
         }
@@ -342,62 +358,4 @@ fn diffuse_transmission(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> 
         reflectance: side("reflectance"),
         transmittance: side("transmittance"),
     })
-}
-
-fn mix(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
-    if r.policy.is_three() && !p.has("materials") {
-        // It weighs the first, and may do so by colour.
-        let weight = r.mix_weight(p);
-        let mut part = |name| {
-            let (name, span) = p.optional_string(name).unwrap_or_else(|| (String::new(), p.span));
-            r.mixed(p, &name, span)
-        };
-        let [second, first] = ["namedmaterial1", "namedmaterial2"].map(&mut part);
-        return Some(BsdfKind::Blend { weight, first: first?, second: second? });
-    }
-    let weight = r.float_input(p, "amount", 0.5);
-    let Some((names, span)) = p.string_list("materials") else {
-        if !p.has("materials") {
-            p.problems.push(Diagnostic::error("mix needs the parameter \"string materials\"", Some(p.span)));
-        }
-        return None;
-    };
-    let [first, second] = &names[..] else {
-        p.complain("materials", format!("`materials` expects 2 names, got {}", names.len()));
-        return None;
-    };
-    let first = r.mixed(p, first, span)?;
-    let second = r.mixed(p, second, span)?;
-    Some(BsdfKind::Blend { weight, first, second })
-}
-
-impl Reader<'_> {
-    /// A part of a mix; it must be defined before.
-    fn mixed(&mut self, p: &mut Params, name: &str, span: Span) -> Option<Id<Bsdf>> {
-        if let Some(named) = self.names.materials.get(name).filter(|named| named.defined.is_some()) {
-            return Some(named.id);
-        }
-        if !self.incomplete {
-            let known = self.names.materials.iter().filter(|(_, named)| named.defined.is_some());
-            let problem =
-                Diagnostic::error(format!("no material called `{name}` is defined above"), Some(span));
-            let problem = problem.suggest(name, known.map(|(name, _)| name.as_str()));
-            p.problems.push(self.policy.judge(Fault::Mistake, problem, "diffuse gray 0.5 is used"));
-        }
-        Some(self.default_material(p.origin()))
-    }
-
-    /// The weight of the first material of a mix of pbrt-v3.
-    fn mix_weight(&mut self, p: &mut Params) -> FloatInput {
-        let rgb = match self.optional_color_input(p, "amount", Use::Unbounded) {
-            None => return FloatInput::Value(0.5),
-            Some(ColorInput::Texture(id)) => return FloatInput::Texture(id),
-            Some(ColorInput::Color(color)) => linear(&color, ColorSlot::Reflectance).unwrap_or([0.5; 3]),
-        };
-        let mean = rgb.iter().sum::<f64>() / 3.0;
-        if rgb.iter().any(|c| (c - mean).abs() > 1e-3) {
-            p.warn("amount", format!("a mix cannot be coloured: the mean of `amount`, {mean:.4}, is used"));
-        }
-        FloatInput::Value(mean.clamp(0.0, 1.0))
-    }
 }

@@ -15,6 +15,7 @@ mod light;
 mod load;
 mod material;
 mod medium;
+mod mix;
 mod number;
 mod older;
 mod option;

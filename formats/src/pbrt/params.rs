@@ -65,6 +65,19 @@ impl Params {
         self.slots.splice(0..0, inherited);
     }
 
+    /// Puts parameters in place of those of the same names.
+    pub fn change(&mut self, params: Vec<Param>) {
+        self.slots.retain(|slot| params.iter().all(|p| p.name != slot.param.name));
+        self.slots.extend(params.into_iter().map(|param| Slot { param, own: true, read: false }));
+    }
+
+    /// Takes out what nobody read and has one of these names.
+    pub fn take_unread(&mut self, names: &[&str]) -> Vec<Param> {
+        let wanted = |slot: &Slot| slot.own && !slot.read && names.contains(&slot.param.name.as_str());
+        let unread = self.slots.extract_if(.., |slot| wanted(slot));
+        unread.map(|slot| slot.param).collect()
+    }
+
     pub fn origin(&self) -> Origin {
         Origin(Some(self.span))
     }

@@ -24,6 +24,8 @@ pub(super) struct Graphics {
     pub reverse: bool,
     /// `None`: diffuse gray, pbrt's default.
     pub material: Option<Id<Bsdf>>,
+    /// What it was made of, in pbrt-v3: a shape may change that.
+    pub material_params: Option<Rc<Params>>,
     pub area_light: Option<Rc<Params>>,
     pub space: ColorSpace,
     /// Parameters given by `Attribute`, by target.
@@ -38,6 +40,7 @@ impl Default for Graphics {
             active: [true; 2],
             reverse: false,
             material: None,
+            material_params: None,
             area_light: None,
             space: ColorSpace::Srgb,
             attributes: HashMap::new(),
@@ -85,6 +88,8 @@ pub(super) struct Names {
     pub float_textures: HashMap<String, (FloatInput, Span)>,
     pub color_textures: HashMap<String, (ColorInput, Span)>,
     pub materials: HashMap<String, Named<Bsdf>>,
+    /// What they were made of, in pbrt-v3.
+    pub material_params: HashMap<String, Rc<Params>>,
 }
 
 /// What opened a scope.

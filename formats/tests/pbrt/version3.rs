@@ -301,3 +301,21 @@ fn materials_of_the_first_versions() {
     let volume = said("Volume \"homogeneous\" \"color sigma_a\" [1 1 1]");
     assert!(volume[0].contains("participating medium `homogeneous` is not supported"), "{volume:?}");
 }
+
+/// As pbrt-v3: the shape's own colour, for this shape only.
+#[test]
+fn shapes_may_change_their_material() {
+    let scene = silent(
+        "",
+        "Material \"mirror\" \"rgb Kr\" [.5 .5 .5] Shape \"sphere\" \"rgb Kr\" [.1 .2 .3] Shape \"sphere\"",
+    );
+    let tint = |i: usize| {
+        let BsdfKind::TwoSided { front, .. } = scene.bsdfs[scene.shapes[i].bsdf.expect("one")].kind else {
+            panic!()
+        };
+        let BsdfKind::Conductor(mirror) = &scene.bsdfs[front].kind else { panic!() };
+        mirror.specular_reflectance.clone()
+    };
+    assert_eq!(tint(0), ColorInput::Color(Color::Rgb([0.1, 0.2, 0.3])));
+    assert_eq!(tint(1), ColorInput::Color(Color::Rgb([0.5; 3])));
+}

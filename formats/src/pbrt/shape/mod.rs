@@ -43,6 +43,27 @@ const MAX_LEVELS: u32 = 8;
 /// Most triangles of all subdivided meshes of a scene together: about 5 GB while they are made.
 const MAX_TRIANGLES: u64 = 1 << 24;
 
+/// Parameters of materials of pbrt-v3, which shapes may give as well.
+const OF_MATERIALS: &[&str] = &[
+    "Kd",
+    "Ks",
+    "Kr",
+    "Kt",
+    "sigma",
+    "roughness",
+    "uroughness",
+    "vroughness",
+    "remaproughness",
+    "opacity",
+    "eta",
+    "index",
+    "k",
+    "amount",
+    "reflect",
+    "transmit",
+    "bumpmap",
+];
+
 fn inline(mesh: InlineMesh) -> ShapeKind {
     ShapeKind::Inline(Arc::new(mesh))
 }
@@ -58,9 +79,14 @@ impl Reader<'_> {
             p.problems.push(Diagnostic::error(text, Some(p.span)));
         }
         let origin = p.origin();
+        // In pbrt-v3 they are the material's.
+        let others = if self.policy.is_three() { p.take_unread(OF_MATERIALS) } else { Vec::new() };
         self.done(p);
         let Some(kind) = kind else { return };
-        let bsdf = Some(self.current_material(origin));
+        let bsdf = Some(match others.is_empty() {
+            true => self.current_material(origin),
+            false => self.changed_material(others, origin),
+        });
         let mut emission = self.area_emission();
         if self.open_group.is_some()
             && let Some(dark) = emission.take()

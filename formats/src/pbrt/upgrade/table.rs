@@ -150,7 +150,6 @@ pub(super) const ROWS: &[Row] = &[
         params: &[("Kd", Rename("reflectance")), ("Kr", Drop), ("Kt", Drop)],
         ..becomes("Material", "material", "kdsubsurface", "subsurface")
     },
-    same("Material", "material", "", &[("bumpmap", Rename("displacement"))]),
     // Textures.
     same(
         "Texture",
