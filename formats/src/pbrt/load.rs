@@ -23,6 +23,8 @@ pub(super) struct Loader<'a> {
     pub sources: &'a mut SourceMap,
     pub problems: &'a mut Vec<Diagnostic>,
     pub old: &'a mut Old,
+    /// A file is missing or cannot be read.
+    pub incomplete: bool,
     bytes: u64,
     repeats: Included,
     open: Vec<PathBuf>,
@@ -42,6 +44,7 @@ impl<'a> Loader<'a> {
             sources,
             problems,
             old,
+            incomplete: false,
             bytes: 0,
             repeats: Included::default(),
             open: Vec::new(),
@@ -69,7 +72,10 @@ impl<'a> Loader<'a> {
         }
         let text = match self.text(path) {
             Ok(text) => text,
-            Err(e) => return self.error(format!("cannot read `{}`: {e}", path.display()), from),
+            Err(e) => {
+                self.incomplete = true;
+                return self.error(format!("cannot read `{}`: {e}", path.display()), from);
+            }
         };
         self.bytes += text.len() as u64;
         if self.bytes > MAX_TEXT {
@@ -103,6 +109,7 @@ impl<'a> Loader<'a> {
             return;
         };
         let Some(path) = find(self.files, &name, self.folders) else {
+            self.incomplete = true;
             self.problems.push(not_found(self.files, "file", &name, span, self.folders));
             return;
         };
