@@ -3,9 +3,10 @@
 use super::Writer;
 use super::element::{Element, number};
 use super::sensor::fov;
+use super::texture::Said;
 use crate::ir::{
-    ColorInput, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, Origin, SpotFalloff,
-    TextureEncoding,
+    Color, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, Id, LightImage,
+    Origin, SpotFalloff, Texture, TextureEncoding,
 };
 use crate::write::{Cone, WriteError};
 
@@ -24,10 +25,10 @@ impl Writer<'_, '_> {
                     let size = Cone::new(*cutoff_angle, *beam_width, *falloff).change();
                     self.out.lose_light(origin, what, "linear falloff in the angle", size);
                 }
-                let texture = texture.map(|id| self.texture("texture", id)).transpose()?;
+                let (intensity, texture) = self.spot_texture(intensity, *texture, origin)?;
                 plugin("spot")
                     .transform("to_world", to_world)
-                    .child(self.light("intensity", intensity, 1.0, origin))
+                    .child(self.light("intensity", &intensity, 1.0, origin))
                     .float("cutoff_angle", *cutoff_angle)
                     .float_unless("beam_width", *beam_width, cutoff_angle * 0.75)
                     .children(texture)
@@ -81,6 +82,23 @@ impl Writer<'_, '_> {
     fn lost_light(&mut self, kind: &EmitterKind, origin: Origin) -> Option<Element> {
         self.out.lose(origin, format!("a `{}` light", kind.name()), "no light");
         None
+    }
+
+    /// The intensity and the texture of a spot; Mitsuba refuses a texture that is the same everywhere.
+    fn spot_texture(
+        &mut self,
+        intensity: &Color,
+        texture: Option<Id<Texture>>,
+        origin: Origin,
+    ) -> Result<(Color, Option<Element>), WriteError> {
+        let Some(id) = texture else { return Ok((intensity.clone(), None)) };
+        Ok(match self.said(id, [1.0; 3])? {
+            Said::Constant(factor) => {
+                let rgb = self.rgb(intensity, ColorSlot::Emission, origin);
+                (Color::Rgb(std::array::from_fn(|i| rgb[i] * factor[i])), None)
+            }
+            Said::Plugin(_) => (intensity.clone(), Some(self.texture("texture", id)?)),
+        })
     }
 
     fn projection(

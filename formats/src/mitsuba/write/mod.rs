@@ -10,6 +10,8 @@ mod emitter;
 mod film;
 mod integrator;
 mod interface;
+mod plain;
+mod relief;
 mod sensor;
 mod shape;
 mod substitute;

@@ -2,6 +2,7 @@
 
 use super::Writer;
 use super::element::Element;
+use super::plain::{plain_obj, plain_ply};
 use super::substitute;
 use crate::ir::{
     AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
@@ -49,7 +50,9 @@ impl Writer<'_, '_> {
         let mut element =
             element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
         element = element.children(self.material(shape)?);
-        if let Some(emission) = &shape.emission {
+        if let Some(emission) = &shape.emission
+            && self.out.has_area(shape)?
+        {
             element = element.child(self.emission(emission, shape.alpha.as_ref())?);
         }
         Ok(Some(element))
@@ -119,9 +122,12 @@ impl Writer<'_, '_> {
     ) -> Result<Element, WriteError> {
         let keep = file.max_smooth_angle.is_none()
             && match file.format {
-                MeshFormat::Obj | MeshFormat::Serialized { .. } => true,
+                MeshFormat::Serialized { .. } => true,
+                MeshFormat::Obj => plain_obj(&self.out.read(&file.path)?),
                 MeshFormat::ObjPart { .. } => false,
-                MeshFormat::Ply => self.out.is_triangle_ply(file)?,
+                MeshFormat::Ply => {
+                    plain_ply(&self.out.read(&file.path)?) && self.out.is_triangle_ply(file)?
+                }
             };
         if !keep {
             let name = self.out.make_ply(file, origin)?;
@@ -195,6 +201,11 @@ impl Writer<'_, '_> {
         if let Some(power) = e.power {
             self.out.lose(e.origin, format!("the power of a lamp, {power} W"), "its radiance as written");
         }
+        if e.scale < 0.0 {
+            let what = format!("a lamp of negative light, scale {}", e.scale);
+            self.out.lose(e.origin, what, "a dark one");
+        }
+        let scale = e.scale.max(0.0);
         let plugin = if e.collimated { "directionalarea" } else { "area" };
         // An invisible lamp shines fully.
         let share = match opacity {
@@ -203,8 +214,8 @@ impl Writer<'_, '_> {
         };
         let radiance = match &e.radiance {
             _ if matches!(opacity, Some(FloatInput::Texture(_))) => self.masked_light(e, opacity)?,
-            ColorInput::Color(color) => self.light("radiance", color, e.scale * share, e.origin),
-            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, e.scale * share * self.light)?,
+            ColorInput::Color(color) => self.light("radiance", color, scale * share, e.origin),
+            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, scale * share * self.light)?,
         };
         Ok(Element::plugin("emitter", plugin).child(radiance))
     }
