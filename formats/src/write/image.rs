@@ -264,7 +264,7 @@ fn lat_long_lookup(image: &Pixels, [x, y, z]: [f64; 3]) -> [f64; 3] {
 }
 
 /// Clarberg 2008: the equal-area octahedral square → direction, +Z in the middle.
-fn from_square([s, t]: [f64; 2]) -> [f64; 3] {
+pub(super) fn from_square([s, t]: [f64; 2]) -> [f64; 3] {
     let (u, v) = (2.0 * s - 1.0, 2.0 * t - 1.0);
     let distance = 1.0 - (u.abs() + v.abs());
     let r = 1.0 - distance.abs();

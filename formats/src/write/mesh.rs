@@ -159,7 +159,7 @@ fn with_sound_normals(mut mesh: Mesh) -> Mesh {
 }
 
 /// Twice the area of a triangle, along its normal.
-fn cross(mesh: &Mesh, triangle: [u32; 3]) -> [f64; 3] {
+pub(super) fn cross(mesh: &Mesh, triangle: [u32; 3]) -> [f64; 3] {
     let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].map(f64::from));
     let (e, f) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
     [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]

@@ -55,9 +55,10 @@ impl Writer<'_, '_> {
     pub fn masked_light(
         &mut self,
         e: &AreaEmission,
+        scale: f64,
         opacity: Option<&FloatInput>,
     ) -> Result<Element, WriteError> {
-        let factor = [e.scale.max(0.0) * self.light; 3];
+        let factor = [scale * self.light; 3];
         let radiance = match &e.radiance {
             ColorInput::Color(color) => {
                 Some(Sampled::Constant(self.rgb(color, ColorSlot::Emission, e.origin)))
@@ -80,7 +81,7 @@ impl Writer<'_, '_> {
         }
         self.out.lose(e.origin, "the opacity of a lamp that is not by uv", "a mask on its material only");
         match &e.radiance {
-            ColorInput::Color(color) => Ok(self.light("radiance", color, e.scale, e.origin)),
+            ColorInput::Color(color) => Ok(self.light("radiance", color, scale, e.origin)),
             ColorInput::Texture(id) => self.scaled_texture("radiance", *id, factor[0]),
         }
     }
