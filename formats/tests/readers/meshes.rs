@@ -197,7 +197,7 @@ fn files_that_are_something_else_are_named() {
     for (bytes, name) in names {
         use caustica_formats::ir::MeshFormat::{Obj, ObjPart, Ply, Serialized};
         for format in [Obj, ObjPart { index: 0 }, Ply, Serialized { index: 1 }] {
-            let said = mesh::read(format, bytes, &MeshOptions::default()).expect_err("no mesh").to_string();
+            let said = read(format, bytes, &MeshOptions::default()).expect_err("no mesh").to_string();
             assert_eq!(said, name, "{format:?}");
         }
         assert_eq!(image::read(bytes).expect_err("no picture").to_string(), name);
