@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use super::failure::Failure;
 use super::report;
 use crate::scene::compile::MAX_PIXELS;
-use crate::session::{Error, Options, Session};
+use crate::session::{Error, Layers, Options, Session};
 
 /// Scene file, parameters, camera, film and settings, for every subcommand that opens a scene.
 #[derive(Debug, Args)]
@@ -143,7 +143,15 @@ impl SceneArgs {
     /// # Errors
     /// When no scene is named, or it cannot be opened.
     pub fn open(&self, quiet: bool) -> Result<Session, Failure> {
-        let session = Session::open(self.path()?, &self.options());
+        self.open_with(quiet, None)
+    }
+
+    /// As [`Self::open`], with the layers of the picture where they were asked for.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_with(&self, quiet: bool, layers: Option<Layers>) -> Result<Session, Failure> {
+        let session = Session::open(self.path()?, &Options { layers, ..self.options() });
         let warnings = match &session {
             Ok(session) => session.warnings(),
             Err(Error::Scene { warnings, .. }) => warnings,
@@ -193,6 +201,7 @@ impl SceneArgs {
             spectrum_rule: self.spectral_to_rgb.rule(),
             lenient: self.lenient,
             settings: rows.chain(self.set.iter().cloned()).collect(),
+            layers: None,
         }
     }
 }

@@ -4,12 +4,14 @@ pub mod compile;
 mod facts;
 mod geometry;
 mod lamps;
+mod shown;
 mod surface;
 mod view;
 
 pub use facts::Facts;
 pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
 pub use lamps::LightStart;
+pub use shown::Numbers;
 pub use surface::{PhotonSide, Surface};
 pub use view::View;
 
@@ -61,4 +63,6 @@ pub struct Scene {
     pub sphere: SceneSphere,
     /// The author's coordinates of (0, 0, 0).
     pub origin: [f64; 3],
+    /// How the author's scene counts its shapes.
+    pub numbers: Numbers,
 }

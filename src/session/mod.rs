@@ -42,7 +42,7 @@ pub use caustica_formats::ir::{Crop, Filter, SpectrumRule};
 pub use checkpoint::Saver;
 pub use describe::{Description, Finding};
 pub use error::Error;
-pub use layers::{KNOWN as KNOWN_LAYERS, Layers, UnknownLayer};
+pub use layers::{Content, KNOWN as KNOWN_LAYERS, LayerError, LayerRequest, Layers};
 pub use lock::Lock;
 pub use memory::Memory;
 pub use options::Options;
@@ -66,6 +66,10 @@ pub struct Session {
     pub view: View,
     /// The defaults, changed by the scene, changed by the options.
     pub settings: Settings,
+    /// Of an EXR, beside the picture.
+    layers: Layers,
+    /// The options name them.
+    layers_asked: bool,
     path: PathBuf,
     /// The film as the author wrote it, for what only matters to output.
     film: ir::Film,
@@ -134,11 +138,15 @@ impl Session {
         let others: Vec<Diagnostic> = diagnostics.iter().filter(|d| !d.unsupported).cloned().collect();
         let film = scene.sensors[options.sensor.unwrap_or(scene.default_sensor)].film.clone();
         let (hash, inputs) = files.finish();
+        let layers = options.layers.clone().unwrap_or_else(|| Layers::of(&scene, &film));
+        compiled.view.aovs = layers.aovs();
         Ok(Self {
             scene: compiled.scene,
             facts: compiled.facts,
             view: compiled.view,
             settings,
+            layers,
+            layers_asked: options.layers.is_some(),
             path: path.to_path_buf(),
             contents: Contents::of(&scene, &film),
             film,
@@ -178,6 +186,11 @@ impl Session {
     /// What reading and compiling had to say, one by one.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
+    }
+
+    /// What an EXR stores beside the picture.
+    pub fn layers(&self) -> &Layers {
+        &self.layers
     }
 
     /// Whether the scene's film keeps alpha.

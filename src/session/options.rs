@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use caustica_formats::ReadOptions;
 use caustica_formats::ir::{self, Crop, Filter, SpectrumRule};
 
-use super::Error;
+use super::{Error, Layers};
 use crate::scene::compile::CompileOptions;
 use crate::settings::Settings;
 
@@ -33,6 +33,8 @@ pub struct Options {
     pub lenient: bool,
     /// Names and values from [`SETTINGS`](crate::settings::SETTINGS), applied in order after the scene's own.
     pub settings: Vec<(String, String)>,
+    /// What an EXR stores beside the picture; `None`: the parts of the picture, and what the scene asks for.
+    pub layers: Option<Layers>,
 }
 
 impl Default for Options {
@@ -48,6 +50,7 @@ impl Default for Options {
             spectrum_rule: Some(SpectrumRule::Mitsuba3),
             lenient: false,
             settings: Vec::new(),
+            layers: None,
         }
     }
 }

@@ -155,9 +155,10 @@ pub fn compile(
         environments,
         sphere: shapes.sphere,
         origin: shapes.origin,
+        numbers: shapes.numbers,
     };
     let hidden_lamps_are_transparent = ir.hide_emitters == ir::HideEmitters::Surface;
-    let view = View { sensor, film, filter, response, hidden_lamps_are_transparent };
+    let view = View { sensor, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
     let facts = Facts::of(&scene);
     Ok(Compiled { scene, facts, view, settings, warnings: b.diagnostics })
 }
