@@ -181,6 +181,12 @@ impl Aov {
         }
     }
 
+    /// Whether it shows the texture coordinates of a surface, or what follows from them.
+    pub fn needs_uvs(self) -> bool {
+        use Aov::{DpDu, DpDv, DuvDx, DuvDy, GBuffer, PrimIndex, Uv};
+        matches!(self, Uv | DpDu | DpDv | DuvDx | DuvDy | PrimIndex | GBuffer { .. })
+    }
+
     /// Numbers that are summed for each pixel.
     pub fn numbers(self) -> usize {
         match self {

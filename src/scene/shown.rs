@@ -9,11 +9,27 @@ use crate::math::{Color, Frame, Vec3};
 /// How the author's scene counts its shapes.
 #[derive(Clone, Debug, Default)]
 pub struct Numbers {
-    /// By shape: its number from 1, 0 in groups, and whether all of it is one primitive.
-    pub records: Vec<(u32, bool)>,
+    /// By shape: its number from 1, 0 in groups, and how its primitives are counted.
+    pub records: Vec<(u32, Primitives)>,
     /// By instance: its number from 1.
     pub instances: Vec<u32>,
 }
+
+/// How the primitives of a shape are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Primitives {
+    /// As its triangles; what has none is number 0.
+    Triangles,
+    /// It is one, whatever it is made of here.
+    One,
+    /// As the two triangles of Mitsuba's rectangle.
+    Rectangle,
+    /// As the triangles of Mitsuba's cube.
+    Cube,
+}
+
+/// Numbers that Mitsuba gives to the faces of our cube.
+const FACES: [u32; 6] = [2, 4, 1, 0, 3, 5];
 
 impl Scene {
     /// Number of the shape in the author's scene, from 1; an instance counts as one.
@@ -26,7 +42,18 @@ impl Scene {
 
     /// Number of the primitive in its shape, from 0.
     pub fn primitive_number(&self, s: &Surface) -> u32 {
-        if self.numbers.records[s.shape as usize].1 { 0 } else { s.triangle }
+        let triangle = s.triangle as usize;
+        let authored = self.shapes[s.shape as usize].authored.get(triangle).copied().unwrap_or(s.triangle);
+        match self.numbers.records[s.shape as usize].1 {
+            Primitives::Triangles => authored,
+            Primitives::One => 0,
+            // Mitsuba cuts each face along u + v = 1.
+            Primitives::Rectangle => u32::from(s.uv.x + s.uv.y > 1.0),
+            Primitives::Cube => match FACES.get(authored as usize / 2) {
+                Some(face) => 2 * face + u32::from(s.uv.x + s.uv.y < 1.0),
+                None => authored,
+            },
+        }
     }
 
     /// ∂p/∂u and ∂p/∂v in the world. Meshes without texture coordinates have two unit tangents.

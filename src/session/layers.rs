@@ -114,12 +114,12 @@ impl Layers {
 
     /// What is stored when nothing is asked for: the parts of the picture, and what the scene itself asks for. A
     /// layer of the scene takes the place of a part of that name.
-    pub(super) fn of(scene: &ir::Scene, film: &ir::Film) -> Self {
+    pub(super) fn of(scene: &ir::Scene, film: Option<&ir::Film>) -> Self {
         let mut own: Vec<LayerRequest> = Vec::new();
         if let Some(integrator) = &scene.integrator {
             own.extend(integrator.aovs.iter().map(of_mitsuba));
         }
-        if let Some(system) = film.gbuffer {
+        if let Some(system) = film.and_then(|film| film.gbuffer) {
             let aov = Aov::GBuffer { world: system == CoordinateSystem::World };
             own.push(LayerRequest::new("", Content::Surface(aov)));
         }

@@ -126,9 +126,9 @@ impl Session {
         let placed = |problems: Vec<Diagnostic>| -> Vec<Diagnostic> {
             problems.into_iter().map(|d| Diagnostic { span: d.span.filter(|_| read), ..d }).collect()
         };
-        let mut compiled = compile(&scene, &files, options.compiling()).map_err(|problems| Error::Scene {
-            problems: shown(&sources, &placed(problems)),
-            warnings: of_reader.clone(),
+        let layers = options.layers_of(&scene);
+        let mut compiled = compile(&scene, &files, options.compiling(&layers)).map_err(|problems| {
+            Error::Scene { problems: shown(&sources, &placed(problems)), warnings: of_reader.clone() }
         })?;
         compiled.warnings = placed(compiled.warnings);
         let mut settings = compiled.settings;
@@ -138,7 +138,6 @@ impl Session {
         let others: Vec<Diagnostic> = diagnostics.iter().filter(|d| !d.unsupported).cloned().collect();
         let film = scene.sensors[options.sensor.unwrap_or(scene.default_sensor)].film.clone();
         let (hash, inputs) = files.finish();
-        let layers = options.layers.clone().unwrap_or_else(|| Layers::of(&scene, &film));
         compiled.view.aovs = layers.aovs();
         Ok(Self {
             scene: compiled.scene,

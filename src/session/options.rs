@@ -6,6 +6,7 @@ use caustica_formats::ReadOptions;
 use caustica_formats::ir::{self, Crop, Filter, SpectrumRule};
 
 use super::{Error, Layers};
+use crate::film::Aov;
 use crate::scene::compile::CompileOptions;
 use crate::settings::Settings;
 
@@ -60,8 +61,20 @@ impl Options {
         ReadOptions { defines: self.defines.clone(), lenient: self.lenient, search: self.allow_paths.clone() }
     }
 
-    pub(super) fn compiling(&self) -> CompileOptions {
-        CompileOptions { sensor: self.sensor, lenient: self.lenient, spectrum_rule: self.spectrum_rule }
+    /// `layers` are those that will be stored.
+    pub(super) fn compiling(&self, layers: &Layers) -> CompileOptions {
+        CompileOptions {
+            sensor: self.sensor,
+            lenient: self.lenient,
+            spectrum_rule: self.spectrum_rule,
+            keep_uvs: layers.aovs().into_iter().any(Aov::needs_uvs),
+        }
+    }
+
+    /// The layers asked for, or what is stored where none are.
+    pub(super) fn layers_of(&self, scene: &ir::Scene) -> Layers {
+        let film = scene.sensors.get(self.sensor.unwrap_or(scene.default_sensor)).map(|sensor| &sensor.film);
+        self.layers.clone().unwrap_or_else(|| Layers::of(scene, film))
     }
 
     /// Changes the film of the chosen sensor.

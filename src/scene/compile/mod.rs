@@ -39,6 +39,8 @@ pub struct CompileOptions {
     pub lenient: bool,
     /// Whose conversion of spectra to RGB; `None` is that of the file's own version.
     pub spectrum_rule: Option<ir::SpectrumRule>,
+    /// Keep texture coordinates that no texture needs.
+    pub keep_uvs: bool,
 }
 
 /// A compiled scene, how it is seen, and what to say about it.

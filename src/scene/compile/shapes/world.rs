@@ -12,7 +12,7 @@ use super::{LevelParts, Shapes, contact};
 use crate::emitter::{Emitter, SceneSphere};
 use crate::math::{Bounds, Vec3};
 use crate::scene::geometry::{Geometry, Instance, Level, Primitive};
-use crate::scene::{Numbers, ShapeRecord};
+use crate::scene::{Numbers, Primitives, ShapeRecord};
 
 /// Places everything. `camera` is where the view stands, in the author's coordinates.
 pub fn build(b: &mut Compiler<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64; 3]>) -> Shapes {
@@ -78,8 +78,13 @@ impl World {
 
     /// What was added since the last call is shape `number` of the author.
     fn count(&mut self, number: u32, shape: &ir::Shape) {
-        let whole = matches!(shape.kind, ShapeKind::Rectangle | ShapeKind::Sphere { .. });
-        self.numbers.records.resize(self.records.len(), (number, whole));
+        let primitives = match shape.kind {
+            ShapeKind::Cube => Primitives::Cube,
+            ShapeKind::Rectangle => Primitives::Rectangle,
+            ShapeKind::Sphere { .. } => Primitives::One,
+            _ => Primitives::Triangles,
+        };
+        self.numbers.records.resize(self.records.len(), (number, primitives));
         self.numbers.instances.resize(self.instances.len(), number);
     }
 
