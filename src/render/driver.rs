@@ -181,12 +181,7 @@ fn run<I: Integrator>(
 ) -> Outcome {
     let Sums { mut pixels, passes: done } = sums;
     pixels.hold_aovs(Aov::numbers_of(&task.view.aovs));
-    let mut stats = Statistics {
-        prepare_seconds: start.elapsed().as_secs_f64(),
-        film_bytes: (size_of_val(pixels.as_slice()) + size_of_val(pixels.aovs())) as u64,
-        scene_bytes: (task.scene.geometry.bytes() + task.scene.textures.bytes()) as u64,
-        ..Statistics::default()
-    };
+    let mut stats = prepared(task, &pixels, start);
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
     pixels.samples_a_pass = integrator.samples_a_pass();
     let halt = budget.halt(start, overdue);
@@ -252,6 +247,17 @@ fn run<I: Integrator>(
     };
     (stats.passes, stats.seconds) = (passes, start.elapsed().as_secs_f64());
     Outcome { pixels, statistics: stats, stop }
+}
+
+/// What is known before the first pass.
+fn prepared(task: Task<'_>, pixels: &Pixels, start: Instant) -> Statistics {
+    let film = size_of_val(pixels.as_slice()) + size_of_val(pixels.aovs());
+    Statistics {
+        prepare_seconds: start.elapsed().as_secs_f64(),
+        film_bytes: film as u64,
+        scene_bytes: (task.scene.geometry.bytes() + task.scene.textures.bytes()) as u64,
+        ..Statistics::default()
+    }
 }
 
 fn count(stats: &mut Statistics, pass: &PassStats) {

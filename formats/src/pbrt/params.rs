@@ -2,7 +2,7 @@
 
 use super::directive::{Param, ParamType, Values};
 use super::space::ColorSpace;
-use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::diagnostic::{Diagnostic, Severity, Span, nearest};
 use crate::ir::Origin;
 
 use ParamType as T;
@@ -297,7 +297,10 @@ impl Params {
         for slot in self.slots.iter().filter(|slot| slot.own && !slot.read) {
             let name = &slot.param.name;
             let text = format!("{what} takes no parameter `{name}`");
-            let problem = Diagnostic::error(text, Some(slot.param.span));
+            // Films of forks store more than ours; a misspelt size would be another picture.
+            let fork = self.class == "film" && nearest(name, self.asked.iter().copied()).is_none();
+            let severity = if fork { Severity::Warning } else { Severity::Error };
+            let problem = Diagnostic::new(severity, text, Some(slot.param.span));
             self.problems.push(match nearest(name, self.asked.iter().copied()) {
                 Some(known) => problem.help(format!("did you mean `{known}`?")),
                 None if self.asked.is_empty() => problem.help("it takes none"),
