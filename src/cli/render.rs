@@ -101,7 +101,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     // Found before the scene is read, which may take long.
     let layers = args.layers.as_deref().map(str::parse::<Layers>).transpose().map_err(Error::from)?;
     let started = Instant::now();
-    let session = args.scene.open_with(args.quiet, layers)?;
+    let session = args.scene.open(args.quiet, layers)?;
     let load_seconds = started.elapsed().as_secs_f64();
     session.check_memory()?;
     let output = args.output(&session);

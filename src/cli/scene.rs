@@ -138,19 +138,12 @@ impl SceneArgs {
         self.spp.or(self.passes)
     }
 
-    /// Reads and compiles the scene. Warnings are printed unless `quiet`.
+    /// Reads and compiles the scene, whose picture gets these `layers` where they were asked for. Warnings are printed
+    /// unless `quiet`.
     ///
     /// # Errors
     /// When no scene is named, or it cannot be opened.
-    pub fn open(&self, quiet: bool) -> Result<Session, Failure> {
-        self.open_with(quiet, None)
-    }
-
-    /// As [`Self::open`], with the layers of the picture where they were asked for.
-    ///
-    /// # Errors
-    /// As [`Self::open`].
-    pub fn open_with(&self, quiet: bool, layers: Option<Layers>) -> Result<Session, Failure> {
+    pub fn open(&self, quiet: bool, layers: Option<Layers>) -> Result<Session, Failure> {
         let session = Session::open(self.path()?, &Options { layers, ..self.options() });
         let warnings = match &session {
             Ok(session) => session.warnings(),
@@ -163,7 +156,7 @@ impl SceneArgs {
         Ok(session?)
     }
 
-    /// As [`Self::open`], without printing. What is not supported is no error.
+    /// Reads and compiles the scene without printing. What is not supported is no error.
     ///
     /// # Errors
     /// As [`Self::open`].
