@@ -152,6 +152,12 @@ closed_enum! {
         fn lambertian(&self) -> Option<Param> {
             None
         }
+
+        /// The parameter that tells the diffuse reflectance, or the nearest that the model has to it: what
+        /// denoisers take for the colour of the surface.
+        fn reflectance(&self) -> Option<Param> {
+            self.lambertian()
+        }
     }
 
     /// Every model, with parameters. To add one, add a row here and one to [`Bxdf`].

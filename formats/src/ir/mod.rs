@@ -3,6 +3,7 @@
 //! Nothing here knows how a scene is rendered, or which language it was read from beyond the
 //! conventions that change its meaning ([`SpectrumRule`], [`HideEmitters`]).
 
+mod aov;
 mod arena;
 mod bsdf;
 mod color;
@@ -19,6 +20,7 @@ mod transform;
 
 use serde::{Deserialize, Serialize};
 
+pub use aov::{Aov, AovKind, CoordinateSystem};
 pub use arena::{Arena, Id, Reference, Store, Stored};
 pub use bsdf::{
     Bsdf, BsdfKind, Passage, PerturbedShading, Principled, PrincipledIndex, PrincipledThin, WardVariant,

@@ -4,6 +4,7 @@
 //! includes; [`upgrade`] old names; [`resolve`] objects with typed entries, ids and references;
 //! [`reader`] objects → IR, one file per concept with its table of plugins.
 
+mod aov;
 mod bsdf;
 mod color;
 mod emitter;
