@@ -16,8 +16,10 @@ mod difftrans;
 mod diffuse;
 mod event;
 pub mod fresnel;
+mod fresnelblend;
 mod interreflection;
 mod lobes;
+mod lobesum;
 mod material;
 mod metal;
 pub mod microfacet;
@@ -38,8 +40,10 @@ pub use dielectric::{Dielectric, DielectricModel};
 pub use difftrans::{DiffuseTransmission, DiffuseTransmissionModel};
 pub use diffuse::{Diffuse, DiffuseModel};
 pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport, adjoint_correction};
+pub use fresnelblend::{FresnelBlend, FresnelBlendModel};
 pub use interreflection::{DiffuseBase, RoundTrips, Walk};
 pub use lobes::{Lobe, Lobes};
+pub use lobesum::{LobeSum, LobeSumModel};
 pub use material::{Closure, Material, Node, Perturbation, Relief};
 pub use metal::Metal;
 pub use microfacet::{Roughness, Transmittance};
@@ -171,6 +175,8 @@ closed_enum! {
         DiffuseTransmission(DiffuseTransmissionModel),
         Phong(PhongModel),
         Ward(WardModel),
+        LobeSum(LobeSumModel),
+        FresnelBlend(FresnelBlendModel),
         Coating(CoatingModel),
     }
 }
@@ -238,6 +244,8 @@ closed_enum! {
         DiffuseTransmission(DiffuseTransmission),
         Phong(Phong),
         Ward(Ward),
+        LobeSum(LobeSum),
+        FresnelBlend(FresnelBlend),
         Coating(Coating),
     }
 }

@@ -193,6 +193,17 @@ kinds! {
             /// The layer.
             coat: Coat,
         },
+        /// pbrt-v3: lobes that add up (`uber`, `translucent`, `plastic`), on both sides of the surface.
+        "sum of lobes" [Passage::If(transmits_in_part)] => LobeSum(lobes: Box<LobeSum>),
+        /// pbrt-v3: Ashikhmin and Shirley's gloss over a diffuse base (`substrate`).
+        "fresnelblend" [Closed] => FresnelBlend {
+            /// Albedo of the base, before what the gloss takes.
+            diffuse_reflectance: ColorInput,
+            /// Of the gloss at normal incidence.
+            specular_reflectance: ColorInput,
+            /// Distribution of the facets of the gloss; nothing masks them.
+            microfacet: Microfacet,
+        },
         /// pbrt: a dielectric layer over a metal; its index is relative to the air outside.
         "coatedconductor" [Closed] => CoatedConductor {
             /// The metal.
@@ -207,6 +218,10 @@ kinds! {
 
 fn transmits_specularly(kind: &BsdfKind) -> bool {
     matches!(kind, BsdfKind::Principled(p) if p.spec_trans != FloatInput::Value(0.0))
+}
+
+fn transmits_in_part(kind: &BsdfKind) -> bool {
+    matches!(kind, BsdfKind::LobeSum(lobes) if lobes.transmits())
 }
 
 /// What a bump or normal map does where the tilted normal meets the geometry.
@@ -295,5 +310,38 @@ record! {
         pub flatness: FloatInput,
         /// 0..2: half of it is transmitted.
         pub diff_trans: FloatInput,
+    }
+}
+
+record! {
+    /// Factors of lobes that add up. What glossy and specular lobes reflect and transmit is also that of a dielectric
+    /// interface.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct LobeSum {
+        /// Lambertian, to the side the light comes from.
+        pub diffuse_reflectance: ColorInput,
+        /// Lambertian, to the other side.
+        pub diffuse_transmittance: ColorInput,
+        /// Of the facets.
+        pub glossy_reflectance: ColorInput,
+        /// Of the facets.
+        pub glossy_transmittance: ColorInput,
+        /// Of a smooth interface.
+        pub specular_reflectance: ColorInput,
+        /// Of a smooth interface.
+        pub specular_transmittance: ColorInput,
+        /// Index behind the normal over that before it, of all interfaces.
+        pub eta: FloatInput,
+        /// Distribution of the facets.
+        pub microfacet: Microfacet,
+    }
+}
+
+impl LobeSum {
+    /// Whether light reaches the other side.
+    pub fn transmits(&self) -> bool {
+        [&self.diffuse_transmittance, &self.glossy_transmittance, &self.specular_transmittance]
+            .into_iter()
+            .any(|input| !input.is_black())
     }
 }

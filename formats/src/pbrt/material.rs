@@ -3,9 +3,11 @@
 use super::color::Use;
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param};
+use super::disney;
 use super::params::Params;
 use super::reader::{Named, Reader, text};
 use super::texture::upside_down;
+use super::version3;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
@@ -37,7 +39,10 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     unsupported("hair"),
     unsupported("measured"),
     // pbrt-v3.
-    unsupported("disney"),
+    read("uber", version3::uber),
+    read("translucent", version3::translucent),
+    read("substrate", version3::substrate),
+    approximated("disney", disney::disney, disney::INSTEAD),
     unsupported("fourier"),
 ];
 
@@ -66,9 +71,17 @@ impl Reader<'_> {
             self.error(format!("materials refer to each other more than {MAX_DEPTH} deep"), p.span);
             kind = BsdfKind::Diffuse { reflectance: GRAY };
         }
-        // The parts of a mix have their own sides.
-        let opaque = !matches!(kind, BsdfKind::Blend { .. }) && matches!(kind.passage(), Passage::Closed);
+        // The parts of a mix have their own sides; lobes that add up are on both.
+        let opaque = !matches!(kind, BsdfKind::Blend { .. } | BsdfKind::LobeSum(_))
+            && matches!(kind.passage(), Passage::Closed);
         let kind = self.perturbed(&mut p, kind);
+        let kind = match if p.kind == "uber" { self.opacity(&mut p) } else { None } {
+            Some(opacity) => {
+                let nested = self.scene.bsdfs.push(Bsdf { name: None, origin, kind });
+                BsdfKind::Mask { opacity, nested }
+            }
+            None => kind,
+        };
         self.done(p);
         let kind = if opaque {
             let front = self.scene.bsdfs.push(Bsdf { name: None, origin, kind });

@@ -7,11 +7,11 @@ use caustica_formats::ir::{self, BsdfKind, ColorSlot};
 
 use super::Compiler;
 use super::textures::DEFAULT_REFLECTANCE;
-use crate::bsdf::microfacet::{Distribution, Shadowing};
+use crate::bsdf::microfacet::{Distribution, Remap, Shadowing};
 use crate::bsdf::{
-    DiffuseModel, DiffuseTransmissionModel, Material, Node, Perturbation, PhongModel, PlasticModel, Relief,
-    RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
-    WardVariant,
+    DiffuseModel, DiffuseTransmissionModel, FresnelBlendModel, LobeSumModel, Material, Node, Perturbation,
+    PhongModel, PlasticModel, Relief, RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel,
+    Transmittance, WardModel, WardVariant,
 };
 use crate::math::Color;
 use crate::texture::Param;
@@ -198,6 +198,12 @@ impl Compiler<'_> {
                 let (specular, rough) = (specular_reflectance, microfacet.as_ref());
                 self.coat(int_ior, ext_ior, *thickness, sigma_a, specular, rough, *nested, origin)
             }
+            BsdfKind::LobeSum(lobes) => self.lobe_sum(lobes, origin).into(),
+            BsdfKind::FresnelBlend { diffuse_reflectance, specular_reflectance, microfacet } => {
+                let [diffuse, specular] =
+                    self.reflectances([diffuse_reflectance, specular_reflectance], origin);
+                FresnelBlendModel { diffuse, specular, roughness: self.distribution(microfacet) }.into()
+            }
             BsdfKind::CoatedDiffuse { reflectance, coat } => self.coated_diffuse(reflectance, coat, origin),
             BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
                 self.coated_conductor(conductor, microfacet, coat, origin)
@@ -207,6 +213,16 @@ impl Compiler<'_> {
 
     fn reflectances(&mut self, inputs: [&ir::ColorInput; 2], origin: ir::Origin) -> [Param; 2] {
         inputs.map(|input| self.param(input, ColorSlot::Reflectance, origin))
+    }
+
+    fn lobe_sum(&mut self, l: &ir::LobeSum, origin: ir::Origin) -> LobeSumModel {
+        LobeSumModel {
+            diffuse: self.reflectances([&l.diffuse_reflectance, &l.diffuse_transmittance], origin),
+            glossy: self.reflectances([&l.glossy_reflectance, &l.glossy_transmittance], origin),
+            specular: self.reflectances([&l.specular_reflectance, &l.specular_transmittance], origin),
+            eta: self.scalar_param(&l.eta),
+            roughness: self.distribution(&l.microfacet),
+        }
     }
 
     fn two_sided(
@@ -263,7 +279,14 @@ impl Compiler<'_> {
 
     /// `None` is a surface so smooth that pbrt treats it as perfectly specular. Mitsuba never does.
     pub(super) fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
-        let roughness = Roughness {
+        let roughness = self.distribution(m);
+        let smooth = roughness.shadowing == Shadowing::HeightCorrelated
+            && roughness.constant().is_some_and(|[u, v]| u.max(v) < PBRT_SMOOTH);
+        (!smooth).then_some(roughness)
+    }
+
+    fn distribution(&mut self, m: &ir::Microfacet) -> Roughness {
+        Roughness {
             kind: match m.distribution {
                 ir::MicrofacetDistribution::Beckmann => Distribution::Beckmann,
                 ir::MicrofacetDistribution::Ggx => Distribution::Ggx,
@@ -275,11 +298,12 @@ impl Compiler<'_> {
             },
             u: self.scalar_param(&m.alpha_u),
             v: self.scalar_param(&m.alpha_v),
-            root: m.remap == ir::RoughnessRemap::Sqrt,
-        };
-        let smooth = roughness.shadowing == Shadowing::HeightCorrelated
-            && roughness.constant().is_some_and(|[u, v]| u.max(v) < PBRT_SMOOTH);
-        (!smooth).then_some(roughness)
+            remap: match m.remap {
+                ir::RoughnessRemap::None => Remap::None,
+                ir::RoughnessRemap::Sqrt => Remap::Sqrt,
+                ir::RoughnessRemap::Polynomial => Remap::Polynomial,
+            },
+        }
     }
 
     pub(super) fn rough_plastic(&mut self, smooth: PlasticModel, roughness: Roughness) -> RoughPlasticModel {

@@ -68,25 +68,6 @@ pub(super) const ROWS: &[Row] = &[
         ..becomes("Material", "material", "plastic", "coateddiffuse")
     },
     Row {
-        loss: NO_GLOSS,
-        params: &[("Kd", Rename("reflectance")), ("Ks", Lose(NO_GLOSS))],
-        defaults: &[("reflectance", &[0.5; 3]), ("roughness", &[0.1])],
-        ..becomes("Material", "material", "substrate", "coateddiffuse")
-    },
-    Row {
-        loss: NO_GLOSS,
-        params: &[
-            ("Kd", Rename("reflectance")),
-            ("Ks", Lose(NO_GLOSS)),
-            ("Kr", Lose("there is no mirror in it")),
-            ("Kt", Lose("nothing is transmitted")),
-            ("opacity", Lose("the material is opaque")),
-            ("index", Rename("eta")),
-        ],
-        defaults: &[("reflectance", &[0.25; 3]), ("roughness", &[0.1])],
-        ..becomes("Material", "material", "uber", "coateddiffuse")
-    },
-    Row {
         params: &[],
         defaults: &[("roughness", &[0.01])],
         ..becomes("Material", "material", "metal", "conductor")
@@ -99,18 +80,6 @@ pub(super) const ROWS: &[Row] = &[
         params: &[("Kr", Rename("reflectance"))],
         defaults: &[("reflectance", &[0.9; 3])],
         ..becomes("Material", "material", "mirror", "conductor")
-    },
-    Row {
-        loss: "it has no gloss",
-        params: &[
-            ("Ks", Lose("it has no gloss")),
-            ("roughness", Drop),
-            ("remaproughness", Drop),
-            ("Kd", With("`reflectance` and `transmittance`", translucent)),
-            ("reflect", Lose("half is reflected")),
-            ("transmit", Lose("half is transmitted")),
-        ],
-        ..becomes("Material", "material", "translucent", "diffusetransmission")
     },
     Row {
         params: &[("Kd", Rename("reflectance")), ("Kr", Drop), ("Kt", Drop)],
@@ -201,16 +170,6 @@ pub(super) const ROWS: &[Row] = &[
     same("Shape", "shape", "plymesh", &[("shadowalpha", Drop)]),
     same("Shape", "shape", "loopsubdiv", &[("nlevels", Rename("levels"))]),
 ];
-
-fn translucent(d: &mut Directive, index: usize) {
-    "reflectance".clone_into(&mut d.params[index].name);
-    let mut other = d.params[index].clone();
-    "transmittance".clone_into(&mut other.name);
-    let mut scale = other.clone();
-    "scale".clone_into(&mut scale.name);
-    (scale.kind, scale.values) = (ParamType::Float, Values::Floats(vec![0.5]));
-    d.params.extend([other, scale]);
-}
 
 /// v3 weighs the first of the two.
 fn second_weight(d: &mut Directive, index: usize) {
