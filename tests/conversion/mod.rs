@@ -2,6 +2,7 @@
 
 mod faults;
 mod table;
+mod version3;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -39,6 +39,8 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     unsupported("hair"),
     unsupported("measured"),
     // pbrt-v3.
+    read("matte", version3::matte),
+    read("plastic", version3::plastic),
     read("uber", version3::uber),
     read("translucent", version3::translucent),
     read("substrate", version3::substrate),

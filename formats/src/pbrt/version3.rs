@@ -106,6 +106,39 @@ pub(super) fn uber(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
     })))
 }
 
+/// Its index is that of air seen from inside, which pbrt-v3 has in front of the surface: beyond the critical angle the
+/// gloss is that of a mirror.
+pub(super) fn plastic(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
+    let alpha = r.float_input(p, "roughness", 0.1);
+    Some(BsdfKind::LobeSum(Box::new(LobeSum {
+        diffuse_reflectance: factor(r, p, "Kd", 0.25),
+        diffuse_transmittance: BLACK,
+        glossy_reflectance: factor(r, p, "Ks", 0.25),
+        glossy_transmittance: BLACK,
+        specular_reflectance: BLACK,
+        specular_transmittance: BLACK,
+        eta: FloatInput::Value(1.0 / 1.5),
+        microfacet: facets(p, [alpha.clone(), alpha]),
+    })))
+}
+
+/// Oren and Nayar's qualitative model, where there is a roughness.
+pub(super) fn matte(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
+    let reflectance = factor(r, p, "Kd", 0.5);
+    // The standard deviation of the slopes in degrees, which is α/√2.
+    let scale = std::f64::consts::SQRT_2.to_radians();
+    let alpha = match r.float_input(p, "sigma", 0.0) {
+        FloatInput::Value(0.0) => return Some(BsdfKind::Diffuse { reflectance }),
+        FloatInput::Value(sigma) => FloatInput::Value(sigma.clamp(0.0, 90.0) * scale),
+        FloatInput::Texture(id) => {
+            let (value, factor) = (ColorInput::Texture(id), ColorInput::Color(Color::Gray(scale)));
+            let kind = TextureKind::Scale { value, factor };
+            FloatInput::Texture(r.scene.textures.push(Texture { name: None, origin: p.origin(), kind }))
+        }
+    };
+    Some(BsdfKind::RoughDiffuse { reflectance, alpha, fast: true })
+}
+
 pub(super) fn translucent(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
     let [kd, ks] = ["Kd", "Ks"].map(|name| factor(r, p, name, 0.25));
     let [reflect, transmit] = ["reflect", "transmit"].map(|name| factor(r, p, name, 0.5));

@@ -4,6 +4,7 @@
 mod messages;
 mod plugins;
 mod robust;
+mod version3;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

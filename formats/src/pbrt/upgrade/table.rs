@@ -52,21 +52,10 @@ const fn becomes(class: &'static str, noun: &'static str, from: &'static str, to
     Row { class, noun, from, to, loss: "", params: &[], defaults: &[] }
 }
 
-const NO_GLOSS: &str = "its gloss is that of a clear layer";
 const BLACK: &str = "the material is not tinted by it";
 
 pub(super) const ROWS: &[Row] = &[
     // Materials.
-    Row {
-        params: &[("Kd", Rename("reflectance")), ("sigma", Lose("the surface is Lambertian"))],
-        ..becomes("Material", "material", "matte", "diffuse")
-    },
-    Row {
-        loss: NO_GLOSS,
-        params: &[("Kd", Rename("reflectance")), ("Ks", Lose(NO_GLOSS))],
-        defaults: &[("reflectance", &[0.25; 3]), ("roughness", &[0.1])],
-        ..becomes("Material", "material", "plastic", "coateddiffuse")
-    },
     Row {
         params: &[],
         defaults: &[("roughness", &[0.01])],
