@@ -15,6 +15,7 @@ mod dielectric;
 mod difftrans;
 mod diffuse;
 mod event;
+mod fourier;
 pub mod fresnel;
 mod fresnelblend;
 mod interreflection;
@@ -40,6 +41,7 @@ pub use dielectric::{Dielectric, DielectricModel};
 pub use difftrans::{DiffuseTransmission, DiffuseTransmissionModel};
 pub use diffuse::{Diffuse, DiffuseModel};
 pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport, adjoint_correction};
+pub use fourier::{Fourier, FourierModel, FourierTable};
 pub use fresnelblend::{FresnelBlend, FresnelBlendModel};
 pub use interreflection::{DiffuseBase, RoundTrips, Walk};
 pub use lobes::{Lobe, Lobes};
@@ -177,6 +179,7 @@ closed_enum! {
         Ward(WardModel),
         LobeSum(LobeSumModel),
         FresnelBlend(FresnelBlendModel),
+        Fourier(FourierModel),
         Coating(CoatingModel),
     }
 }
@@ -246,6 +249,7 @@ closed_enum! {
         Ward(Ward),
         LobeSum(LobeSum),
         FresnelBlend(FresnelBlend),
+        Fourier(Fourier),
         Coating(Coating),
     }
 }

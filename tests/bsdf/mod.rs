@@ -259,7 +259,7 @@ fn of_pbrt() -> Vec<(&'static str, Stage)> {
 fn of_pbrt_material(material: &str) -> Stage {
     let shape = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \
                  \"point3 P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0] \"point2 uv\" [0 0 1 0 1 1 0 1]";
-    pbrt_scene(&format!("{material}\n{shape}"), Vec::new())
+    pbrt_scene(&format!("{material}\n{shape}"), vec![("table.bsdf", version3::TABLE.to_vec())])
 }
 
 /// Degrees from the normal and around it.

@@ -1,11 +1,13 @@
 //! Surface scattering models with their parameters as written.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use super::Origin;
 use super::arena::{Id, Store, Stored};
 use super::interface::{Coat, Conductor, Dielectric, Ior, Microfacet, Plastic};
-use super::table::{kinds, plain, record};
+use super::table::{file, kinds, plain, record};
 use super::texture::{ColorInput, FloatInput};
 
 /// A scattering model of the scene.
@@ -204,6 +206,8 @@ kinds! {
             /// Distribution of the facets of the gloss; nothing masks them.
             microfacet: Microfacet,
         },
+        /// pbrt-v3: tabulated, with splines over the cosines and Fourier series of the azimuth.
+        "fourier" [Open] => Fourier(table: BsdfFile),
         /// pbrt: a dielectric layer over a metal; its index is relative to the air outside.
         "coatedconductor" [Closed] => CoatedConductor {
             /// The metal.
@@ -245,6 +249,14 @@ pub enum WardVariant {
 }
 
 plain! { PerturbedShading, WardVariant, PrincipledIndex }
+file! { BsdfFile }
+
+/// A tabulated BSDF.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BsdfFile {
+    /// As found by the resolver.
+    pub path: PathBuf,
+}
 
 record! {
     /// Parameters as Mitsuba 3 names them.

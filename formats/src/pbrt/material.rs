@@ -45,7 +45,7 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     read("translucent", version3::translucent),
     read("substrate", version3::substrate),
     approximated("disney", disney::disney, disney::INSTEAD),
-    unsupported("fourier"),
+    read("fourier", version3::fourier),
 ];
 
 const WHITE: ColorInput = ColorInput::Color(Color::Gray(1.0));

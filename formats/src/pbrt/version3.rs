@@ -4,8 +4,8 @@ use super::color::{Use, scaled};
 use super::params::Params;
 use super::reader::Reader;
 use crate::ir::{
-    BsdfKind, Color, ColorInput, ColorSlot, FloatInput, LobeSum, Microfacet, MicrofacetDistribution,
-    RoughnessRemap, Shadowing, SpectrumRule, Texture, TextureKind,
+    BsdfFile, BsdfKind, Color, ColorInput, ColorSlot, FloatInput, LobeSum, Microfacet,
+    MicrofacetDistribution, RoughnessRemap, Shadowing, SpectrumRule, Texture, TextureKind,
 };
 use crate::spectrum::{luminance, to_linear_rgb};
 
@@ -153,6 +153,11 @@ pub(super) fn translucent(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind
         eta: GLASS,
         microfacet: facets(p, [alpha.clone(), alpha]),
     })))
+}
+
+pub(super) fn fourier(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
+    let path = r.asset(p, "bsdffile", "tabulated BSDF")?;
+    Some(BsdfKind::Fourier(BsdfFile { path }))
 }
 
 pub(super) fn substrate(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {

@@ -1,17 +1,19 @@
 //! BSDFs of the IR → materials.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use caustica_formats::fourier;
 use caustica_formats::ir::{self, BsdfKind, ColorSlot};
 
 use super::Compiler;
 use super::textures::DEFAULT_REFLECTANCE;
 use crate::bsdf::microfacet::{Distribution, Remap, Shadowing};
 use crate::bsdf::{
-    DiffuseModel, DiffuseTransmissionModel, FresnelBlendModel, LobeSumModel, Material, Node, Perturbation,
-    PhongModel, PlasticModel, Relief, RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel,
-    Transmittance, WardModel, WardVariant,
+    DiffuseModel, DiffuseTransmissionModel, FourierModel, FourierTable, FresnelBlendModel, LobeSumModel,
+    Material, Node, Perturbation, PhongModel, PlasticModel, Relief, RoughDiffuseModel, RoughPlasticModel,
+    Roughness, ThinDielectricModel, Transmittance, WardModel, WardVariant,
 };
 use crate::math::Color;
 use crate::texture::Param;
@@ -40,6 +42,8 @@ pub struct MaterialTable {
     parts: u32,
     /// Coats around what is being built.
     pub(super) coats: u32,
+    /// Tabulated BSDFs by their files; `None` is one that cannot be read.
+    tables: HashMap<PathBuf, Option<Arc<FourierTable>>>,
     /// By distribution, bits of α (none: any α) and of the relative index.
     transmittances: HashMap<(Distribution, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
 }
@@ -204,6 +208,7 @@ impl Compiler<'_> {
                     self.reflectances([diffuse_reflectance, specular_reflectance], origin);
                 FresnelBlendModel { diffuse, specular, roughness: self.distribution(microfacet) }.into()
             }
+            BsdfKind::Fourier(file) => self.fourier(file, origin),
             BsdfKind::CoatedDiffuse { reflectance, coat } => self.coated_diffuse(reflectance, coat, origin),
             BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
                 self.coated_conductor(conductor, microfacet, coat, origin)
@@ -213,6 +218,33 @@ impl Compiler<'_> {
 
     fn reflectances(&mut self, inputs: [&ir::ColorInput; 2], origin: ir::Origin) -> [Param; 2] {
         inputs.map(|input| self.param(input, ColorSlot::Reflectance, origin))
+    }
+
+    fn fourier(&mut self, file: &ir::BsdfFile, origin: ir::Origin) -> Node {
+        let table = match self.materials.tables.get(&file.path) {
+            Some(known) => known.clone(),
+            None => {
+                let read = self.files.read(&file.path).map_err(|e| e.to_string());
+                let read = read.and_then(|bytes| fourier::read(&bytes).map_err(|e| e.to_string()));
+                let table = match read {
+                    Ok(t) => Some(Arc::new(FourierTable::new(
+                        [t.eta, t.alpha],
+                        t.channels,
+                        t.mu,
+                        t.series,
+                        t.coefficients,
+                    ))),
+                    Err(e) => {
+                        self.error(format!("cannot read `{}`: {e}", file.path.display()), origin);
+                        None
+                    }
+                };
+                self.materials.tables.insert(file.path.clone(), table.clone());
+                table
+            }
+        };
+        table
+            .map_or_else(|| diffuse(Param::Constant(DEFAULT_REFLECTANCE)), |table| FourierModel(table).into())
     }
 
     fn lobe_sum(&mut self, l: &ir::LobeSum, origin: ir::Origin) -> LobeSumModel {
