@@ -127,12 +127,10 @@ mod tests {
     fn file() -> Vec<u8> {
         let mut bytes = b"SCATFUN\x01".to_vec();
         let mut word = |w: u32| bytes.extend(w.to_le_bytes());
-        [1, 2, 2, 2, 1, 1, 0, 0, 0].map(&mut word);
-        [1.5f32, 0.1, 0.1, 0.0, 0.0].map(|x| word(x.to_bits()));
-        [-1.0f32, 1.0].map(|x| word(x.to_bits()));
-        [0; 4].map(&mut word);
-        [0, 0, 0, 2, 2, 0, 0, 0].map(&mut word);
-        [0.25f32, 0.5].map(|x| word(x.to_bits()));
+        [1, 2, 2, 2, 1, 1, 0, 0, 0].into_iter().for_each(&mut word);
+        [1.5f32, 0.1, 0.1, 0.0, 0.0, -1.0, 1.0].into_iter().for_each(|x| word(x.to_bits()));
+        [0, 0, 0, 0, 0, 0, 0, 2, 2, 0, 0, 0].into_iter().for_each(&mut word);
+        [0.25f32, 0.5].into_iter().for_each(|x| word(x.to_bits()));
         bytes
     }
 

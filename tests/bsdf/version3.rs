@@ -116,7 +116,7 @@ fn values_match_pbrt_v3() {
 }
 
 /// A ball of each on a floor, with a lamp: photons and camera paths meet it from both ends. Maps blur what they hold:
-/// 64 passes leave less than 1 %, the noise of both is below 1 % too.
+/// 64 passes leave less than 1 %, and 4.5 times the noise of both is less than 3 %.
 #[test]
 fn photon_maps_show_what_paths_show() {
     for (name, material) in EXAMPLES {
@@ -134,6 +134,6 @@ fn photon_maps_show_what_paths_show() {
         );
         let photons = render(&scene, &[("integrator", "photonmap"), ("max_depth", "7")], 64);
         let paths = render(&scene, &[("integrator", "path"), ("max_depth", "7")], 512);
-        (0..3).for_each(|c| assert_agree(name, photons.beauty(c), paths.beauty(c), 0.02));
+        (0..3).for_each(|c| assert_agree(name, photons.beauty(c), paths.beauty(c), 0.03));
     }
 }

@@ -5,7 +5,7 @@ use super::{Difference, Source};
 fn ball(material: &str) -> Source {
     let text = format!(
         "LookAt 0 -5 1.5 0 0 0 0 0 1 Camera \"perspective\" \"float fov\" 30 \
-         Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24 PixelFilter \"box\"\n\
+         Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24 PixelFilter \"box\" Sampler \"independent\"\n\
          WorldBegin LightSource \"infinite\" \"rgb L\" [.5 .5 .5]\n\
          AttributeBegin Translate 3 -3 3 AreaLightSource \"diffuse\" \"rgb L\" [9 8 7] \
          Shape \"sphere\" \"float radius\" 1 AttributeEnd\n\

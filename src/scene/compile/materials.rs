@@ -186,10 +186,6 @@ impl Compiler<'_> {
                 let [alpha_u, alpha_v] = [alpha_u, alpha_v].map(|alpha| self.scalar_param(alpha));
                 WardModel { variant: ward_variant(*variant), diffuse, specular, alpha_u, alpha_v }.into()
             }
-            BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
-                let [reflectance, transmittance] = self.reflectances([reflectance, transmittance], origin);
-                DiffuseTransmissionModel { reflectance, transmittance }.into()
-            }
             BsdfKind::Coating {
                 int_ior,
                 ext_ior,
@@ -202,6 +198,22 @@ impl Compiler<'_> {
                 let (specular, rough) = (specular_reflectance, microfacet.as_ref());
                 self.coat(int_ior, ext_ior, *thickness, sigma_a, specular, rough, *nested, origin)
             }
+            BsdfKind::DiffuseTransmission { .. }
+            | BsdfKind::CoatedDiffuse { .. }
+            | BsdfKind::CoatedConductor { .. }
+            | BsdfKind::LobeSum(_)
+            | BsdfKind::FresnelBlend { .. }
+            | BsdfKind::Fourier(_) => self.of_pbrt(kind, origin),
+        }
+    }
+
+    fn reflectances(&mut self, inputs: [&ir::ColorInput; 2], origin: ir::Origin) -> [Param; 2] {
+        inputs.map(|input| self.param(input, ColorSlot::Reflectance, origin))
+    }
+
+    /// What pbrt has and Mitsuba 3 has not.
+    fn of_pbrt(&mut self, kind: &BsdfKind, origin: ir::Origin) -> Node {
+        match kind {
             BsdfKind::LobeSum(lobes) => self.lobe_sum(lobes, origin).into(),
             BsdfKind::FresnelBlend { diffuse_reflectance, specular_reflectance, microfacet } => {
                 let [diffuse, specular] =
@@ -209,15 +221,16 @@ impl Compiler<'_> {
                 FresnelBlendModel { diffuse, specular, roughness: self.distribution(microfacet) }.into()
             }
             BsdfKind::Fourier(file) => self.fourier(file, origin),
+            BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
+                let [reflectance, transmittance] = self.reflectances([reflectance, transmittance], origin);
+                DiffuseTransmissionModel { reflectance, transmittance }.into()
+            }
             BsdfKind::CoatedDiffuse { reflectance, coat } => self.coated_diffuse(reflectance, coat, origin),
             BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
                 self.coated_conductor(conductor, microfacet, coat, origin)
             }
+            other => self.model(other, origin),
         }
-    }
-
-    fn reflectances(&mut self, inputs: [&ir::ColorInput; 2], origin: ir::Origin) -> [Param; 2] {
-        inputs.map(|input| self.param(input, ColorSlot::Reflectance, origin))
     }
 
     fn fourier(&mut self, file: &ir::BsdfFile, origin: ir::Origin) -> Node {
