@@ -23,6 +23,7 @@ pub mod confined;
 pub mod diagnostic;
 mod encoding;
 pub mod files;
+pub mod fourier;
 pub mod image;
 pub mod ir;
 pub mod language;

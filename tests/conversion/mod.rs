@@ -4,6 +4,7 @@ mod accepted;
 mod extremes;
 mod faults;
 mod table;
+mod version3;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -23,7 +23,8 @@ use serde::{Deserialize, Serialize};
 pub use aov::{Aov, AovKind, CoordinateSystem};
 pub use arena::{Arena, Id, Reference, Store, Stored};
 pub use bsdf::{
-    Bsdf, BsdfKind, Passage, PerturbedShading, Principled, PrincipledIndex, PrincipledThin, WardVariant,
+    Bsdf, BsdfFile, BsdfKind, LobeSum, Passage, PerturbedShading, Principled, PrincipledIndex,
+    PrincipledThin, WardVariant,
 };
 pub use color::{Color, ColorSlot, SpectrumRule};
 pub use emitter::{Emitter, EmitterKind, EnvironmentMapping, LightImage, SpotFalloff};

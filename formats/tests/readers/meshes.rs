@@ -184,9 +184,9 @@ proptest! {
 /// Whatever was to be read, a pointer or a page in its place is named for what it is.
 #[test]
 fn files_that_are_something_else_are_named() {
+    use caustica_formats::image;
     use caustica_formats::mesh::MeshOptions;
     use caustica_formats::spectrum::parse_spd;
-    use caustica_formats::image;
 
     let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
     let page = b"\r\n<!doctype HTML>\n<title>404</title>\n";

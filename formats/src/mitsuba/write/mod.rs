@@ -10,6 +10,7 @@ mod emitter;
 mod film;
 mod integrator;
 mod interface;
+mod lobes;
 mod plain;
 mod relief;
 mod sensor;
