@@ -35,6 +35,7 @@ mod outside;
 mod pbrt;
 mod plugin;
 mod read;
+pub mod sky;
 pub mod spectrum;
 mod write;
 
