@@ -135,8 +135,9 @@ pub(super) fn sunny(below: bool, height: f32) -> SunSky {
     let sun = Vec3::new(-height.cos() * 0.6, height.cos() * 0.8, height.sin());
     let frame = Frame::from_normal(Vec3::new(0.3, -0.5, 0.7).normalize());
     let axes = Frame { s: -frame.s, ..frame };
-    let disc =
-        SunDisc { direction: sun, half_angle: HALF_ANGLE, irradiance: rgb([300.0, 250.0, 150.0]) * solid() };
+    let half_angle = 0.026f32;
+    let solid = std::f32::consts::TAU * 2.0 * (0.5 * half_angle).sin().powi(2);
+    let disc = SunDisc { direction: sun, half_angle, irradiance: rgb([300.0, 250.0, 150.0]) * solid };
     SunSky::new(std::sync::Arc::new(Plain { below, sun }), axes, Some(disc), below)
 }
 

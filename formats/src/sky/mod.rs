@@ -17,3 +17,6 @@ pub use picture::{Picture, picture};
 /// The local space of Mitsuba 0.6 (+Y is up, −Z north, +X east), seen from that of a [`SunSky`]: local → old local.
 pub const FROM_OLD: Transform =
     Transform([[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]);
+
+#[cfg(test)]
+mod tests;

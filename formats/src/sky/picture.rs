@@ -58,7 +58,7 @@ impl Picture {
     }
 
     /// Integral over all directions.
-    fn total(&self) -> [f64; 3] {
+    pub(super) fn total(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for y in 0..self.height {
             let weight = self.weight(y);
@@ -80,6 +80,11 @@ impl Picture {
             ([column(0.0), row + 1], (1.0 - fx) * fy),
             ([column(1.0), row + 1], fx * fy),
         ]
+    }
+
+    /// Between the pixels, towards a direction of the light's space.
+    pub fn radiance(&self, d: [f64; 3]) -> [f64; 3] {
+        self.at(self.place(d))
     }
 
     fn at(&self, place: [f64; 2]) -> [f64; 3] {
@@ -163,7 +168,7 @@ pub fn picture(light: &SunSky, albedo: [f64; 3]) -> Option<Picture> {
     let mut fine = Picture::black(all.height);
     for y in 0..fine.height {
         for x in 0..fine.width {
-            fine.rgb[y * fine.width + x] = sky.at(sky.place(fine.direction(x, y)));
+            fine.rgb[y * fine.width + x] = sky.radiance(fine.direction(x, y));
         }
     }
     fine.match_total(total);
