@@ -8,9 +8,8 @@ use caustica_formats::ir::{
     AreaEmission, Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Day,
     Dielectric, Emitter, EmitterKind, EnvironmentMapping, FloatInput, Fov, FovAxis, Id, InlineMesh, Ior,
     LightImage, Mapping, MeshFile, MeshFormat, Microfacet, MicrofacetDistribution, Origin, PartialQuadric,
-    Place, Plastic, Projection, RoughnessRemap, Scalar, Scene, Setting, Shadowing, Shape, ShapeGroup,
-    ShapeKind, SpotFalloff, SunModel, SunPosition, SunSky, Texture, TextureEncoding, TextureFilter,
-    TextureKind, Transform, WrapMode, uses_textures,
+    Plastic, Projection, RoughnessRemap, Scalar, Scene, Setting, Shadowing, Shape, ShapeGroup, ShapeKind,
+    SpotFalloff, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode, uses_textures,
 };
 use caustica_formats::{Read, ReadOptions, read_scene};
 use proptest::collection::vec;
@@ -513,40 +512,8 @@ fn emitter(language: Language) -> BoxedStrategy<EmitterKind> {
         },
         mapping: if pbrt { EnvironmentMapping::EqualArea } else { EnvironmentMapping::LatLong },
     });
-    if pbrt {
-        return prop_oneof![point, directional, constant, spot, environment].boxed();
-    }
-    // Rarely: in pbrt it becomes a picture of two million pixels.
-    prop_oneof![9 => prop_oneof![point, directional, constant, spot, environment], 1 => sunsky()].boxed()
-}
-
-/// As Mitsuba 3 has it.
-fn sunsky() -> impl Strategy<Value = EmitterKind> {
-    let place = Place { latitude: 40.0, longitude: 20.0, timezone: 1.0 };
-    let day = |day| Day { year: 2012, month: 6, day };
-    let shutter = [0.25, 0.75];
-    let position = prop_oneof![
-        Just(SunPosition::Direction([0.0; 3])),
-        (8.0..16.0f64).prop_map(move |hour| SunPosition::Moment { place, day: day(3), hour }),
-        (4.0..9.0f64).prop_map(move |first| SunPosition::Days {
-            place,
-            start: day(1),
-            end: day(20),
-            hours: [first, 20.0],
-            shutter,
-        }),
-    ];
-    (position, turned(), 1.0..10.0f64, any::<bool>()).prop_map(|(sun, to_world, turbidity, limb)| {
-        let sun = match sun {
-            // Above the horizon.
-            SunPosition::Direction(_) => SunPosition::Direction(to_world.vector([0.3, 0.2, turbidity])),
-            other => other,
-        };
-        let sun_model = if limb { SunModel::LimbDarkened } else { SunModel::Even };
-        let light =
-            SunSky { to_world, turbidity, sun_scale: 0.5, sun_aperture: 2.0, sun_model, ..SunSky::new(sun) };
-        EmitterKind::SunSky(Box::new(light))
-    })
+    // Sun and sky become a picture of two million pixels in pbrt: `tests/mitsuba/sunsky.rs` writes and reads them.
+    prop_oneof![point, directional, constant, spot, environment].boxed()
 }
 
 /// Names are no part of the picture, and are made up on the way.

@@ -1,7 +1,12 @@
 //! Sun and sky of both Mitsubas.
 
+use std::path::Path;
+
 use caustica_formats::ir::{Color, Day, EmitterKind, Place, Scene, SunModel, SunPosition, SunSky, Transform};
 use caustica_formats::sky::{Daylight, FROM_OLD, sun_direction};
+
+use caustica_formats::spectrum::luminance;
+use caustica_formats::{ReadOptions, write_scene};
 
 use crate::{headlines, v3, v06};
 
@@ -146,4 +151,57 @@ fn what_is_wrong_is_named() {
         assert_eq!(headlines(&v3(body)), [message], "{body}");
     }
     assert_eq!(Transform::IDENTITY, light(crate::v3("<emitter type='sunsky'/>")).to_world);
+}
+
+/// Written as Mitsuba 3 says it, and read again, the light is the same.
+#[test]
+fn lights_survive_their_own_language() {
+    let scene = |light: &str| {
+        format!(
+            "<scene version='3.0.0'><sensor type='perspective'><float name='shutter_open' value='0.25'/>\
+             <float name='shutter_close' value='0.75'/></sensor>{light}</scene>"
+        )
+    };
+    let turn = "<transform name='to_world'><rotate x='1' angle='-90'/></transform>";
+    for text in [
+        format!(
+            "<emitter type='sunsky'><vector name='sun_direction' value='0.3, 0.9, 0.2'/><float name='turbidity' value='4.5'/>\
+             <float name='sun_aperture' value='2'/><boolean name='complex_sun' value='true'/>{turn}</emitter>"
+        ),
+        format!(
+            "<emitter type='sunsky'><float name='hour' value='9.25'/><float name='sun_scale' value='0.5'/>{turn}</emitter>"
+        ),
+        format!("<emitter type='timed_sunsky'><float name='window_end_time' value='17'/>{turn}</emitter>"),
+    ] {
+        let first =
+            crate::try_read(&scene(&text), &[], &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let written = write_scene(&first, &crate::files(&scene(&text), &[]), Path::new("copy.xml")).unwrap();
+        assert!(written.losses.is_empty(), "{:?}", written.losses);
+        let again = crate::scene(&written.text);
+        assert_eq!(light(first.scene), light(again), "{}", written.text);
+    }
+}
+
+/// 0.6's sun is written as Mitsuba 3's of the same luminance, and its lower half as a picture.
+#[test]
+fn old_lights_become_new_ones() {
+    let written = |body: &str| {
+        let scene = format!("<scene version='0.6.0'><emitter type='sunsky'>{body}</emitter></scene>");
+        let read = crate::try_read(&scene, &[], &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        write_scene(&read, &crate::files(&scene, &[]), Path::new("copy.xml")).unwrap()
+    };
+    let plain = written("<vector name='sunDirection' x='1' y='1' z='0'/>");
+    assert!(
+        plain.losses.len() == 1 && plain.losses[0].what.starts_with("the sun of Mitsuba 0.6"),
+        "{:?}",
+        plain.losses
+    );
+    let made = light(crate::scene(&plain.text));
+    let toward = sun_direction(&made).expect("a direction");
+    let new = luminance(Daylight::new(&made, toward, [0.2; 3]).sun().expect("it shines").irradiance());
+    let old = SunSky { sun_model: SunModel::Preetham, sun_scale: 1.0, ..made };
+    let old = luminance(Daylight::new(&old, toward, [0.2; 3]).sun().expect("it shines").irradiance());
+    assert!((new / old - 1.0).abs() < 1e-9, "{new} {old}");
+    let extended = written("<boolean name='extend' value='true'/>");
+    assert!(extended.text.contains("envmap") && extended.assets.len() == 1, "{}", extended.text);
 }
