@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use caustica_formats::files::Memory;
 use caustica_formats::ir::{
-    AreaEmission, Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Day,
-    Dielectric, Emitter, EmitterKind, EnvironmentMapping, FloatInput, Fov, FovAxis, Id, InlineMesh, Ior,
-    LightImage, Mapping, MeshFile, MeshFormat, Microfacet, MicrofacetDistribution, Origin, PartialQuadric,
-    Plastic, Projection, RoughnessRemap, Scalar, Scene, Setting, Shadowing, Shape, ShapeGroup, ShapeKind,
-    SpotFalloff, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode, uses_textures,
+    AreaEmission, Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric,
+    Emitter, EmitterKind, EnvironmentMapping, FloatInput, Fov, FovAxis, Id, InlineMesh, Ior, LightImage,
+    Mapping, MeshFile, MeshFormat, Microfacet, MicrofacetDistribution, Origin, PartialQuadric, Plastic,
+    Projection, RoughnessRemap, Scalar, Scene, Setting, Shadowing, Shape, ShapeGroup, ShapeKind, SpotFalloff,
+    Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode, uses_textures,
 };
 use caustica_formats::{Read, ReadOptions, read_scene};
 use proptest::collection::vec;
