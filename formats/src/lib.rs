@@ -36,6 +36,7 @@ mod outside;
 mod pbrt;
 mod plugin;
 mod read;
+pub mod sky;
 pub mod spectrum;
 mod write;
 

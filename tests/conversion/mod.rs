@@ -1,6 +1,7 @@
 //! What is converted shows the same picture: every shape with every use of a texture, in both directions.
 
 mod accepted;
+mod daylight;
 mod extremes;
 mod faults;
 mod table;

@@ -14,6 +14,7 @@ mod query;
 mod references;
 mod sensor;
 mod shape;
+mod sunsky;
 mod table;
 mod texture;
 mod transform;
@@ -42,6 +43,7 @@ pub use sensor::{
 pub use shape::{
     AreaEmission, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind,
 };
+pub use sunsky::{Day, Place, SunModel, SunPosition, SunSky};
 pub use table::Part;
 pub use texture::{
     Bitmap, ColorInput, FloatInput, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding, TextureFilter,

@@ -5,6 +5,7 @@ mod light;
 mod mesh;
 mod output;
 mod sample;
+mod sky;
 mod slide;
 
 use std::collections::HashSet;

@@ -16,6 +16,7 @@ mod relief;
 mod sensor;
 mod shape;
 mod substitute;
+mod sunsky;
 mod texture;
 
 use std::collections::{HashMap, HashSet};
