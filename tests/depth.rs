@@ -14,6 +14,8 @@ fn the_first_depths_are_black_emission_and_direct_light() {
         ("path", &[("integrator", "path")][..]),
         ("next event", &[][..]),
         ("photons only", &[("nee", "false")][..]),
+        ("final gathering", &[("indirect", "gather")][..]),
+        ("no global map", &[("indirect", "trace")][..]),
     ] {
         let at = |depth: &str| {
             let settings = [&[("max_depth", depth), ("photons", "4000")][..], variant].concat();
@@ -41,11 +43,12 @@ fn every_depth_agrees_between_integrators() {
     let scene = scene(&[box_camera(16), walls("0.6"), lamp(0.5, "3")].concat());
     for depth in ["2", "3", "4"] {
         let path = render(&scene, &[("integrator", "path"), ("max_depth", depth)], 1024);
-        for nee in ["true", "false"] {
-            let settings = [("max_depth", depth), ("nee", nee), ("photons", "6000")];
+        let ways = [("nee", "true"), ("nee", "false"), ("indirect", "gather"), ("indirect", "trace")];
+        for way in ways {
+            let settings = [("max_depth", depth), way, ("photons", "6000")];
             let mapped = render(&scene, &settings, 128);
             for channel in 0..3 {
-                let what = format!("depth {depth}, nee {nee}");
+                let what = format!("depth {depth}, {way:?}");
                 assert_agree(&what, mapped.estimate(LIT, channel), path.estimate(LIT, channel), 0.015);
             }
         }

@@ -12,6 +12,7 @@ use crate::support::{DOWN, SIGMAS, Stage, area, camera, diffuse, pbrt_scene, rec
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
+        all: false,
         key,
         paths,
         owner: Owner::GlobalMap,

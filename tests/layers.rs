@@ -35,7 +35,9 @@ fn layers_sum_to_the_beauty_and_agree_between_integrators() {
     let mapped = render(&scene, &photons, 128);
     let off = render(&scene, &[&photons[..], &[("nee", "false")]].concat(), 128);
     let single = render(&scene, &[&photons[..], &[("caustic_map", "false")]].concat(), 128);
-    for picture in [&path, &mapped, &off, &single] {
+    let gathered = render(&scene, &[&photons[..], &[("indirect", "gather")]].concat(), 128);
+    let traced = render(&scene, &[&photons[..], &[("indirect", "trace")]].concat(), 128);
+    for picture in [&path, &mapped, &off, &single, &gathered, &traced] {
         assert_layers_sum(picture);
     }
     for channel in 0..3 {
@@ -54,8 +56,17 @@ fn layers_sum_to_the_beauty_and_agree_between_integrators() {
             assert_agree(&name("maps"), mapped.estimate(&[layer], channel), expected, bound);
             assert_agree(&name("nee off"), off.estimate(&[layer], channel), expected, bound);
             assert_agree(&name("one map"), single.estimate(&[layer], channel), expected, bound);
+            assert_agree(&name("gathered"), gathered.estimate(&[layer], channel), expected, bound);
+            assert_agree(&name("traced"), traced.estimate(&[layer], channel), expected, bound);
         }
-        for (what, picture) in [("maps", &mapped), ("nee off", &off), ("one map", &single)] {
+        let pictures = [
+            ("maps", &mapped),
+            ("nee off", &off),
+            ("one map", &single),
+            ("gathered", &gathered),
+            ("traced", &traced),
+        ];
+        for (what, picture) in pictures {
             assert_agree(&format!("sum, {what}"), picture.beauty(channel), path.beauty(channel), 0.006);
         }
     }
@@ -95,6 +106,8 @@ fn glossy_lobes_are_followed_without_loss() {
     let mapped = render(&scene, &photons, 128);
     let off = render(&scene, &[&photons[..], &[("nee", "false")]].concat(), 128);
     let rough = render(&scene, &[&photons[..], &[("glossy", "0.01")]].concat(), 128);
+    let gathered = render(&scene, &[&photons[..], &[("indirect", "gather")]].concat(), 128);
+    let traced = render(&scene, &[&photons[..], &[("indirect", "trace")]].concat(), 128);
     for channel in 0..3 {
         for (layer, bound) in [
             (Layer::Emission, 0.005),
@@ -106,8 +119,12 @@ fn glossy_lobes_are_followed_without_loss() {
             let name = |what: &str| format!("{layer:?}, {what}");
             assert_agree(&name("maps"), mapped.estimate(&[layer], channel), expected, bound);
             assert_agree(&name("nee off"), off.estimate(&[layer], channel), expected, bound);
+            assert_agree(&name("gathered"), gathered.estimate(&[layer], channel), expected, bound);
+            assert_agree(&name("traced"), traced.estimate(&[layer], channel), expected, bound);
         }
-        for (what, picture) in [("maps", &mapped), ("nee off", &off)] {
+        for (what, picture) in
+            [("maps", &mapped), ("nee off", &off), ("gathered", &gathered), ("traced", &traced)]
+        {
             assert_agree(&format!("sum, {what}"), picture.beauty(channel), path.beauty(channel), 0.006);
         }
         // The same light with glossy lobes read from photons: 4.5 times 0.11 %, and half a percent that discs of a tenth
@@ -126,6 +143,7 @@ fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(PathClass) -> bool
 fn owners_divide_the_photons_without_loss_or_overlap() {
     let scene = glass_box();
     let job = |owner, next_event, caustic_map| TraceJob {
+        all: false,
         key: 7,
         paths: 50_000,
         owner,

@@ -7,6 +7,7 @@
 mod direct;
 mod path;
 pub mod photon_map;
+mod shadows;
 mod sight;
 
 pub use path::PathTracer;
@@ -41,6 +42,8 @@ pub struct Scratch {
     pub gather: Gather,
     /// Of path tracing.
     pub wave: path::Wave,
+    /// Of camera paths that go on behind the first rough surface.
+    pub onward: photon_map::Onward,
 }
 
 /// Counters of what a pass prepared.

@@ -1,17 +1,17 @@
 //! Path tracing with next event estimation: the unbiased oracle, in the conventions of Mitsuba's `path`.
 
 use super::direct::propose;
+use super::shadows::Shadows;
 use super::sight::{Carried, Sight};
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::{Event, Range, Transport};
-use crate::film::Layer;
 use crate::math::simd::widest;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Hit, Scene};
 use crate::transport::roulette::Length;
 use crate::transport::walk::{self, Next};
-use crate::transport::{PathClass, Vertex, roulette, shadow_ray, visibility};
+use crate::transport::{PathClass, Vertex, roulette};
 
 /// See the module.
 #[derive(Debug)]
@@ -55,16 +55,6 @@ struct Walk {
     from: Vec3,
     depth: u32,
     seen: bool,
-}
-
-/// Light on its way: rays, and what they bring to which path if they are free.
-#[derive(Debug, Default)]
-struct Shadows {
-    rays: Vec<Ray>,
-    values: Vec<(usize, Layer, Color)>,
-    occluded: Vec<bool>,
-    /// Counts those that were answered at once, too.
-    sent: u64,
 }
 
 /// Paths that go together.
@@ -132,8 +122,6 @@ impl PathTracer<'_> {
         while live > 0 {
             scratch.rays += live as u64;
             self.scene.geometry.closest_each(rays, &active[..live], hits);
-            shadows.rays.clear();
-            shadows.values.clear();
             // A loop rather than `retain`: closures are not compiled for the wider instructions.
             let mut kept = 0;
             for k in 0..live {
@@ -143,14 +131,7 @@ impl PathTracer<'_> {
                 kept += usize::from(self.step(i, &mut rays[i], &mut walks[i], hit, &mut samples[i], shadows));
             }
             live = kept;
-            scratch.rays += shadows.sent;
-            shadows.sent = 0;
-            self.scene.geometry.occluded_each(&shadows.rays, &mut shadows.occluded);
-            for (&(i, layer, value), &occluded) in shadows.values.iter().zip(&shadows.occluded) {
-                if !occluded {
-                    samples[i].out.add(layer, value);
-                }
-            }
+            scratch.rays += shadows.answer(self.scene, samples);
         }
         scratch.wave = wave;
     }
@@ -216,14 +197,8 @@ impl PathTracer<'_> {
         for &(range, layer) in lobes {
             let proposal = propose(scene, facts, vertex, range, true, left, &mut sample.sampler);
             let Some(p) = proposal else { continue };
-            shadows.sent += 1;
-            let value = walk.throughput * p.value;
-            if facts.transparent_shadows {
-                sample.out.add(layer, value * visibility(scene, vertex.surface, &p.light, true, left));
-            } else {
-                shadows.rays.push(shadow_ray(vertex.surface, &p.light));
-                shadows.values.push((i, layer, value));
-            }
+            let light = (i, layer, walk.throughput * p.value);
+            shadows.send(scene, facts, vertex, &p, light, left, sample);
         }
     }
 

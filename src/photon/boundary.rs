@@ -9,11 +9,11 @@
 //! Photons lie on the surface even where the query cannot see it, behind a thin wall or across a corner:
 //! where a trial met an obstacle, only photons in sight may be counted, by the same test.
 
-use super::store::HEIGHT;
+use super::store::{HEIGHT, Query};
 use crate::math::kernel::KernelKind;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Facts, Scene, Surface};
+use crate::scene::{Facts, Scene};
 
 /// Points that must be found on the surface.
 const WANTED: u32 = 2;
@@ -43,15 +43,16 @@ pub struct Correction {
 }
 
 /// The disc of a query, on the side of the unit normal `frame.n`.
-struct Disc<'a> {
-    s: &'a Surface,
+struct Disc {
+    p: Vec3,
+    lift: f32,
     frame: Frame,
     radius: f32,
 }
 
-impl Disc<'_> {
+impl Disc {
     fn start(&self) -> Vec3 {
-        self.s.p + self.frame.n * self.s.lift
+        self.p + self.frame.n * self.lift
     }
 
     /// Over the point at `aside`, as high as photons there may lie.
@@ -61,9 +62,9 @@ impl Disc<'_> {
 }
 
 impl Boundary<'_> {
-    /// For an estimate at `s`, on the side of the unit normal `n`.
-    pub fn correction(&mut self, s: &Surface, n: Vec3, radius: f32, kernel: KernelKind) -> Correction {
-        let disc = Disc { s, frame: Frame::from_normal(n), radius };
+    /// For an estimate within `radius` of the place of `q`.
+    pub fn correction(&mut self, q: &Query, radius: f32, kernel: KernelKind) -> Correction {
+        let disc = Disc { p: q.p, lift: q.lift, frame: Frame::from_normal(q.n), radius };
         let (mut found, mut trials, mut obstructed) = (0, 0, false);
         while found < WANTED && trials < MOST {
             trials += 1;
@@ -76,17 +77,17 @@ impl Boundary<'_> {
         Correction { factor: trials as f32 / WANTED as f32, obstructed }
     }
 
-    /// Whether a photon at `p` counts for a query at `s` that is obstructed.
-    pub fn sees(&mut self, s: &Surface, n: Vec3, radius: f32, p: Vec3) -> bool {
-        let disc = Disc { s, frame: Frame::from_normal(n), radius };
-        let offset = p - s.p;
-        self.in_sight(&disc, offset - n * n.dot(offset))
+    /// Whether a photon at `p` counts for a query that is obstructed.
+    pub fn sees(&mut self, q: &Query, radius: f32, p: Vec3) -> bool {
+        let disc = Disc { p: q.p, lift: q.lift, frame: Frame::from_normal(q.n), radius };
+        let offset = p - q.p;
+        self.in_sight(&disc, offset - q.n * q.n.dot(offset))
     }
 
     /// Whether nothing stands between the centre and the point at `aside`: along the surface, which sees
     /// beneath things that touch it, or over a gentle rise, which sees across a hollow, or over whatever
     /// is lower than the disc is wide. Glass stands in nobody's way.
-    fn in_sight(&mut self, disc: &Disc<'_>, aside: Vec3) -> bool {
+    fn in_sight(&mut self, disc: &Disc, aside: Vec3) -> bool {
         let (start, above) = (disc.start(), disc.above(aside));
         if !self.opaque(start, start + aside) || !self.opaque(start, above) {
             return true;
@@ -96,9 +97,9 @@ impl Boundary<'_> {
     }
 
     /// Whether there is surface at `aside`, at a height at which photons count.
-    fn has_surface(&mut self, disc: &Disc<'_>, aside: Vec3) -> bool {
+    fn has_surface(&mut self, disc: &Disc, aside: Vec3) -> bool {
         let above = disc.above(aside);
-        let rise = aside.length() * HEIGHT + disc.s.lift;
+        let rise = aside.length() * HEIGHT + disc.lift;
         *self.rays += 1;
         self.scene.geometry.occluded(&between(above, above - disc.frame.n * (2.0 * rise)))
     }

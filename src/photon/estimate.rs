@@ -95,7 +95,7 @@ impl Estimator {
             if count == 0 {
                 return;
             }
-            let found = boundary.as_mut().map(|b| b.correction(s, n, q.radius, self.kernel));
+            let found = boundary.as_mut().map(|b| b.correction(&q, q.radius, self.kernel));
             if !found.is_some_and(|e| e.obstructed) {
                 gather.photons += u64::from(count);
                 let factor = found.map_or(1.0, |e| e.factor);
@@ -112,10 +112,10 @@ impl Estimator {
         let mut factor = 1.0;
         if let Some(b) = &mut boundary {
             let radius = r2.sqrt();
-            let edge = edge.unwrap_or_else(|| b.correction(s, n, radius, self.kernel));
+            let edge = edge.unwrap_or_else(|| b.correction(&q, radius, self.kernel));
             factor = edge.factor;
             if edge.obstructed {
-                gather.found.retain(|&(_, i)| b.sees(s, n, radius, map.place(i)));
+                gather.found.retain(|&(_, i)| b.sees(&q, radius, map.place(i)));
             }
         }
         with_kernel!(self.kernel, K => {
@@ -125,6 +125,34 @@ impl Estimator {
                 self.add_photon(map, i as usize, at, lambertian, weight, out);
             }
         });
+    }
+
+    /// Irradiance of all photons of `map` around a place.
+    pub(super) fn irradiance(
+        &self,
+        map: &PhotonMap,
+        q: &Query,
+        mut boundary: Option<Boundary<'_>>,
+        gather: &mut Gather,
+    ) -> Color {
+        let edge = boundary.as_mut().map(|b| b.correction(q, q.radius, self.kernel));
+        let factor = edge.map_or(1.0, |e| e.factor);
+        with_kernel!(self.kernel, K => {
+            let scale = normalisation::<K>(q.radius * q.radius) * factor;
+            let Some(b) = boundary.as_mut().filter(|_| edge.is_some_and(|e| e.obstructed)) else {
+                return scan::accumulate::<K>(map, q).0 * scale;
+            };
+            let r2 = gather.find(map, q, usize::MAX);
+            let mut sum = Color::ZERO;
+            for &(d2, i) in &gather.found {
+                if b.sees(q, q.radius, map.place(i)) {
+                    let i = i as usize;
+                    let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
+                    sum += flux * K::shape(d2 / r2);
+                }
+            }
+            sum * scale
+        })
     }
 
     /// Adds what one photon sends along the camera path; `lambertian` is the albedo of a surface that asks
@@ -156,6 +184,13 @@ impl Estimator {
 }
 
 impl Gather {
+    /// The nearest photon of the disc.
+    pub(super) fn nearest(&mut self, map: &PhotonMap, q: &Query) -> Option<usize> {
+        self.lookups += 1;
+        map.nearest(q, 1, &mut self.hint, &mut self.found);
+        self.found.first().map(|&(_, i)| i as usize)
+    }
+
     /// Fills `found` and returns the squared radius it stands for. With more than `cap` photons in the
     /// disc, the distance of the cap-th is the radius and that photon itself is left out: k − 1 photons
     /// in the disc through the k-th is the unbiased density of a uniform pattern.

@@ -3,6 +3,7 @@
 mod boundary;
 pub mod estimate;
 mod find;
+pub mod irradiance;
 pub mod radius;
 mod scan;
 pub mod store;

@@ -25,6 +25,8 @@ pub struct TraceJob {
     pub paths: u64,
     /// Photons of other owners are not stored.
     pub owner: Owner,
+    /// Photons of every class are stored, as indirect ones.
+    pub all: bool,
     /// Whether next event estimation owns direct light.
     pub next_event: bool,
     /// Whether caustics have a map of their own.
@@ -206,7 +208,9 @@ fn trace_path(
             first = Some(EntrySegment { from: start.o, to: surface.p, weight: 0.0 });
         }
         let vertex = Vertex::new(scene, &surface, -ray.d);
-        if class.owner(job.next_event, job.caustic_map) == job.owner && holds_photons(scene, job, &vertex) {
+        let kept = job.all || class.owner(job.next_event, job.caustic_map) == job.owner;
+        if kept && holds_photons(scene, job, &vertex) {
+            let class = if job.all { PathClass::Indirect } else { class };
             store(scene, &vertex, flux, class, depth, out);
         }
         // A photon at the next surface needs two more segments: there, and from there to the camera.

@@ -1,5 +1,5 @@
 use super::sobol::BATCH;
-use super::{CounterRng, sobol};
+use super::{CounterRng, mix, sobol};
 use crate::math::Vec2;
 
 /// Pairs of dimensions that are drawn from Sobol points by default; later ones are independent random numbers.
@@ -32,6 +32,14 @@ impl Sampler {
     #[inline]
     pub fn stratified(self, pairs: u32) -> Self {
         Self { pairs, ..self }
+    }
+
+    /// Numbers for the rest of branch `number` of `branches` that a path splits into. The branches of all paths of a
+    /// key are stratified with respect to each other.
+    #[inline]
+    pub fn branch(&self, number: u32, branches: u32) -> Self {
+        let index = self.index.wrapping_mul(branches).wrapping_add(number);
+        Self::new(mix(self.key ^ 0x5b_11f7 ^ u64::from(self.pair)), index).stratified(self.pairs)
     }
 
     /// Moves to the next pair. Returns its position in `ready`, or `None` if it is to be random.

@@ -40,6 +40,10 @@ choice! {
     Mode { Progressive = "progressive", Classic = "classic" }
 }
 choice! {
+    /// How light that was scattered more than once reaches the first rough surface.
+    Indirect { Density = "density", Gather = "gather", Trace = "trace" }
+}
+choice! {
     /// Density from all photons within the radius, or from the k nearest within it.
     Lookup { Radius = "radius", Nearest = "nearest" }
 }

@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::math::kernel::KernelKind;
 
-pub use choices::{IntegratorKind, Lookup, Mode, Roulette};
+pub use choices::{Indirect, IntegratorKind, Lookup, Mode, Roulette};
 pub use numbers::{Cap, Count, Limit, Neighbours, Radius, Samples};
 use value::Value;
 
@@ -99,6 +99,8 @@ settings! {
     rr_depth: u32 = 5, "a whole number from 1", "path segments before Russian roulette may end a camera path";
     hide_emitters: bool = false, "true or false", "lamps and environment are not seen directly";
     nee: bool = true, "true or false", "direct light by next event estimation rather than from first photon hits";
+    indirect: Indirect = Indirect::Density, "density, gather or trace", "indirect light by photon density at the first rough surface, at the second, or by path tracing";
+    gather_rays: Samples = Samples(None), "a count or auto", "directions in which each camera path looks for indirect light with indirect=gather";
     photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels";
     caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is the number of pixels";
     lookup: Lookup = Lookup::Radius, "radius or nearest", "density from all photons within the radius, or from the nearest ones";

@@ -8,11 +8,12 @@ use super::{MANY, PILOT, Plan};
 use crate::bsdf::Range;
 use crate::emitter::{Aim, SceneSphere};
 use crate::math::kernel::KernelKind;
+use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::{Halt, TraceJob, Traced, aim, trace_until};
 use crate::photon::{Estimator, PhotonMap, radius};
 use crate::sampling::mix;
 use crate::scene::Scene;
-use crate::settings::{Count, Lookup, Mode, Radius, Settings};
+use crate::settings::{Count, Indirect, Lookup, Mode, Radius, Settings};
 use crate::transport::Owner;
 
 /// What the settings say of one map.
@@ -62,6 +63,8 @@ pub(super) struct PassMap {
     pub photons: PhotonMap,
     /// How it is read.
     pub estimator: Estimator,
+    /// Known beforehand at some places.
+    pub irradiance: Option<Irradiance>,
 }
 
 /// The pass that pilots trace: no render comes so far.
@@ -114,6 +117,11 @@ impl Map {
     /// Whose photons it holds.
     pub fn owner(&self) -> Owner {
         self.job.owner
+    }
+
+    /// Whether camera paths read it at their first rough surface.
+    pub fn seen_directly(&self) -> bool {
+        !self.job.all
     }
 
     /// Photons that a pass stores where that is known without a pilot, or where it is few (0).
@@ -202,18 +210,28 @@ impl Map {
             Owner::CausticMap => stats.caustic_radius = radius,
             _ => stats.radius = radius,
         }
-        Some(PassMap { photons, estimator })
+        let irradiance = self.job.all.then(|| {
+            let key = mix(self.job_of(pass, 0).key ^ 0x1aad);
+            let b = task.settings.boundary;
+            let job = TraceJob { key: mix(key), ..self.job_of(pass, (self.paths / 4).max(1024)) };
+            let places = trace_until(task.scene, &job, self.aim.as_ref(), halt);
+            Irradiance::of(&places.photons, &photons, &estimator, task.scene, task.facts, b, key)
+        });
+        Some(PassMap { photons, estimator, irradiance })
     }
 }
 
 fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
+    let all = s.indirect == Indirect::Gather && owner == Owner::GlobalMap;
     TraceJob {
         key: mix(s.seed ^ 0x9d07_0b5e),
         paths: 0,
         owner,
+        all,
         next_event: s.nee,
         caustic_map: plan.caustic_map,
         glossy: s.glossy,
-        max_depth: s.max_depth.0,
+        // Behind two rough surfaces the camera path has one segment more.
+        max_depth: if all { s.max_depth.0.saturating_sub(1) } else { s.max_depth.0 },
     }
 }

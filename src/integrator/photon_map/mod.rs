@@ -6,6 +6,7 @@
 
 mod gather;
 mod maps;
+mod onward;
 mod plan;
 mod prepare;
 mod walk;
@@ -16,9 +17,10 @@ use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::Range;
 use crate::photon::radius;
 use crate::photon::trace::Halt;
-use crate::settings::Mode;
+use crate::settings::{Indirect, Mode};
 
 use maps::{Map, PassMap};
+pub use onward::Onward;
 pub use plan::Plan;
 
 /// Numbers that every pass uses.
@@ -110,7 +112,8 @@ impl Integrator for PhotonMapper<'_> {
     fn samples_a_pass(&self) -> u32 {
         let film = &self.task.view.film;
         let pixels = film.width.saturating_mul(film.height).max(1);
-        self.task.settings.camera_samples.0.unwrap_or((SMALL_PICTURE / pixels).clamp(1, 64))
+        let least = if self.task.settings.indirect == Indirect::Density { 1 } else { 4 };
+        self.task.settings.camera_samples.0.unwrap_or((SMALL_PICTURE / pixels).clamp(least, 64))
     }
 
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {
@@ -128,6 +131,10 @@ impl Integrator for PhotonMapper<'_> {
     }
 
     fn sample(&self, maps: &Arc<Maps>, samples: &mut [CameraSample], scratch: &mut Scratch) {
+        if self.task.settings.indirect != Indirect::Density {
+            self.go_on(maps, samples, scratch);
+            return;
+        }
         for sample in samples {
             sample.out = self.trace(maps, sample.ray, &mut sample.sampler, scratch);
         }

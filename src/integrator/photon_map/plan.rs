@@ -1,10 +1,13 @@
 //! Which photon maps a scene needs, and of how many light paths each.
 
 use crate::scene::Facts;
-use crate::settings::{Count, Settings};
+use crate::settings::{Count, Indirect, Settings};
 
 /// Light paths of a map that is left to follow the film, at least.
 const LEAST_PATHS: u64 = 1024;
+
+/// The same for a map that is read at the second rough surface: what it costs is shared by many lookups.
+const LEAST_GATHERED: u64 = 1 << 15;
 
 /// The photon maps of a render; what is not needed is neither traced nor stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +41,11 @@ impl Plan {
         let deepest = settings.max_depth.0;
         // Glossy lobes are followed like mirrors, and throw caustics as they do.
         let caustics = lit && facts.sharper_than(settings.glossy) && rough && deepest >= 3;
-        let global_map = lit && rough && deepest >= if settings.nee { 3 } else { 2 };
+        let gathered = settings.indirect == Indirect::Gather;
+        let traced = settings.indirect == Indirect::Trace;
+        // Without next event estimation the map holds direct light as well, if it is seen directly.
+        let least = if settings.nee || gathered { 3 } else { 2 };
+        let global_map = lit && rough && deepest >= least && !traced;
         let paths = |wanted: bool, count: Count, automatic: u64| match count {
             _ if !wanted => Count::Paths(0),
             Count::Auto => Count::Paths(automatic.max(LEAST_PATHS)),
@@ -48,11 +55,16 @@ impl Plan {
         // Most caustic paths end at the first rough surface, after one ray: four times as many cost the
         // same, and what they show is sharper.
         let pixels = pixels as u64;
+        let global = if gathered { (pixels / 4).max(LEAST_GATHERED) } else { pixels / 4 };
         Self {
             global_map,
             caustic_map,
             caustics,
-            global_paths: paths(global_map || (caustics && !caustic_map), settings.photons, pixels / 4),
+            global_paths: paths(
+                global_map || (caustics && !caustic_map && !traced),
+                settings.photons,
+                global,
+            ),
             caustic_paths: paths(caustic_map, settings.caustic_photons, pixels),
         }
     }

@@ -106,7 +106,10 @@ impl Map {
                 let pixel = radius::pixel(gather_places);
                 let mut found = self.radius_for(&traced, gather_places, scene.sphere.radius);
                 let before = self.paths;
-                if self.owner() == Owner::GlobalMap && self.settings.count == Count::Auto {
+                if self.seen_directly()
+                    && self.owner() == Owner::GlobalMap
+                    && self.settings.count == Count::Auto
+                {
                     let more = radius::more_paths(found, pixel);
                     self.paths = (self.paths as f32 * more) as u64;
                     found /= more.sqrt();
@@ -116,6 +119,8 @@ impl Map {
                 {
                     *pilot = Some(traced);
                 }
+                // How wide a pixel is does not matter to what is mixed with much else before it is seen.
+                let pixel = if self.seen_directly() { pixel } else { 0.0 };
                 radius::clamped(found, pixel, scene.sphere.radius)
             }
         };
@@ -123,6 +128,10 @@ impl Map {
 
     /// The radius in which an estimate finds its photons.
     fn radius_for(&self, traced: &Traced, gather_places: &[radius::Place], scene_radius: f32) -> f32 {
+        if !self.seen_directly() {
+            let places = radius::photon_places(&traced.photons);
+            return radius::measured(&traced.photons, &places, 0.5, scene_radius);
+        }
         if self.owner() == Owner::GlobalMap {
             return radius::measured(&traced.photons, gather_places, 0.5, scene_radius);
         }

@@ -1,0 +1,71 @@
+//! Irradiance known beforehand at some of the photons (Christensen 1999): where it is only wanted after a
+//! rough surface has mixed it with much else, the value of the nearest of them does.
+
+use std::f32::consts::FRAC_1_PI;
+
+use rayon::prelude::*;
+
+use super::boundary::Boundary;
+use super::estimate::Estimator;
+use super::store::{Photon, PhotonMap, Query};
+use super::{Gather, GatherPoint};
+use crate::film::{Layer, Radiance};
+use crate::math::{Color, LIFT};
+use crate::sampling::{Sampler, mix};
+use crate::scene::{Facts, Scene};
+use crate::transport::PathClass;
+
+/// Places with the irradiance there, as if they were photons.
+#[derive(Clone, Debug)]
+pub struct Irradiance {
+    places: PhotonMap,
+    /// Path segments of the deepest photon.
+    deepest: u8,
+}
+
+impl Irradiance {
+    /// Reads `map` where `photons` are, which must be others than its own: where a photon lies, the density is not
+    /// what it is elsewhere.
+    pub fn of(
+        photons: &[Photon],
+        map: &PhotonMap,
+        estimator: &Estimator,
+        scene: &Scene,
+        facts: &Facts,
+        boundary: bool,
+        key: u64,
+    ) -> Self {
+        let places: Vec<Photon> = photons
+            .par_iter()
+            .with_min_len(256)
+            .enumerate()
+            .map_init(Gather::default, |gather, (i, ph)| {
+                let mut sampler = Sampler::new(key ^ mix(i as u64 >> 32), i as u32);
+                let mut rays = 0;
+                let lift = ph.p.abs().max_element() * LIFT;
+                let q = Query { p: ph.p, n: ph.n, lift, radius: estimator.radius };
+                let b = boundary.then_some(Boundary { scene, facts, sampler: &mut sampler, rays: &mut rays });
+                let flux = estimator.irradiance(map, &q, b, gather);
+                Photon { flux, class: PathClass::Indirect, depth: 0, ..*ph }
+            })
+            .collect();
+        Self { places: PhotonMap::build_for_nearest(&places, 1, estimator.radius), deepest: map.deepest }
+    }
+
+    /// Adds what a rough surface sends back; false where nothing is known of it.
+    pub fn add(&self, at: &GatherPoint<'_>, radius: f32, gather: &mut Gather, out: &mut Radiance) -> bool {
+        if at.max_photon_depth < u32::from(self.deepest) {
+            return false;
+        }
+        let (vertex, s) = (at.vertex, at.vertex.surface);
+        let Some(albedo) = vertex.closure.lambertian(vertex.wi).filter(|_| !at.side.both) else {
+            return false;
+        };
+        let q = Query { p: s.p, n: at.side.n, lift: s.lift, radius };
+        let Some(i) = gather.nearest(&self.places, &q) else { return false };
+        let flux = &self.places.flux;
+        let e = Color::from_lanes([flux[0][i], flux[1][i], flux[2][i]]);
+        out.add(Layer::Indirect, at.throughput * albedo * e * FRAC_1_PI);
+        true
+    }
+}
