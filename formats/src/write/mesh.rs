@@ -2,22 +2,16 @@
 
 use std::f64::consts::TAU;
 use std::path::Path;
+use std::rc::Rc;
 
 use super::{Output, WriteError};
 use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Transform};
-use crate::mesh::{self, Mesh, MeshOptions, write_ply};
+use crate::mesh::{Mesh, write_ply};
 
 impl Output<'_> {
     /// The mesh as it is rendered; its normals are absent when it is flat.
-    pub fn mesh(&self, file: &MeshFile) -> Result<Mesh, WriteError> {
-        let options = MeshOptions {
-            face_normals: file.face_normals,
-            authored_normals: file.authored_normals,
-            flip_tex_coords: file.flip_tex_coords,
-            max_smooth_angle: file.max_smooth_angle,
-        };
-        mesh::read(file.format, &self.read(&file.path)?, &options)
-            .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })
+    pub fn mesh(&self, file: &MeshFile) -> Result<Rc<Mesh>, WriteError> {
+        Ok(self.files.mesh(file)?.mesh.clone())
     }
 
     /// A PLY file of the mesh as it is rendered; `origin` is that of its shape.
@@ -28,14 +22,12 @@ impl Output<'_> {
             stem = format!("{stem}-{index:03}");
         }
         self.make(&key, "meshes", &stem, "ply", |output| {
-            let mesh = output.mesh(file)?;
-            let skipped = mesh::skipped(file.format, &output.read(&file.path)?)
-                .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })?;
-            for (name, size) in skipped {
+            let loaded = output.files.mesh(file)?;
+            for (name, size) in &loaded.skipped {
                 let what = format!("the attribute `{name}` of a mesh, {size} numbers each");
                 output.lose(origin, what, "a mesh without it");
             }
-            Ok(write_ply(&mesh))
+            Ok(write_ply(&loaded.mesh))
         })
     }
 
@@ -106,13 +98,8 @@ impl Output<'_> {
 
     /// Whether all faces of a PLY file are triangles, so that every reader takes them alike.
     pub fn is_triangle_ply(&self, file: &MeshFile) -> Result<bool, WriteError> {
-        let bytes = self.read(&file.path)?;
-        let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
-        let faces =
-            head.lines().find_map(|line| line.trim().strip_prefix("element face ")?.trim().parse().ok());
-        let mesh = mesh::read(file.format, &bytes, &MeshOptions::default())
-            .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })?;
-        Ok(faces == Some(mesh.triangles.len()))
+        let loaded = self.files.mesh(file)?;
+        Ok(loaded.faces == Some(loaded.mesh.triangles.len()))
     }
 }
 

@@ -115,7 +115,7 @@ impl Writer<'_, '_> {
     /// Diffuse gray.
     pub fn plain_material(&mut self, gray: f64) -> String {
         let name = format!("gray-{gray}");
-        if self.taken.insert(name.clone()) {
+        if self.taken.take(&name) {
             let p = Params::default().rgb("reflectance", [gray; 3]).of_type("diffuse");
             p.write(&mut self.definitions, "", "MakeNamedMaterial", &[&name]);
         }

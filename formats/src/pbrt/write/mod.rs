@@ -11,13 +11,13 @@ mod shape;
 mod text;
 mod texture;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use text::Params;
 
 use crate::ir::{Bsdf, Color, ColorInput, ColorSlot, FloatInput, Id, Origin, Query, Scene, Texture};
-use crate::write::{Output, WriteError};
+use crate::write::{Names, Output, WriteError};
 
 pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
     let scene = output.scene;
@@ -28,7 +28,7 @@ pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
         body: String::new(),
         materials: HashMap::new(),
         textures: HashMap::new(),
-        taken: HashSet::new(),
+        taken: Names::default(),
         query: Query::default(),
     }
     .document()
@@ -43,7 +43,7 @@ struct Writer<'o, 'a> {
     materials: HashMap<Id<Bsdf>, String>,
     /// By kind: colours, or numbers (`true`).
     textures: HashMap<(Id<Texture>, bool), String>,
-    taken: HashSet<String>,
+    taken: Names,
     query: Query,
 }
 
@@ -69,12 +69,7 @@ impl Writer<'_, '_> {
 
     /// `name`, or one made from it or from `kind` that is not taken.
     fn free(&mut self, name: &Option<String>, kind: &str) -> String {
-        let plain = name.as_deref().filter(|name| !name.is_empty());
-        let base = plain.unwrap_or(kind).to_owned();
-        let numbered = (1..).map(|n| format!("{base}-{n}"));
-        let taken = &mut self.taken;
-        let candidates = plain.map(str::to_owned).into_iter().chain(numbered);
-        candidates.into_iter().find(|name| taken.insert(name.clone())).unwrap_or(base)
+        self.taken.free_or_numbered(name.as_deref(), kind)
     }
 
     /// A comment on where a thing comes from.
