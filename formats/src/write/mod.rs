@@ -24,7 +24,6 @@ pub(crate) use output::Output;
 pub(crate) use sample::Sampled;
 pub(crate) use slide::Cone;
 
-
 /// Something in the scene that the written one cannot express.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {

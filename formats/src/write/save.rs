@@ -57,7 +57,8 @@ fn io(path: &Path, error: std::io::Error) -> WriteError {
 
 fn is_there(target: &Path, bytes: &[u8]) -> bool {
     let length = std::fs::metadata(target).map(|about| about.len());
-    length.is_ok_and(|length| length == bytes.len() as u64) && std::fs::read(target).is_ok_and(|old| old == bytes)
+    length.is_ok_and(|length| length == bytes.len() as u64)
+        && std::fs::read(target).is_ok_and(|old| old == bytes)
 }
 
 /// What was made so far; without `commit` it goes again.

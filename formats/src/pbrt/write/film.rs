@@ -6,10 +6,8 @@ use crate::ir::{
     ComponentFormat, Film, Filter, Fov, FovAxis, HideEmitters, Integrator, Projection, Scalar, Sensor,
     Transform,
 };
+use crate::pbrt::integrator::UNLIMITED;
 use crate::write::number;
-
-/// For unlimited depth: pbrt has no infinity, and no path survives this many bounces.
-const UNLIMITED: i64 = 1_000_000;
 
 /// A filter of pbrt and its parameters for a filter that it can express.
 type Express = fn(&Filter) -> Option<Params>;

@@ -1,0 +1,153 @@
+//! Whether two scenes of one language are the same, however their meshes and pictures are kept.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::PathBuf;
+
+use caustica_formats::files::Files;
+use caustica_formats::image::{self, Encoding};
+use caustica_formats::ir::{Bitmap, InlineMesh, LightImage, MeshFile, Scene, TextureEncoding, canonical};
+use caustica_formats::mesh::{self, MeshOptions};
+use caustica_formats::spectrum::srgb_to_linear;
+use serde_json::{Value, json};
+
+/// The scene as JSON without names, its meshes and pictures by what they hold.
+pub fn plain(scene: &Scene, files: &dyn Files) -> Value {
+    let mut value = serde_json::to_value(canonical(scene)).unwrap_or(Value::Null);
+    simplify(&mut value, files);
+    value
+}
+
+fn simplify(value: &mut Value, files: &dyn Files) {
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(|item| simplify(item, files)),
+        Value::Object(fields) => {
+            fields.remove("name");
+            fields.remove("origin");
+            if let Some(mesh) = fields.remove("Mesh") {
+                fields.insert("Triangles".to_owned(), mesh_of_file(mesh, files));
+            } else if let Some(mesh) = fields.remove("Inline") {
+                fields.insert("Triangles".to_owned(), inline(mesh));
+            }
+            if fields.contains_key("path") && fields.contains_key("encoding") {
+                picture(fields, files);
+            }
+            fields.values_mut().for_each(|item| simplify(item, files));
+        }
+        _ => {}
+    }
+}
+
+fn hash(words: impl Iterator<Item = u32>) -> String {
+    let mut hasher = DefaultHasher::new();
+    words.for_each(|word| word.hash(&mut hasher));
+    format!("{:016x}", hasher.finish())
+}
+
+fn described(
+    positions: &[[f32; 3]],
+    normals: &[[f32; 3]],
+    uvs: &[[f32; 2]],
+    triangles: &[[u32; 3]],
+) -> Value {
+    let floats = |values: &[f32]| hash(values.iter().map(|v| (v + 0.0).to_bits()));
+    json!({
+        "positions": floats(positions.as_flattened()),
+        "normals": floats(normals.as_flattened()),
+        "uvs": floats(uvs.as_flattened()),
+        "triangles": hash(triangles.as_flattened().iter().copied()),
+    })
+}
+
+fn inline(mesh: Value) -> Value {
+    let Ok(m) = serde_json::from_value::<InlineMesh>(mesh) else { return Value::Null };
+    json!({ "by_file": true, "mesh": described(&m.positions, &m.normals, &m.uvs, &m.triangles) })
+}
+
+fn mesh_of_file(file: Value, files: &dyn Files) -> Value {
+    let Ok(file) = serde_json::from_value::<MeshFile>(file) else { return Value::Null };
+    let options = MeshOptions {
+        face_normals: file.face_normals,
+        authored_normals: file.authored_normals,
+        flip_tex_coords: file.flip_tex_coords,
+        max_smooth_angle: file.max_smooth_angle,
+    };
+    let mesh = files.read(&file.path).ok().and_then(|bytes| mesh::read(file.format, &bytes, &options).ok());
+    let mesh = mesh.map_or(Value::Null, |m| described(&m.positions, &m.normals, &m.uvs, &m.triangles));
+    json!({ "by_file": file.authored_normals, "mesh": mesh })
+}
+
+/// Replaces what says how a picture is kept by its values.
+fn picture(fields: &mut serde_json::Map<String, Value>, files: &dyn Files) {
+    let whole = Value::Object(fields.clone());
+    let (path, encoding, channel, tone) = match serde_json::from_value::<Bitmap>(whole.clone()) {
+        Ok(b) => (b.path, b.encoding, b.channel, [b.scale, f64::from(u8::from(b.invert))]),
+        Err(_) => match serde_json::from_value::<LightImage>(whole) {
+            Ok(light) => (light.path, light.encoding, None, [1.0, 0.0]),
+            Err(_) => return,
+        },
+    };
+    for name in ["path", "encoding", "channel", "scale", "invert"] {
+        fields.remove(name);
+    }
+    let values = values(path, encoding, channel, tone, files);
+    fields.insert("values".to_owned(), values.map_or(Value::Null, Value::Array));
+}
+
+fn values(
+    path: PathBuf,
+    encoding: TextureEncoding,
+    channel: Option<char>,
+    [scale, inverted]: [f64; 2],
+    files: &dyn Files,
+) -> Option<Vec<Value>> {
+    let image = image::read(&files.read(&path).ok()?).ok()?;
+    let named = channel.and_then(|c| image.channel(&c.to_ascii_uppercase().to_string()));
+    let places = named.map_or_else(|| image.rgb().unwrap_or([0; 3]), |place| [place; 3]);
+    let decode = |v: f32| match encoding {
+        TextureEncoding::Auto if image.encoding == Encoding::Linear => f64::from(v),
+        TextureEncoding::Linear => f64::from(v),
+        TextureEncoding::Auto | TextureEncoding::Srgb => srgb_to_linear(f64::from(v)),
+        TextureEncoding::Gamma(gamma) => f64::from(v).max(0.0).powf(gamma),
+    };
+    let toned = |v: f64| if inverted > 0.5 { (1.0 - v * scale).max(0.0) } else { v * scale };
+    // A few pixels tell one picture from another.
+    let pixels = image.data.chunks_exact(image.channels.len().max(1)).take(64);
+    Some(pixels.flat_map(|pixel| places.map(|place| toned(decode(pixel[place])))).map(Value::from).collect())
+}
+
+/// Where two values differ by more than rounding, without indices.
+pub fn differences(a: &Value, b: &Value, at: &str, tolerance: f64, found: &mut Vec<String>) {
+    match (a, b) {
+        (Value::Number(x), Value::Number(y)) => {
+            let (x, y) = (x.as_f64().unwrap_or(f64::NAN), y.as_f64().unwrap_or(f64::NAN));
+            if (x - y).abs() > tolerance * x.abs().max(1.0) {
+                found.push(at.to_owned());
+            }
+        }
+        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
+            // Numbers of one list are one thing.
+            let mut inside = Vec::new();
+            x.iter().zip(y).for_each(|(x, y)| differences(x, y, at, tolerance, &mut inside));
+            inside.dedup();
+            found.extend(inside);
+        }
+        (Value::Array(x), Value::Array(y)) => found.push(format!("{at}: {} against {}", x.len(), y.len())),
+        (Value::Object(x), Value::Object(y)) if x.keys().eq(y.keys()) => {
+            for (name, x) in x {
+                differences(x, &y[name], &format!("{at}.{name}"), tolerance, found);
+            }
+        }
+        _ if a == b => {}
+        _ => found.push(format!("{at}: {} against {}", head(a), head(b))),
+    }
+}
+
+/// The outermost word of a value.
+fn head(value: &Value) -> String {
+    match value {
+        Value::Object(fields) => fields.keys().next().cloned().unwrap_or_default(),
+        Value::Array(_) => "a list".to_owned(),
+        Value::Number(_) => "a number".to_owned(),
+        other => other.to_string(),
+    }
+}
