@@ -91,6 +91,32 @@ impl Output<'_> {
         self.files.image(path)
     }
 
+    /// Whether a picture shows gray only; false where it cannot be read.
+    pub fn is_gray(&self, path: &Path) -> bool {
+        self.image(path).is_ok_and(|image| image.rgb().is_some_and(|[r, g, _]| r == g))
+    }
+
+    /// Whether every reader finds colours or gray in a picture: an EXR may call its channels anything. True where it
+    /// cannot be read.
+    pub fn has_color(&self, path: &Path) -> bool {
+        let exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        let named = |image: &Image| ["Y", "R"].iter().any(|name| image.channel(name).is_some());
+        !exr || self.image(path).map_or(true, |image| image.rgb().is_none() || named(&image))
+    }
+
+    /// Whether the name of a picture says what is in it, for readers that go by it; true where it cannot be read.
+    pub fn is_well_named(&self, path: &Path) -> bool {
+        let starts: &[&[u8]] =
+            match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+                Some("exr") => &[b"\x76\x2f\x31\x01"],
+                Some("png") => &[b"\x89PNG"],
+                Some("pfm") => &[b"PF", b"Pf"],
+                Some("hdr") => &[b"#?"],
+                _ => return true,
+            };
+        self.read(path).map_or(true, |bytes| starts.iter().any(|start| bytes.starts_with(start)))
+    }
+
     pub(super) fn pixels(
         &self,
         path: &Path,
@@ -238,7 +264,7 @@ fn lat_long_lookup(image: &Pixels, [x, y, z]: [f64; 3]) -> [f64; 3] {
 }
 
 /// Clarberg 2008: the equal-area octahedral square → direction, +Z in the middle.
-fn from_square([s, t]: [f64; 2]) -> [f64; 3] {
+pub(super) fn from_square([s, t]: [f64; 2]) -> [f64; 3] {
     let (u, v) = (2.0 * s - 1.0, 2.0 * t - 1.0);
     let distance = 1.0 - (u.abs() + v.abs());
     let r = 1.0 - distance.abs();

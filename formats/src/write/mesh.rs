@@ -5,13 +5,27 @@ use std::path::Path;
 use std::rc::Rc;
 
 use super::{Output, WriteError};
-use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Transform};
+use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeKind, Transform};
 use crate::mesh::{Mesh, write_ply};
 
 impl Output<'_> {
     /// The mesh as it is rendered; its normals are absent when it is flat.
     pub fn mesh(&self, file: &MeshFile) -> Result<Rc<Mesh>, WriteError> {
         Ok(self.files.mesh(file)?.mesh.clone())
+    }
+
+    /// Whether a shape that is a mesh has any surface.
+    pub fn has_area(&self, shape: &Shape) -> Result<bool, WriteError> {
+        let any =
+            |mesh: &Mesh| mesh.triangles.iter().any(|t| cross(mesh, *t).iter().any(|v| v.abs() > 1e-30));
+        Ok(match &shape.kind {
+            ShapeKind::Mesh(file) => any(&*self.mesh(file)?),
+            ShapeKind::Inline(mesh) => {
+                let (positions, triangles) = (mesh.positions.clone(), mesh.triangles.clone());
+                any(&Mesh { positions, triangles, ..Mesh::default() })
+            }
+            _ => true,
+        })
     }
 
     /// A PLY file of the mesh as it is rendered; `origin` is that of its shape.
@@ -27,7 +41,7 @@ impl Output<'_> {
                 let what = format!("the attribute `{name}` of a mesh, {size} numbers each");
                 output.lose(origin, what, "a mesh without it");
             }
-            Ok(write_ply(&loaded.mesh))
+            Ok(write_ply(&with_sound_normals(Mesh::clone(&loaded.mesh))))
         })
     }
 
@@ -35,13 +49,13 @@ impl Output<'_> {
         // A mesh written into the scene is met once; its address tells it from others.
         let key = format!("inline {:p}", std::ptr::from_ref(mesh));
         self.make(&key, "meshes", name, "ply", |_| {
-            Ok(write_ply(&Mesh {
+            Ok(write_ply(&with_sound_normals(Mesh {
                 positions: mesh.positions.clone(),
                 normals: mesh.normals.clone(),
                 uvs: mesh.uvs.clone(),
                 triangles: mesh.triangles.clone(),
                 attributes: Vec::new(),
-            }))
+            })))
         })
     }
 
@@ -96,11 +110,45 @@ impl Output<'_> {
         self.make("polar disk", "meshes", name, "ply", |_| Ok(write_ply(&polar_disk())))
     }
 
-    /// Whether all faces of a PLY file are triangles, so that every reader takes them alike.
+    /// Whether all faces of a PLY file are triangles and all normals directions, so that every reader takes them alike.
     pub fn is_triangle_ply(&self, file: &MeshFile) -> Result<bool, WriteError> {
-        let loaded = self.files.mesh(file)?;
-        Ok(loaded.faces == Some(loaded.mesh.triangles.len()))
+        Ok(self.files.mesh(file)?.plain)
     }
+}
+
+/// Whether a normal has a direction.
+pub(super) fn sound(normal: [f32; 3]) -> bool {
+    let square: f32 = normal.iter().map(|v| v * v).sum();
+    square.is_normal()
+}
+
+/// With the normal of the faces around a vertex where the mesh has none: pbrt shows such a triangle flat.
+fn with_sound_normals(mut mesh: Mesh) -> Mesh {
+    if mesh.normals.iter().all(|n| sound(*n)) {
+        return mesh;
+    }
+    let mut around = vec![[0f32; 3]; mesh.normals.len()];
+    for triangle in &mesh.triangles {
+        let normal = cross(&mesh, *triangle).map(|v| v as f32);
+        for &vertex in triangle {
+            let sum = &mut around[vertex as usize];
+            *sum = std::array::from_fn(|i| sum[i] + normal[i]);
+        }
+    }
+    for (normal, around) in mesh.normals.iter_mut().zip(around) {
+        if !sound(*normal) {
+            let length = around.iter().map(|v| v * v).sum::<f32>().sqrt();
+            *normal = if sound(around) { around.map(|v| v / length) } else { [0.0, 0.0, 1.0] };
+        }
+    }
+    mesh
+}
+
+/// Twice the area of a triangle, along its normal.
+pub(super) fn cross(mesh: &Mesh, triangle: [u32; 3]) -> [f64; 3] {
+    let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].map(f64::from));
+    let (e, f) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+    [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
 }
 
 /// The axes that Mitsuba's cylinders have about a unit vector (Duff et al. 2017).

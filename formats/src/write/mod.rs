@@ -1,6 +1,7 @@
 //! The result of a writer, and what the writers of all scene languages share.
 
 mod image;
+mod light;
 mod mesh;
 mod names;
 mod output;

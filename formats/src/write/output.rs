@@ -150,6 +150,15 @@ impl<'a> Output<'a> {
         self.sources.paths().next().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned())
     }
 
+    pub fn read(&self, path: &Path) -> Result<Arc<Vec<u8>>, WriteError> {
+        self.files.read(path)
+    }
+
+    /// Whether the bytes of a file are so, asked once for each file and `name` of the question.
+    pub fn is(&self, name: &'static str, path: &Path, so: fn(&[u8]) -> bool) -> Result<bool, WriteError> {
+        self.files.is(name, path, so)
+    }
+
     /// The name of an existing file relative to the scene; it is copied to a `subfolder` of its own unless it
     /// lies below the scene's folder already.
     pub fn carry(&mut self, path: &Path, subfolder: &str) -> String {

@@ -8,6 +8,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::WriteError;
+use super::mesh::sound;
 use crate::files::Files;
 use crate::image::{self, Image};
 use crate::ir::{MeshFile, Scene, parts};
@@ -18,6 +19,8 @@ pub(super) struct Sources<'a> {
     bytes: RefCell<HashMap<PathBuf, Arc<Vec<u8>>>>,
     /// By the file and how it is read.
     meshes: RefCell<HashMap<String, Rc<LoadedMesh>>>,
+    /// What is known of files, by the name of the question.
+    facts: RefCell<HashMap<(&'static str, PathBuf), bool>>,
     /// The last one only: decoded pictures are many times their files, and who asks twice asks twice in a row.
     image: RefCell<Option<(PathBuf, Rc<Image>)>>,
 }
@@ -27,13 +30,14 @@ pub(super) struct LoadedMesh {
     pub mesh: Rc<Mesh>,
     /// Attributes of the file that the mesh lacks, with their number of components.
     pub skipped: Vec<(String, usize)>,
-    /// Faces that the head of a PLY file announces.
-    pub faces: Option<usize>,
+    /// Whether all faces of a PLY file are triangles, as its head announces, and all normals directions.
+    pub plain: bool,
 }
 
 impl<'a> Sources<'a> {
     pub fn new(files: &'a dyn Files) -> Self {
-        Self { files, bytes: RefCell::default(), meshes: RefCell::default(), image: RefCell::default() }
+        let (bytes, meshes) = Default::default();
+        Self { files, bytes, meshes, facts: RefCell::default(), image: RefCell::default() }
     }
 
     /// Whether all meshes and pictures of the scene may be read; nothing is opened.
@@ -57,6 +61,16 @@ impl<'a> Sources<'a> {
         Ok(bytes)
     }
 
+    pub fn is(&self, name: &'static str, path: &Path, so: fn(&[u8]) -> bool) -> Result<bool, WriteError> {
+        let key = (name, path.to_path_buf());
+        if let Some(known) = self.facts.borrow().get(&key) {
+            return Ok(*known);
+        }
+        let found = so(&self.read(path)?);
+        self.facts.borrow_mut().insert(key, found);
+        Ok(found)
+    }
+
     /// The bytes of a file if they were read.
     pub fn take(&self, path: &Path) -> Option<Arc<Vec<u8>>> {
         self.bytes.borrow_mut().remove(path)
@@ -78,11 +92,11 @@ impl<'a> Sources<'a> {
             |e: mesh::MeshError| WriteError::Asset { path: file.path.clone(), reason: e.to_string() };
         let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
         let announced = |line: &str| line.trim().strip_prefix("element face ")?.trim().parse().ok();
-        let loaded = Rc::new(LoadedMesh {
-            mesh: Rc::new(mesh::read(file.format, &bytes, &options).map_err(broken)?),
-            skipped: mesh::skipped(file.format, &bytes).map_err(broken)?,
-            faces: head.lines().find_map(announced),
-        });
+        let faces: Option<usize> = head.lines().find_map(announced);
+        let mesh = mesh::read(file.format, &bytes, &options).map_err(broken)?;
+        let plain = faces == Some(mesh.triangles.len()) && mesh.normals.iter().all(|n| sound(*n));
+        let skipped = mesh::skipped(file.format, &bytes).map_err(broken)?;
+        let loaded = Rc::new(LoadedMesh { mesh: Rc::new(mesh), skipped, plain });
         self.meshes.borrow_mut().insert(key, loaded.clone());
         Ok(loaded)
     }

@@ -10,7 +10,7 @@ use crate::ir::{
 };
 use crate::write::WriteError;
 
-use ColorSlot::{Reflectance, Unbounded};
+use ColorSlot::Reflectance;
 
 impl Writer<'_, '_> {
     pub fn bsdf_definition(&mut self, id: Id<Bsdf>) -> Result<Element, WriteError> {
@@ -106,14 +106,15 @@ impl Writer<'_, '_> {
                 .children(self.float_input("opacity", opacity, Some(0.5))?)
                 .child(self.bsdf(*nested)?),
             BsdfKind::BumpMap { height, scale, shading, nested } => {
-                let FloatInput::Texture(height) = height else { return self.bsdf(*nested).map(Some) };
-                let element = bsdf("bumpmap").float_unless("scale", *scale, 1.0);
-                let element = element.child(self.float_texture("height", *height)?);
+                let Some(height) = self.heights(height, origin)? else { return self.bsdf(*nested).map(Some) };
+                let element = bsdf("bumpmap").float_unless("scale", *scale, 1.0).child(height);
                 perturbed(element, *shading).child(self.bsdf(*nested)?)
             }
             BsdfKind::NormalMap { normals, shading, nested } => {
-                let normals = self.color_input("normalmap", normals, Unbounded, None, origin)?;
-                let element = bsdf("normalmap").children(normals);
+                let Some(normals) = self.normals(normals, origin)? else {
+                    return self.bsdf(*nested).map(Some);
+                };
+                let element = bsdf("normalmap").child(normals);
                 perturbed(element, *shading).child(self.bsdf(*nested)?)
             }
             BsdfKind::Blend { weight, first, second } => bsdf("blendbsdf")

@@ -19,12 +19,16 @@ impl Writer<'_, '_> {
         match color {
             Color::Gray(v) => named("float").with("value", number(*v)),
             Color::UniformSpectrum(v) if same => named("spectrum").with("value", number(*v)),
-            Color::Samples(samples) if same && (slot != ColorSlot::Reflectance || bounded(samples)) => {
+            Color::Samples(samples)
+                if same && rises(samples) && (slot != ColorSlot::Reflectance || bounded(samples)) =>
+            {
                 let pair = |[nm, v]: &[f64; 2]| format!("{}:{}", number(*nm), number(*v));
                 named("spectrum").with("value", samples.iter().map(pair).collect::<Vec<_>>().join(", "))
             }
             Color::UniformPlugin(v) => plugin("uniform").float("value", *v),
-            Color::BoundedRgb(rgb) => plugin("srgb").child(rgb_element("color", *rgb)),
+            Color::BoundedRgb(rgb) if rgb.iter().all(|v| (0.0..=1.0).contains(v)) => {
+                plugin("srgb").child(rgb_element("color", *rgb))
+            }
             Color::D65 { scale, color } => plugin("d65")
                 .float_unless("scale", *scale, 1.0)
                 .children(color.map(|rgb| rgb_element("color", rgb))),
@@ -105,6 +109,11 @@ impl Writer<'_, '_> {
 pub(super) fn rgb_element(name: &str, rgb: [f64; 3]) -> Element {
     let value = if rgb[0] == rgb[1] && rgb[1] == rgb[2] { number(rgb[0]) } else { numbers(&rgb) };
     Element::new("rgb").with("name", name).with("value", value)
+}
+
+/// Mitsuba wants two wavelengths at least, each above the one before it.
+fn rises(samples: &[[f64; 2]]) -> bool {
+    samples.len() > 1 && samples.windows(2).all(|pair| pair[0][0] < pair[1][0])
 }
 
 /// Mitsuba clamps the colour of other reflectances, and warns.

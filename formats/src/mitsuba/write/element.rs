@@ -56,6 +56,11 @@ impl Element {
         self.tag == "ref"
     }
 
+    /// Whether it is an object of this plugin.
+    pub fn is_a(&self, kind: &str) -> bool {
+        self.attributes.iter().any(|(name, value)| *name == "type" && value == kind)
+    }
+
     /// Whether it has at most `limit` elements, itself included.
     pub fn is_within(&self, limit: usize) -> bool {
         self.left_of(limit).is_some()

@@ -1,11 +1,12 @@
 //! Emitters of the scene.
 
 use super::Writer;
-use super::element::{Element, number};
+use super::element::Element;
 use super::sensor::fov;
+use super::texture::Said;
 use crate::ir::{
-    ColorInput, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, LightImage, Origin, SpotFalloff,
-    TextureEncoding,
+    Color, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, Id, LightImage,
+    Origin, SpotFalloff, Texture, TextureEncoding,
 };
 use crate::write::{Cone, WriteError};
 
@@ -24,10 +25,10 @@ impl Writer<'_, '_> {
                     let size = Cone::new(*cutoff_angle, *beam_width, *falloff).change();
                     self.out.lose_light(origin, what, "linear falloff in the angle", size);
                 }
-                let texture = texture.map(|id| self.texture("texture", id)).transpose()?;
+                let (intensity, texture) = self.spot_texture(intensity, *texture, origin)?;
                 plugin("spot")
                     .transform("to_world", to_world)
-                    .child(self.light("intensity", intensity, 1.0, origin))
+                    .child(self.light("intensity", &intensity, 1.0, origin))
                     .float("cutoff_angle", *cutoff_angle)
                     .float_unless("beam_width", *beam_width, cutoff_angle * 0.75)
                     .children(texture)
@@ -40,9 +41,10 @@ impl Writer<'_, '_> {
             }
             EmitterKind::Environment { to_world, image, mapping } => {
                 let name = self.environment(image, *mapping, origin)?;
+                let scale = image.scale * self.out.illuminance_factor(image)? * self.light;
                 plugin("envmap")
                     .string("filename", &name)
-                    .float_unless("scale", image.scale * self.light, 1.0)
+                    .float_unless("scale", scale, 1.0)
                     .transform("to_world", to_world)
             }
             EmitterKind::Projector { to_world, irradiance, scale, fov: angle, fov_axis } => {
@@ -59,17 +61,19 @@ impl Writer<'_, '_> {
                     .float_unless("scale", factor, 1.0)
             }
             EmitterKind::Projection { to_world, image, fov: angle, power } => {
-                self.power(*power, origin);
-                self.projection(plugin("projector").transform("to_world", to_world), image, *angle)?
+                self.projection(plugin("projector").transform("to_world", to_world), image, *angle, *power)?
             }
             EmitterKind::Goniometric { to_world, intensity, image, power } => {
                 let mut factor = 1.0;
                 if let Some(image) = image {
                     let what = "an intensity that depends on the direction";
-                    self.out.lose(origin, what, "its mean everywhere");
+                    self.out.lose_light(origin, what, "its mean everywhere", 0.0);
                     factor = image.scale * self.out.mean_light(image)?;
                 }
-                self.power(*power, origin);
+                // pbrt's power is that of an intensity of 1.
+                if let Some(power) = power.filter(|_| factor > 0.0) {
+                    factor = power / (4.0 * std::f64::consts::PI);
+                }
                 let element = plugin("point").triple("point", "position", to_world.point([0.0; 3]));
                 element.child(self.light("intensity", intensity, factor, origin))
             }
@@ -83,28 +87,40 @@ impl Writer<'_, '_> {
         None
     }
 
+    /// The intensity and the texture of a spot; Mitsuba refuses a texture that is the same everywhere.
+    fn spot_texture(
+        &mut self,
+        intensity: &Color,
+        texture: Option<Id<Texture>>,
+        origin: Origin,
+    ) -> Result<(Color, Option<Element>), WriteError> {
+        let Some(id) = texture else { return Ok((intensity.clone(), None)) };
+        Ok(match self.said(id, [1.0; 3])? {
+            Said::Constant(factor) => {
+                let rgb = self.rgb(intensity, ColorSlot::Emission, origin);
+                (Color::Rgb(std::array::from_fn(|i| rgb[i] * factor[i])), None)
+            }
+            Said::Plugin(_) => (intensity.clone(), Some(self.texture("texture", id)?)),
+        })
+    }
+
     fn projection(
         &mut self,
         element: Element,
         image: &LightImage,
         angle: f64,
+        power: Option<f64>,
     ) -> Result<Element, WriteError> {
         let tangent = (angle.to_radians() / 2.0).tan();
+        let factor = self.out.projection_factor(image, tangent, power)?;
         let name = self.out.slide_irradiance(image, tangent)?;
         let texture = Element::plugin("texture", "bitmap")
             .with("name", "irradiance")
             .string("filename", &name)
             .boolean_unless("raw", true, false);
         // Mitsuba's has π times the picture on the plane z = 1, where pbrt's has the picture.
-        let scale = image.scale * self.light / std::f64::consts::PI;
+        let scale = factor * image.scale * self.light / std::f64::consts::PI;
         Ok(fov(element, Fov::Degrees(angle), FovAxis::Smaller).child(texture).float("scale", scale))
-    }
-
-    fn power(&mut self, power: Option<f64>, origin: Origin) {
-        if let Some(power) = power {
-            let what = format!("the power of a light, {} W", number(power));
-            self.out.lose(origin, what, "its intensity as written");
-        }
     }
 
     fn environment(
@@ -113,10 +129,6 @@ impl Writer<'_, '_> {
         mapping: EnvironmentMapping,
         origin: Origin,
     ) -> Result<String, WriteError> {
-        if let Some(lux) = image.illuminance {
-            let what = format!("the illuminance of an environment, {} lux", number(lux));
-            self.out.lose(origin, what, "its radiance as written");
-        }
         match (mapping, image.encoding) {
             (EnvironmentMapping::LatLong, TextureEncoding::Auto) => {
                 Ok(self.out.carry(&image.path, "textures"))

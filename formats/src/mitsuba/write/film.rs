@@ -97,16 +97,20 @@ impl Writer<'_, '_> {
                 Filter::Mitchell { b, c }
             }
             Filter::WideBox { radius } => {
-                if radius[0] != radius[1] {
-                    self.lose_radius(f, "a box filter", radius, "the first of them");
+                if radius != [0.5; 2] {
+                    self.lose_radius(f, "a box filter", radius, "radius 0.5, the only one Mitsuba 3 has");
                 }
-                Filter::Box { radius: radius[0] }
+                Filter::Box { radius: 0.5 }
             }
             Filter::WideTent { radius } => {
                 if radius[0] != radius[1] {
                     self.lose_radius(f, "a triangle filter", radius, "the first of them");
                 }
                 Filter::Tent { radius: radius[0] }
+            }
+            Filter::Box { radius } if radius != 0.5 => {
+                self.lose_radius(f, "a box filter", [radius; 2], "radius 0.5, the only one Mitsuba 3 has");
+                Filter::Box { radius: 0.5 }
             }
             Filter::WindowedSinc { tau, radius } => {
                 let lobes = tau.round().clamp(1.0, 64.0);

@@ -2,7 +2,7 @@
 
 use super::Writer;
 use super::element::{Element, number};
-use crate::ir::{HideEmitters, Integrator, Scalar};
+use crate::ir::{HideEmitters, Integrator, Scalar, Setting};
 
 /// Integrators of Mitsuba 3 and their parameters.
 const INTEGRATORS: &[(&str, &[&str])] = &[
@@ -19,6 +19,30 @@ const INTEGRATORS: &[(&str, &[&str])] = &[
 const COMMON: &[&str] = &["max_depth", "rr_depth", "hide_emitters", "timeout", "block_size"];
 
 impl Writer<'_, '_> {
+    /// The value of a setting, within the range that Mitsuba accepts.
+    fn accepted(&mut self, i: &Integrator, name: &str, setting: &Setting) -> Scalar {
+        let Scalar::Integer(v) = setting.value else { return setting.value.clone() };
+        // Samples of lamps or of materials may be 0, but not both.
+        let none = |other: &str| i.settings.get(other).is_some_and(|s| s.value == Scalar::Integer(0));
+        let only = name == "bsdf_samples" && none("emitter_samples");
+        let least =
+            LEAST.iter().find(|(known, _)| *known == name).map_or(i64::from(only), |(_, least)| *least);
+        let largest = i64::from(i32::MAX);
+        let accepted = match name {
+            "max_depth" if v > largest => -1,
+            _ => v.clamp(least, largest),
+        };
+        // No path is so deep.
+        if accepted != v && (name, accepted) != ("max_depth", -1) || v < -1 {
+            self.out.lose(
+                setting.origin,
+                format!("the setting {name} = {v}"),
+                format!("{name} = {accepted}"),
+            );
+        }
+        Scalar::Integer(accepted)
+    }
+
     pub fn integrator(&mut self, i: &Integrator) -> Element {
         let row = INTEGRATORS.iter().find(|(name, _)| *name == i.plugin);
         if row.is_none() {
@@ -39,7 +63,8 @@ impl Writer<'_, '_> {
                 let what = "hide_emitters that hides the light of lamps but not their surfaces";
                 self.out.lose(setting.origin, what, "hide_emitters that hides both");
             }
-            element = match &setting.value {
+            let value = self.accepted(i, name, setting);
+            element = match &value {
                 Scalar::Boolean(v) => element.boolean(name, *v),
                 Scalar::Integer(v) => element.integer(name, *v),
                 Scalar::Float(v) => element.float(name, *v),
@@ -49,6 +74,9 @@ impl Writer<'_, '_> {
         element
     }
 }
+
+/// The least value of settings whose least value is not 0.
+const LEAST: [(&str, i64); 3] = [("max_depth", -1), ("rr_depth", 1), ("shading_samples", 1)];
 
 fn shown(value: &Scalar) -> String {
     match value {

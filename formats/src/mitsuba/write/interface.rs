@@ -19,6 +19,7 @@ impl Writer<'_, '_> {
         d: &Dielectric,
         origin: Origin,
     ) -> Result<Element, WriteError> {
+        self.check_indices([&d.int_ior, &d.ext_ior], origin);
         let mut element = index(element, "int_ior", &d.int_ior, "bk7");
         element = index(element, "ext_ior", &d.ext_ior, "air");
         for (name, input) in [
@@ -100,6 +101,7 @@ impl Writer<'_, '_> {
     }
 
     pub fn plastic(&mut self, element: Element, p: &Plastic, origin: Origin) -> Result<Element, WriteError> {
+        self.check_indices([&p.int_ior, &p.ext_ior], origin);
         let element = index(element, "int_ior", &p.int_ior, "polypropylene");
         let element = index(element, "ext_ior", &p.ext_ior, "air");
         let (diffuse, specular) = (&p.diffuse_reflectance, &p.specular_reflectance);
@@ -107,6 +109,16 @@ impl Writer<'_, '_> {
             .children(self.color_input("diffuse_reflectance", diffuse, Reflectance, Some(0.5), origin)?)
             .children(self.color_input("specular_reflectance", specular, Reflectance, Some(1.0), origin)?)
             .boolean_unless("nonlinear", p.nonlinear, false))
+    }
+
+    fn check_indices(&mut self, indices: [&Ior; 2], origin: Origin) {
+        for index in indices {
+            if let Ior::Value(v) = index
+                && *v <= 0.0
+            {
+                self.out.lose(origin, format!("the index of refraction {v}"), "1, the index of empty space");
+            }
+        }
     }
 
     pub fn microfacet(
@@ -185,9 +197,10 @@ pub fn same_index(inside: &Ior, outside: &Ior) -> bool {
     (value_of(inside) / value_of(outside) - 1.0).abs() < 1e-6
 }
 
-/// The number behind an index.
+/// The number behind an index. pbrt reads 0 as 1; Mitsuba refuses what is not above 0.
 fn value_of(index: &Ior) -> f64 {
     match index {
+        Ior::Value(v) if *v <= 0.0 => 1.0,
         Ior::Value(v) => *v,
         Ior::Named(name) => ior(name).unwrap_or(1.0),
     }
@@ -197,6 +210,6 @@ fn index(element: Element, name: &str, index: &Ior, default: &str) -> Element {
     match index {
         Ior::Named(material) if material == default => element,
         Ior::Named(material) => element.string(name, material),
-        Ior::Value(v) => element.float(name, *v),
+        Ior::Value(_) => element.float(name, value_of(index)),
     }
 }

@@ -10,6 +10,8 @@ mod emitter;
 mod film;
 mod integrator;
 mod interface;
+mod plain;
+mod relief;
 mod sensor;
 mod shape;
 mod substitute;
@@ -20,7 +22,7 @@ use std::collections::HashMap;
 use element::{Element, print};
 use texture::Said;
 
-use crate::ir::{Id, Origin, Query, Scene, Texture, Uses};
+use crate::ir::{Id, Origin, Query, Scene, Shape, Texture, Uses};
 use crate::write::{Names, Output, WriteError};
 
 /// Version of the written files.
@@ -36,6 +38,7 @@ pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
         ids,
         query: Query::default(),
         said: HashMap::new(),
+        backs: Vec::new(),
         light: film.unwrap_or(1.0),
     }
     .document()
@@ -48,6 +51,8 @@ struct Writer<'o, 'a> {
     query: Query,
     /// Textures that were written, by the bits of their factor.
     said: HashMap<(Id<Texture>, [u64; 3]), Said>,
+    /// Backs of lamps: a mesh is known by its address, which must not be that of another one later.
+    backs: Vec<Shape>,
     /// Factor on all light, in place of the film's imaging ratio.
     light: f64,
 }
@@ -127,7 +132,9 @@ impl<'a> Writer<'_, 'a> {
             root = root.children(self.commented(group.origin, |w| w.group(id))?);
         }
         for shape in &scene.shapes {
-            root = root.children(self.commented(shape.origin, |w| w.shape(shape))?);
+            for side in self.sides(shape)? {
+                root = root.children(self.commented(shape.origin, |w| w.shape(&side))?);
+            }
         }
         let mut filled = false;
         for emitter in &scene.emitters {

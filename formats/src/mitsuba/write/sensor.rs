@@ -7,9 +7,23 @@ use crate::ir::{Fov, FovAxis, Projection, Sampler, Sensor, Transform};
 /// Samplers of Mitsuba 3.
 const SAMPLERS: &[&str] = &["independent", "stratified", "multijitter", "orthogonal", "ldsampler"];
 
+/// What we read: enough for any picture.
+const MOST_SAMPLES: u32 = 1 << 30;
+
 impl Writer<'_, '_> {
     pub fn sensor(&mut self, s: &Sensor) -> Element {
-        let plugin = match (s.projection, s.lens) {
+        // Mitsuba's lens has its picture in the middle.
+        let shifted = s.principal_point_offset != [0.0; 2]
+            || s.screen_window.is_some_and(|[x0, x1, y0, y1]| x0 != -x1 || y0 != -y1);
+        let lens = s.lens.filter(|_| !shifted || s.projection == Projection::Orthographic);
+        if lens.is_none() && s.lens.is_some() {
+            self.out.lose(
+                s.origin,
+                "the lens of a camera whose picture is shifted",
+                "sharp focus everywhere",
+            );
+        }
+        let plugin = match (s.projection, lens) {
             (Projection::Perspective { .. }, None) => "perspective",
             (Projection::Perspective { .. }, Some(_)) => "thinlens",
             (Projection::Orthographic, lens) => {
@@ -23,10 +37,16 @@ impl Writer<'_, '_> {
         let mut to_world = s.to_world;
         let aspect = f64::from(s.film.width) / f64::from(s.film.height);
         let mut offset = s.principal_point_offset;
+        let window = s.screen_window.map(|[x0, x1, y0, y1]| {
+            // A window whose sides are exchanged shows a mirrored picture.
+            let mirror = [x0 > x1, y0 > y1].map(|turned| if turned { -1.0 } else { 1.0 });
+            to_world = to_world.after(&Transform::scale([mirror[0], mirror[1], 1.0]));
+            [x0 * mirror[0], x1 * mirror[0], y0 * mirror[1], y1 * mirror[1]]
+        });
         match s.projection {
             Projection::Perspective { fov: angle, axis } => {
-                to_world = self.unit_axes(s);
-                let (angle, axis) = match s.screen_window {
+                to_world = self.unit_axes(s, &to_world);
+                let (angle, axis) = match window {
                     None => (angle, axis),
                     Some(window @ [x0, x1, y0, y1]) => {
                         // The picture moves by fractions of itself to the left and upwards.
@@ -38,13 +58,16 @@ impl Writer<'_, '_> {
                 element = fov(element, angle, axis);
             }
             Projection::Orthographic => {
-                if let Some([x0, x1, y0, y1]) = s.screen_window {
+                if let Some([x0, x1, y0, y1]) = window {
                     // pbrt's x grows to the right, ours to the left.
                     let (half, middle) = (0.5 * (x1 - x0), [-0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0]);
                     self.check_aspect(s, (x1 - x0) / (y1 - y0), aspect);
                     let window = Transform::translate(middle).after(&Transform::scale([half, half, 1.0]));
                     to_world = to_world.after(&window);
                 }
+                // The picture moves by fractions of itself; Mitsuba has no such parameter here.
+                let [dx, dy] = std::mem::take(&mut offset);
+                to_world = to_world.after(&Transform::translate([-2.0 * dx, -2.0 * dy / aspect, 0.0]));
             }
         }
         element = element
@@ -53,7 +76,7 @@ impl Writer<'_, '_> {
             .float_unless("far_clip", s.far_clip, 10_000.0)
             .float_unless("principal_point_offset_x", offset[0], 0.0)
             .float_unless("principal_point_offset_y", offset[1], 0.0);
-        if let (Some(lens), Projection::Perspective { .. }) = (s.lens, s.projection) {
+        if let (Some(lens), Projection::Perspective { .. }) = (lens, s.projection) {
             element = element.float("aperture_radius", lens.aperture_radius).float_unless(
                 "focus_distance",
                 lens.focus_distance,
@@ -65,8 +88,8 @@ impl Writer<'_, '_> {
     }
 
     /// `to_world` without the scale of its axes, which Mitsuba refuses and we leave out.
-    fn unit_axes(&mut self, s: &Sensor) -> Transform {
-        let mut m = s.to_world;
+    fn unit_axes(&mut self, s: &Sensor, to_world: &Transform) -> Transform {
+        let mut m = *to_world;
         let mut scaled = false;
         for j in 0..3 {
             let length = (0..3).map(|i| m.0[i][j] * m.0[i][j]).sum::<f64>().sqrt();
@@ -77,6 +100,9 @@ impl Writer<'_, '_> {
         }
         if scaled {
             self.out.lose(s.origin, "the scale in a sensor's to_world, which has no effect", "none");
+        }
+        if straightened(&mut m) {
+            self.out.lose(s.origin, "a sheared camera", "one that looks the same way, without shear");
         }
         m
     }
@@ -109,10 +135,20 @@ impl Writer<'_, '_> {
             }
         };
         let element = Element::plugin("sampler", plugin);
-        let element = element.integer("sample_count", i64::from(sampler.sample_count));
-        match sampler.seed {
-            0 => element,
-            seed => element.integer("seed", seed.cast_signed()),
+        let count = sampler.sample_count.min(MOST_SAMPLES);
+        if count != sampler.sample_count {
+            let what = format!("{} samples a pixel", sampler.sample_count);
+            self.out.lose(s.origin, what, format!("{count}, the most that fit"));
+        }
+        let element = element.integer("sample_count", i64::from(count));
+        match u32::try_from(sampler.seed) {
+            Ok(0) => element,
+            Ok(seed) => element.integer("seed", i64::from(seed)),
+            Err(_) => {
+                let what = format!("the seed {} of the sampler", sampler.seed.cast_signed());
+                self.out.lose(s.origin, what, "the seed 0: other noise");
+                element
+            }
         }
     }
 }
@@ -134,4 +170,24 @@ pub(super) fn fov(element: Element, angle: Fov, axis: FovAxis) -> Element {
         None => element,
         Some(axis) => element.string("fov_axis", axis),
     }
+}
+
+/// Makes axes of length 1 perpendicular: forward stays, then upwards. Whether they were not.
+fn straightened(m: &mut Transform) -> bool {
+    let axis = |m: &Transform, j: usize| [0, 1, 2].map(|i| m.0[i][j]);
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let sheared = [(0, 1), (1, 2), (0, 2)].iter().any(|&(i, j)| dot(axis(m, i), axis(m, j)).abs() > 1e-6);
+    if sheared {
+        for (j, before) in [(1, 2..3), (0, 1..3)] {
+            let mut v = axis(m, j);
+            for other in before {
+                let other = axis(m, other);
+                let along = dot(v, other);
+                v = std::array::from_fn(|i| v[i] - along * other[i]);
+            }
+            let length = dot(v, v).sqrt();
+            (0..3).for_each(|i| m.0[i][j] = v[i] / length);
+        }
+    }
+    sheared
 }

@@ -2,6 +2,7 @@
 
 use super::Writer;
 use super::element::Element;
+use super::plain::{plain_obj, plain_ply};
 use super::substitute;
 use crate::ir::{
     AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
@@ -49,10 +50,32 @@ impl Writer<'_, '_> {
         let mut element =
             element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
         element = element.children(self.material(shape)?);
-        if let Some(emission) = &shape.emission {
-            element = element.child(self.emission(emission, shape.alpha.as_ref())?);
+        if let Some(emission) = &shape.emission
+            && self.out.has_area(shape)?
+        {
+            element = element.child(self.emission(shape, emission)?);
         }
         Ok(Some(element))
+    }
+
+    /// The shape; a lamp of two sides as two that lie back to back, where their surface lets no light through.
+    pub fn sides(&mut self, shape: &Shape) -> Result<Vec<Shape>, WriteError> {
+        let one = vec![shape.clone()];
+        let Some(emission) = shape.emission.as_ref().filter(|e| e.two_sided) else { return Ok(one) };
+        let bsdfs = &self.scene.bsdfs;
+        let opaque = shape.bsdf.is_none_or(|id| self.query.bsdf(bsdfs, id).opaque());
+        if !opaque || shape.alpha.as_ref().is_some_and(|alpha| *alpha != FloatInput::Value(1.0)) {
+            return Ok(one);
+        }
+        let Some(back) = self.out.back_of_lamp(shape)? else { return Ok(one) };
+        self.backs.push(back.clone());
+        // Each has half of the power.
+        let power = emission.power.map(|power| 0.5 * power);
+        let side = |shape: &Shape| Shape {
+            emission: Some(AreaEmission { two_sided: false, power, ..emission.clone() }),
+            ..shape.clone()
+        };
+        Ok(vec![side(shape), side(&back)])
     }
 
     /// The surface, before its transform.
@@ -119,9 +142,12 @@ impl Writer<'_, '_> {
     ) -> Result<Element, WriteError> {
         let keep = file.max_smooth_angle.is_none()
             && match file.format {
-                MeshFormat::Obj | MeshFormat::Serialized { .. } => true,
+                MeshFormat::Serialized { .. } => true,
+                MeshFormat::Obj => self.out.is("plain OBJ", &file.path, plain_obj)?,
                 MeshFormat::ObjPart { .. } => false,
-                MeshFormat::Ply => self.out.is_triangle_ply(file)?,
+                MeshFormat::Ply => {
+                    self.out.is("plain PLY", &file.path, plain_ply)? && self.out.is_triangle_ply(file)?
+                }
             };
         if !keep {
             let name = self.out.make_ply(file, origin)?;
@@ -187,14 +213,21 @@ impl Writer<'_, '_> {
     }
 
     /// pbrt's opacity dims a lamp, Mitsuba's mask does not.
-    fn emission(&mut self, e: &AreaEmission, opacity: Option<&FloatInput>) -> Result<Element, WriteError> {
+    fn emission(&mut self, shape: &Shape, e: &AreaEmission) -> Result<Element, WriteError> {
+        let opacity = shape.alpha.as_ref();
         if e.two_sided {
             let what = "a lamp that emits on both sides";
             self.out.lose_light(e.origin, what, "the side of its normal only", -0.5);
         }
-        if let Some(power) = e.power {
+        let factor = self.out.lamp_factor(shape, e)?;
+        if let (None, Some(power)) = (factor, e.power) {
             self.out.lose(e.origin, format!("the power of a lamp, {power} W"), "its radiance as written");
         }
+        if e.scale < 0.0 {
+            let what = format!("a lamp of negative light, scale {}", e.scale);
+            self.out.lose(e.origin, what, "a dark one");
+        }
+        let scale = e.scale.max(0.0) * factor.unwrap_or(1.0);
         let plugin = if e.collimated { "directionalarea" } else { "area" };
         // An invisible lamp shines fully.
         let share = match opacity {
@@ -202,9 +235,9 @@ impl Writer<'_, '_> {
             _ => 1.0,
         };
         let radiance = match &e.radiance {
-            _ if matches!(opacity, Some(FloatInput::Texture(_))) => self.masked_light(e, opacity)?,
-            ColorInput::Color(color) => self.light("radiance", color, e.scale * share, e.origin),
-            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, e.scale * share * self.light)?,
+            _ if matches!(opacity, Some(FloatInput::Texture(_))) => self.masked_light(e, scale, opacity)?,
+            ColorInput::Color(color) => self.light("radiance", color, scale * share, e.origin),
+            ColorInput::Texture(id) => self.scaled_texture("radiance", *id, scale * share * self.light)?,
         };
         Ok(Element::plugin("emitter", plugin).child(radiance))
     }

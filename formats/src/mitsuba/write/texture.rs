@@ -55,9 +55,10 @@ impl Writer<'_, '_> {
     pub fn masked_light(
         &mut self,
         e: &AreaEmission,
+        scale: f64,
         opacity: Option<&FloatInput>,
     ) -> Result<Element, WriteError> {
-        let factor = [e.scale * self.light; 3];
+        let factor = [scale * self.light; 3];
         let radiance = match &e.radiance {
             ColorInput::Color(color) => {
                 Some(Sampled::Constant(self.rgb(color, ColorSlot::Emission, e.origin)))
@@ -80,7 +81,7 @@ impl Writer<'_, '_> {
         }
         self.out.lose(e.origin, "the opacity of a lamp that is not by uv", "a mask on its material only");
         match &e.radiance {
-            ColorInput::Color(color) => Ok(self.light("radiance", color, e.scale, e.origin)),
+            ColorInput::Color(color) => Ok(self.light("radiance", color, scale, e.origin)),
             ColorInput::Texture(id) => self.scaled_texture("radiance", *id, factor[0]),
         }
     }
@@ -95,8 +96,23 @@ impl Writer<'_, '_> {
         })
     }
 
+    /// `factor` times a texture as a picture of uv from 0 to 1.
+    pub(super) fn squared(
+        &mut self,
+        id: Id<Texture>,
+        sampled: &Sampled,
+        what: &str,
+        factor: [f64; 3],
+        origin: Origin,
+    ) -> Result<Element, WriteError> {
+        if !sampled.repeats() && self.out.any_leaves_the_square()? {
+            self.out.lose(origin, format!("{what}, beyond uv 0 to 1"), "the part from 0 to 1, repeated");
+        }
+        Ok(raw_picture(&self.out.make_square(id, sampled, factor, true)?))
+    }
+
     /// `factor` times the texture. Made once for each texture and factor, however many refer to it.
-    fn said(&mut self, id: Id<Texture>, factor: [f64; 3]) -> Result<Said, WriteError> {
+    pub(super) fn said(&mut self, id: Id<Texture>, factor: [f64; 3]) -> Result<Said, WriteError> {
         let key = (id, factor.map(f64::to_bits));
         if let Some(said) = self.said.get(&key) {
             return Ok(said.clone());
@@ -116,11 +132,7 @@ impl Writer<'_, '_> {
             if let Sampled::Constant(rgb) = sampled {
                 return Ok(Said::Constant(times(factor, rgb)));
             }
-            if !sampled.repeats() && self.out.any_leaves_the_square()? {
-                self.out.lose(origin, format!("{what}, beyond uv 0 to 1"), "the part from 0 to 1, repeated");
-            }
-            let name = self.out.make_square(id, &sampled, factor, true)?;
-            return Ok(Said::Plugin(raw_picture(&name)));
+            return self.squared(id, &sampled, what, factor, origin).map(Said::Plugin);
         }
         match kind {
             TextureKind::Bitmap(bitmap) => self.bitmap(bitmap, factor, origin).map(Said::Plugin),
@@ -265,7 +277,7 @@ impl Writer<'_, '_> {
         let float_image = matches!(extension.as_str(), "exr" | "hdr" | "pfm" | "rgbe");
         let readable = match b.encoding {
             // Mitsuba recognises images by their first bytes, and TGA has no magic number.
-            _ if extension == "tga" => false,
+            _ if extension == "tga" || !self.out.has_color(&b.path) => false,
             TextureEncoding::Auto | TextureEncoding::Linear => true,
             TextureEncoding::Srgb => !float_image,
             TextureEncoding::Gamma(_) => false,

@@ -31,7 +31,7 @@ impl Writer<'_, '_> {
         self.film(text, &sensor.film);
         let known = ["zsobol", "paddedsobol", "sobol", "halton", "pmj02bn", "independent"];
         let plugin = known.iter().find(|name| **name == sensor.sampler.plugin).unwrap_or(&known[0]);
-        let count = i64::from(sensor.sampler.sample_count);
+        let count = i64::from(sensor.sampler.sample_count).min(i32::MAX.into());
         let mut p = Params::default().integer("pixelsamples", count);
         if let Ok(seed @ 1..) = i32::try_from(sensor.sampler.seed) {
             p = p.integer("seed", i64::from(seed));
@@ -132,7 +132,9 @@ impl Writer<'_, '_> {
             match (name.as_str(), &setting.value) {
                 ("max_depth", Scalar::Integer(v)) => depth = *v,
                 ("initial_radius", Scalar::Float(v)) if photons => p = p.float("radius", *v),
-                ("photon_count", Scalar::Integer(v)) if photons => p = p.integer("photonsperiteration", *v),
+                ("photon_count", Scalar::Integer(v)) if photons => {
+                    p = p.integer("photonsperiteration", (*v).min(i32::MAX.into()));
+                }
                 // Fixed in pbrt.
                 ("alpha", Scalar::Float(v)) if photons && (v - 2.0 / 3.0).abs() < 1e-9 => {}
                 ("hide_emitters", Scalar::Boolean(false)) => {}
@@ -146,7 +148,7 @@ impl Writer<'_, '_> {
                 _ => self.out.lose(setting.origin, format!("the setting `{name}`"), "what pbrt does"),
             }
         }
-        let bounces = if depth < 0 { UNLIMITED } else { (depth - 1).max(0) };
+        let bounces = if depth < 0 { UNLIMITED } else { (depth - 1).clamp(0, i64::from(i32::MAX)) };
         p.integer("maxdepth", bounces).write(text, "", "Integrator", &[plugin]);
     }
 }

@@ -63,7 +63,7 @@ impl Writer<'_, '_> {
                 ("projection", to_world.after(&Transform::scale([-1.0, 1.0, 1.0])), p)
             }
             EmitterKind::Projection { to_world, image, fov, power } => {
-                let name = self.out.carry(&image.path, "textures");
+                let name = self.light_picture(image)?;
                 let p = none.string("filename", &name).float("fov", *fov);
                 let p = p.float_unless("scale", image.scale, 1.0).float_unless(
                     "power",
@@ -75,7 +75,7 @@ impl Writer<'_, '_> {
             EmitterKind::Goniometric { to_world, intensity, image, power } => {
                 let mut p = self.color(none, "I", intensity, emission, origin);
                 if let Some(image) = image {
-                    let name = self.out.carry(&image.path, "textures");
+                    let name = self.light_picture(image)?;
                     p = p.string("filename", &name).float_unless("scale", image.scale, 1.0);
                 }
                 ("goniometric", to_world.after(&POLE), p.float_unless("power", power.unwrap_or(0.0), 0.0))
@@ -166,6 +166,14 @@ impl Writer<'_, '_> {
         Ok(p)
     }
 
+    /// The picture of a light: pbrt wants it in colour.
+    fn light_picture(&mut self, image: &LightImage) -> Result<String, WriteError> {
+        if self.out.is_gray(&image.path) || !self.out.is_well_named(&image.path) {
+            return self.out.decode(image);
+        }
+        Ok(self.out.carry(&image.path, "textures"))
+    }
+
     fn environment(
         &mut self,
         image: &LightImage,
@@ -173,9 +181,7 @@ impl Writer<'_, '_> {
         origin: Origin,
     ) -> Result<String, WriteError> {
         match (mapping, image.encoding) {
-            (EnvironmentMapping::EqualArea, TextureEncoding::Auto) => {
-                Ok(self.out.carry(&image.path, "textures"))
-            }
+            (EnvironmentMapping::EqualArea, TextureEncoding::Auto) => self.light_picture(image),
             (EnvironmentMapping::EqualArea, _) => self.out.decode(image),
             (EnvironmentMapping::LatLong, _) => {
                 self.out.lose(

@@ -43,8 +43,18 @@ impl Writer<'_, '_> {
         }
     }
 
-    fn nothing(&self, id: Id<Bsdf>) -> bool {
-        matches!(self.scene.bsdfs[id].kind, BsdfKind::Null)
+    /// Whether light passes as if nothing were there.
+    pub fn nothing(&self, mut id: Id<Bsdf>) -> bool {
+        loop {
+            id = match self.scene.bsdfs[id].kind {
+                BsdfKind::Null => return true,
+                BsdfKind::Mask { nested, .. }
+                | BsdfKind::BumpMap { nested, .. }
+                | BsdfKind::NormalMap { nested, .. } => nested,
+                BsdfKind::TwoSided { front, .. } => front,
+                _ => return false,
+            };
+        }
     }
 
     /// The name of a material that is defined by then.
@@ -163,6 +173,9 @@ impl Writer<'_, '_> {
                 self.out.lose(origin, "a blend with nothing inside another material", "the rest of it");
                 return self.said_of(seen);
             }
+            BsdfKind::Blend { first, second, .. } if self.nothing(*first) && self.nothing(*second) => {
+                ("interface", none)
+            }
             BsdfKind::Blend { weight, first, second } => {
                 let (first, second) = (self.material(*first)?, self.material(*second)?);
                 let p = none.strings("materials", &[&first, &second]);
@@ -187,6 +200,13 @@ impl Writer<'_, '_> {
             [("reflectance", &d.specular_reflectance), ("transmittance", &d.specular_transmittance)]
         {
             self.lose_factor(input, &format!("the specular {what} of glass"), origin);
+        }
+        for index in [&d.int_ior, &d.ext_ior] {
+            if let Ior::Value(v) = index
+                && *v <= 0.0
+            {
+                self.out.lose(origin, format!("the index of refraction {v}"), "1, the index of empty space");
+            }
         }
         p.float("eta", index(&d.int_ior) / index(&d.ext_ior))
     }
@@ -323,9 +343,10 @@ impl Writer<'_, '_> {
     }
 }
 
-/// The number behind an index.
+/// The number behind an index; pbrt reads 0 as 1, and no index is negative.
 pub fn index(index: &Ior) -> f64 {
     match index {
+        Ior::Value(v) if *v <= 0.0 => 1.0,
         Ior::Value(v) => *v,
         Ior::Named(name) => ior(name).unwrap_or(1.0),
     }

@@ -7,6 +7,7 @@ mod light;
 mod material;
 mod model;
 mod picture;
+mod relief;
 mod shape;
 mod text;
 mod texture;
@@ -16,7 +17,9 @@ use std::fmt::Write;
 
 use text::Params;
 
-use crate::ir::{Bsdf, Color, ColorInput, ColorSlot, FloatInput, Id, Origin, Query, Scene, Texture};
+use crate::ir::{
+    Bsdf, Color, ColorInput, ColorSlot, FloatInput, Id, Origin, Query, Scene, ShapeGroup, Texture,
+};
 use crate::write::{Names, Output, WriteError};
 
 pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
@@ -28,6 +31,7 @@ pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
         body: String::new(),
         materials: HashMap::new(),
         textures: HashMap::new(),
+        objects: HashMap::new(),
         taken: Names::default(),
         query: Query::default(),
     }
@@ -43,6 +47,7 @@ struct Writer<'o, 'a> {
     materials: HashMap<Id<Bsdf>, String>,
     /// By kind: colours, or numbers (`true`).
     textures: HashMap<(Id<Texture>, bool), String>,
+    objects: HashMap<Id<ShapeGroup>, String>,
     taken: Names,
     query: Query,
 }
@@ -83,19 +88,24 @@ impl Writer<'_, '_> {
         match color {
             Color::Library(library) if slot != ColorSlot::Emission => p.spectrum(name, library),
             _ => {
-                let mut rgb = self.out.rgb(color, slot, origin);
-                if slot == ColorSlot::Reflectance && rgb.iter().any(|v| !(0.0..=1.0).contains(v)) {
-                    let clamped = rgb.map(|v| v.clamp(0.0, 1.0));
-                    self.out.lose(
-                        origin,
-                        format!("reflectance {rgb:?} outside 0..1"),
-                        format!("rgb {clamped:?}"),
-                    );
-                    rgb = clamped;
-                }
-                p.rgb(name, rgb)
+                let rgb = self.out.rgb(color, slot, origin);
+                p.rgb(name, self.within(rgb, slot, origin))
             }
         }
+    }
+
+    /// What pbrt accepts: nothing negative, and no reflectance above 1.
+    fn within(&mut self, rgb: [f64; 3], slot: ColorSlot, origin: Origin) -> [f64; 3] {
+        let most = if slot == ColorSlot::Reflectance { 1.0 } else { f64::INFINITY };
+        let clamped = rgb.map(|v| v.clamp(0.0, most));
+        if clamped != rgb {
+            let what = match slot {
+                ColorSlot::Reflectance => format!("reflectance {rgb:?} outside 0..1"),
+                _ => format!("the negative colour {rgb:?}"),
+            };
+            self.out.lose(origin, what, format!("rgb {clamped:?}"));
+        }
+        clamped
     }
 
     fn color_input(

@@ -23,14 +23,9 @@ impl Writer<'_, '_> {
             BsdfKind::TwoSided { front, .. } => self.said_of(*front),
             BsdfKind::BumpMap { height, scale, shading, nested } => {
                 self.lose_shading(*shading, origin);
-                let (plugin, p) = self.said_of(*nested)?;
-                match height {
-                    FloatInput::Value(_) => Ok((plugin, p)),
-                    FloatInput::Texture(id) => {
-                        let texture = self.scaled_texture(*id, *scale)?;
-                        Ok((plugin, p.texture("displacement", &texture)))
-                    }
-                }
+                let FloatInput::Texture(id) = height else { return self.said_of(*nested) };
+                let texture = self.scaled_texture(*id, *scale)?;
+                self.with_relief(*nested, &|p| p.texture("displacement", &texture), origin)
             }
             BsdfKind::NormalMap { normals, shading, nested } => {
                 self.normal_map(normals, *shading, *nested, origin)
@@ -117,12 +112,11 @@ impl Writer<'_, '_> {
         origin: Origin,
     ) -> Result<Said, WriteError> {
         self.lose_shading(shading, origin);
-        let (plugin, p) = self.said_of(nested)?;
         match self.normal_picture(normals, origin)? {
-            Some(name) => Ok((plugin, p.string("normalmap", &name))),
+            Some(name) => self.with_relief(nested, &|p| p.string("normalmap", &name), origin),
             None => {
                 self.out.lose(origin, "a normal map that is not by uv", "no normal map");
-                Ok((plugin, p))
+                self.said_of(nested)
             }
         }
     }
@@ -152,6 +146,7 @@ impl Writer<'_, '_> {
             same if p.nonlinear => self.color_input(base, "reflectance", same, Reflectance, origin),
             ColorInput::Color(color) => {
                 let rgb = tone.of(self.out.rgb(color, Reflectance, origin));
+                let rgb = self.within(rgb, Reflectance, origin);
                 Ok(base.rgb("reflectance", rgb))
             }
             ColorInput::Texture(id) => match self.toned_texture(*id, tone)? {

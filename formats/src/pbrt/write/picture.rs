@@ -24,6 +24,8 @@ impl Writer<'_, '_> {
             && plain(b)
             && [b.wrap_u, b.wrap_v] == [WrapMode::Clamp; 2]
             && matches!(b.encoding, TextureEncoding::Auto)
+            && !self.out.is_gray(&b.path)
+            && self.out.is_well_named(&b.path)
         {
             let name = self.out.carry(&b.path, "textures");
             return Ok(none.string("filename", &name));
@@ -97,6 +99,8 @@ impl Writer<'_, '_> {
             && plain(b)
             && [b.wrap_u, b.wrap_v] == [WrapMode::Repeat; 2]
             && b.encoding == TextureEncoding::Linear
+            && !self.out.is_gray(&b.path)
+            && self.out.is_well_named(&b.path)
         {
             return Ok(Some(self.out.carry(&b.path, "textures")));
         }

@@ -18,7 +18,8 @@ type Geometry = (&'static str, Params, Option<Transform>);
 impl Writer<'_, '_> {
     pub fn group(&mut self, id: Id<ShapeGroup>) -> Result<(), WriteError> {
         let scene = self.scene;
-        let name = object_name(&scene.groups[id], id);
+        let name = self.free(&scene.groups[id].name, "object");
+        self.objects.insert(id, name.clone());
         let outside = std::mem::take(&mut self.body);
         for shape in &scene.groups[id].shapes {
             if let Some(emission) = &shape.emission {
@@ -47,7 +48,7 @@ impl Writer<'_, '_> {
             text.push_str(&format!("\t# {}\n", name.replace('\n', " ")));
         }
         if let ShapeKind::Instance { group } = shape.kind {
-            let name = object_name(&self.scene.groups[group], group);
+            let name = self.objects.get(&group).cloned().unwrap_or_default();
             self.to_world(&mut text, &shape.to_world);
             Params::default().write(&mut text, "\t", "ObjectInstance", &[&name]);
             text.push_str("AttributeEnd\n");
@@ -193,13 +194,6 @@ impl Writer<'_, '_> {
             self.out.lose(shape.origin, "a mask on a shape with an opacity of its own", "the latter");
         }
         Ok((self.material(id)?, mask))
-    }
-}
-
-fn object_name(group: &ShapeGroup, id: Id<ShapeGroup>) -> String {
-    match &group.name {
-        Some(name) if !name.is_empty() => name.clone(),
-        _ => format!("object-{}", id.index()),
     }
 }
 

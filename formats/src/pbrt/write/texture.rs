@@ -86,7 +86,22 @@ impl Writer<'_, '_> {
                 let texture = self.texture(*id, numbers)?;
                 Ok(p.texture(name, &texture))
             }
-            color => self.color_input(p, name, color, ColorSlot::Unbounded, origin),
+            ColorInput::Color(color) => {
+                let rgb = self.out.rgb(color, ColorSlot::Unbounded, origin);
+                let rgb = self.within(rgb, ColorSlot::Unbounded, origin);
+                let most = rgb.into_iter().fold(0.0, f64::max);
+                if most <= 1.0 {
+                    return Ok(p.rgb(name, rgb));
+                }
+                // pbrt takes every texture as one of reflectances, too, and refuses colours above 1.
+                let dim = self.free(&None, "color");
+                let color = Params::default().rgb("value", rgb.map(|v| v / most));
+                self.define(&dim, false, ("constant", color, None), origin);
+                let bright = self.free(&None, "bright");
+                let scale = Params::default().texture("tex", &dim).float("scale", most);
+                self.define(&bright, false, ("scale", scale, None), origin);
+                Ok(p.texture(name, &bright))
+            }
         }
     }
 
@@ -262,7 +277,9 @@ impl Writer<'_, '_> {
     }
 
     fn bitmap(&mut self, b: &Bitmap, tone: Option<Tone>, origin: Origin) -> Result<Said, WriteError> {
-        let tone = tone.or(b.channel.map(|_| Tone::Factor([1.0; 3])));
+        // pbrt goes by the name of a file.
+        let other = b.channel.is_some() || !self.out.is_well_named(&b.path);
+        let tone = tone.or(other.then_some(Tone::Factor([1.0; 3])));
         let name = match tone {
             Some(tone) => self.out.bake(b, tone)?,
             None => self.out.carry(&b.path, "textures"),
