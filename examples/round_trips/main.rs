@@ -183,7 +183,8 @@ fn trip(
         Ok(copy) => copy,
         Err(failure) => return refuse(failure.diagnostics[0].message.clone()),
     };
-    if let Some(warning) = copy.warnings.first() {
+    let known = |message: &str| read.warnings.iter().any(|warning| warning.message == message);
+    if let Some(warning) = copy.warnings.iter().find(|warning| !known(&warning.message)) {
         return refuse(format!("warning: {}", warning.message));
     }
     if sound && let Err(problem) = accepted(&copy, &beside, &path) {

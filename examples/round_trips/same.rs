@@ -1,25 +1,107 @@
 //! Whether two scenes of one language are the same, however their meshes and pictures are kept.
 
+use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 
 use caustica_formats::files::Files;
 use caustica_formats::image::{self, Encoding};
-use caustica_formats::ir::{Bitmap, InlineMesh, LightImage, MeshFile, Scene, TextureEncoding, canonical};
+use caustica_formats::ir::{
+    Bitmap, Color, ColorSlot, Fov, FovAxis, InlineMesh, Integrator, LightImage, MeshFile, Origin, Projection, Scalar,
+    Scene, Sensor, SpectrumRule, TextureEncoding, canonical,
+};
 use caustica_formats::mesh::{self, MeshOptions};
-use caustica_formats::spectrum::srgb_to_linear;
+use caustica_formats::spectrum::{srgb_to_linear, to_linear_rgb};
 use serde_json::{Value, json};
 
-/// The scene as JSON without names, its meshes and pictures by what they hold.
+/// The scene as JSON without names and with one form for what can be said in several: colours are linear RGB, meshes
+/// and pictures what they hold.
 pub fn plain(scene: &Scene, files: &dyn Files) -> Value {
-    let mut value = serde_json::to_value(canonical(scene)).unwrap_or(Value::Null);
-    simplify(&mut value, files);
+    let mut scene = canonical(scene);
+    let integrator = scene.integrator.get_or_insert_with(|| Integrator {
+        origin: Origin(None),
+        plugin: "path".to_owned(),
+        settings: BTreeMap::new(),
+    });
+    integrator.settings.retain(|name, setting| {
+        let idle = [("max_depth", Scalar::Integer(-1)), ("hide_emitters", Scalar::Boolean(false))];
+        !idle.iter().any(|(known, value)| known == name && *value == setting.value)
+    });
+    let hides = integrator.settings.contains_key("hide_emitters");
+    scene.sensors.iter_mut().for_each(widen);
+    let rule = scene.spectrum_rule;
+    let mut value = serde_json::to_value(scene).unwrap_or(Value::Null);
+    if let Value::Object(fields) = &mut value {
+        fields.remove("spectrum_rule");
+        if !hides {
+            fields.remove("hide_emitters");
+        }
+    }
+    simplify(&mut value, ColorSlot::Reflectance, rule, files);
     value
 }
 
-fn simplify(value: &mut Value, files: &dyn Files) {
+/// Gives a camera's angle across the width.
+fn widen(sensor: &mut Sensor) {
+    let Projection::Perspective { fov: Fov::Degrees(degrees), axis } = sensor.projection else { return };
+    let (width, height) = (f64::from(sensor.film.width), f64::from(sensor.film.height));
+    let along = match axis {
+        FovAxis::X => width,
+        FovAxis::Y => height,
+        FovAxis::Diagonal => width.hypot(height),
+        FovAxis::Smaller => width.min(height),
+        FovAxis::Larger => width.max(height),
+    };
+    let tangent = (0.5 * degrees).to_radians().tan() * width / along;
+    let fov = Fov::Degrees(2.0 * tangent.atan().to_degrees());
+    sensor.projection = Projection::Perspective { fov, axis: FovAxis::X };
+}
+
+/// What a colour with this name is.
+fn slot_of(name: &str) -> Option<ColorSlot> {
+    Some(match name {
+        "radiance" | "intensity" | "irradiance" => ColorSlot::Emission,
+        "eta" | "k" | "sigma_a" | "sigma_s" => ColorSlot::Unbounded,
+        name if name.contains("reflectance") || name.contains("transmittance") => ColorSlot::Reflectance,
+        _ => return None,
+    })
+}
+
+/// The linear RGB of a colour, for a value that is one.
+fn rgb(value: &Value, slot: ColorSlot, rule: SpectrumRule) -> Option<Value> {
+    let color: Color = serde_json::from_value(value.clone()).ok()?;
+    to_linear_rgb(&color, slot, rule).ok().map(|rgb| json!({ "rgb": rgb }))
+}
+
+/// η and k in air, for metals that are given by colours.
+fn metal(fields: &mut serde_json::Map<String, Value>) {
+    let three = |value: &Value| -> Option<[f64; 3]> {
+        serde_json::from_value(value.get("Color")?.get("rgb")?.clone()).ok()
+    };
+    let colors = |v: [f64; 3]| json!({ "Color": { "rgb": v } });
+    if let Some(r) = fields.get("Reflectance").and_then(three) {
+        let k = r.map(|r| r.clamp(0.0, 0.9999)).map(|r| 2.0 * (r / (1.0 - r)).sqrt());
+        fields.remove("Reflectance");
+        fields.insert("EtaK".to_owned(), json!({ "eta": colors([1.0; 3]), "k": colors(k), "ext_eta": null }));
+    }
+    let Some(Value::Object(metal)) = fields.get_mut("EtaK") else { return };
+    let outside = metal.get("ext_eta").and_then(|ior| ior.get("Value")?.as_f64());
+    if let Some(outside) = outside
+        && let (Some(eta), Some(k)) = (metal.get("eta").and_then(three), metal.get("k").and_then(three))
+    {
+        metal.insert("eta".to_owned(), colors(eta.map(|v| v / outside)));
+        metal.insert("k".to_owned(), colors(k.map(|v| v / outside)));
+        metal.insert("ext_eta".to_owned(), Value::Null);
+    }
+}
+
+fn simplify(value: &mut Value, slot: ColorSlot, rule: SpectrumRule, files: &dyn Files) {
+    if let Some(rgb) = rgb(value, slot, rule) {
+        *value = rgb;
+        return;
+    }
     match value {
-        Value::Array(items) => items.iter_mut().for_each(|item| simplify(item, files)),
+        Value::Array(items) => items.iter_mut().for_each(|item| simplify(item, slot, rule, files)),
         Value::Object(fields) => {
             fields.remove("name");
             fields.remove("origin");
@@ -31,7 +113,10 @@ fn simplify(value: &mut Value, files: &dyn Files) {
             if fields.contains_key("path") && fields.contains_key("encoding") {
                 picture(fields, files);
             }
-            fields.values_mut().for_each(|item| simplify(item, files));
+            for (name, item) in fields.iter_mut() {
+                simplify(item, slot_of(name).unwrap_or(slot), rule, files);
+            }
+            metal(fields);
         }
         _ => {}
     }

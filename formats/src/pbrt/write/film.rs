@@ -140,10 +140,10 @@ impl Writer<'_, '_> {
                 ("hide_emitters", Scalar::Boolean(false)) => {}
                 ("hide_emitters", _) => {
                     let what = match self.scene.hide_emitters {
-                        HideEmitters::Emission => "lamps whose light the camera does not see",
-                        HideEmitters::Surface => "lamps that the camera looks through",
+                        HideEmitters::Emission => "lights whose emission the camera does not see",
+                        HideEmitters::Surface => "lights that the camera looks through",
                     };
-                    self.out.lose(setting.origin, what, "visible lamps");
+                    self.out.lose(setting.origin, what, "visible lights");
                 }
                 _ => self.out.lose(setting.origin, format!("the setting `{name}`"), "what pbrt does"),
             }

@@ -57,7 +57,7 @@ impl Writer<'_, '_> {
         }
         let through = |id| matches!(self.scene.bsdfs[id].kind, BsdfKind::Null);
         if shape.emission.is_some() && shape.bsdf.is_some_and(|id| through(self.unmasked(id).0)) {
-            self.out.lose(shape.origin, "a lamp that light passes through", "a lamp with a black surface");
+            self.out.lose(shape.origin, "an emitting surface that light passes through", "a light with a black surface");
             return self.shape(&Shape { bsdf: None, ..shape.clone() });
         }
         let (material, mask) = self.shape_material(shape)?;
@@ -159,7 +159,7 @@ impl Writer<'_, '_> {
         match mask {
             Some(FloatInput::Value(opacity)) if *opacity > 0.0 => 1.0 / opacity.min(1.0),
             Some(FloatInput::Texture(_)) => {
-                let what = "a lamp that shines where its material is cut away";
+                let what = "a light that shines where its material is cut away";
                 self.out.lose(origin, what, "light by the share of the surface that is left");
                 1.0
             }
