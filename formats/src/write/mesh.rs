@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::rc::Rc;
 
-use super::source::LoadedMesh;
 use super::{Output, WriteError};
 use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeKind, Transform};
 use crate::mesh::{Mesh, write_ply};
@@ -38,39 +37,25 @@ impl Output<'_> {
         }
         self.make(&key, "meshes", &stem, "ply", |output| {
             let loaded = output.files.mesh(file)?;
-            output.lose_attributes(&loaded, origin);
+            for (name, size) in &loaded.skipped {
+                let what = format!("the attribute `{name}` of a mesh, {size} numbers each");
+                output.lose(origin, what, "a mesh without it");
+            }
             Ok(write_ply(&with_sound_normals(Mesh::clone(&loaded.mesh))))
         })
-    }
-
-    /// What a mesh lacks that is made anew.
-    fn lose_attributes(&mut self, loaded: &LoadedMesh, origin: Origin) {
-        for (name, size) in &loaded.skipped {
-            let what = format!("the attribute `{name}` of a mesh, {size} numbers each");
-            self.lose(origin, what, "a mesh without it");
-        }
     }
 
     pub fn make_inline_ply(&mut self, mesh: &InlineMesh, name: &str) -> Result<String, WriteError> {
         // A mesh written into the scene is met once; its address tells it from others.
         let key = format!("inline {:p}", std::ptr::from_ref(mesh));
-        self.make(&key, "meshes", name, "ply", |_| Ok(write_ply(&with_sound_normals(of_inline(mesh)))))
-    }
-
-    /// As [`Self::make_inline_ply`] with the other side in front.
-    pub fn make_turned_inline_ply(&mut self, mesh: &InlineMesh, name: &str) -> Result<String, WriteError> {
-        let key = format!("turned inline {:p}", std::ptr::from_ref(mesh));
         self.make(&key, "meshes", name, "ply", |_| {
-            Ok(write_ply(&turned(with_sound_normals(of_inline(mesh)))))
-        })
-    }
-
-    /// A PLY file of a mesh as it is rendered, with the other side in front.
-    pub fn make_turned_ply(&mut self, file: &MeshFile, origin: Origin) -> Result<String, WriteError> {
-        self.make(&format!("turned {file:?}"), "meshes", &stem(&file.path), "ply", |output| {
-            let loaded = output.files.mesh(file)?;
-            output.lose_attributes(&loaded, origin);
-            Ok(write_ply(&turned(with_sound_normals(Mesh::clone(&loaded.mesh)))))
+            Ok(write_ply(&with_sound_normals(Mesh {
+                positions: mesh.positions.clone(),
+                normals: mesh.normals.clone(),
+                uvs: mesh.uvs.clone(),
+                triangles: mesh.triangles.clone(),
+                attributes: Vec::new(),
+            })))
         })
     }
 
@@ -129,23 +114,6 @@ impl Output<'_> {
     pub fn is_triangle_ply(&self, file: &MeshFile) -> Result<bool, WriteError> {
         Ok(self.files.mesh(file)?.plain)
     }
-}
-
-fn of_inline(mesh: &InlineMesh) -> Mesh {
-    Mesh {
-        positions: mesh.positions.clone(),
-        normals: mesh.normals.clone(),
-        uvs: mesh.uvs.clone(),
-        triangles: mesh.triangles.clone(),
-        attributes: Vec::new(),
-    }
-}
-
-/// With the back in front.
-fn turned(mut mesh: Mesh) -> Mesh {
-    mesh.normals.iter_mut().for_each(|normal| *normal = normal.map(|v| -v));
-    mesh.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
-    mesh
 }
 
 /// Whether a normal has a direction.

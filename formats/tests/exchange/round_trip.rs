@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use caustica_formats::files::Memory;
-use caustica_formats::ir::{Scene, ShapeKind, canonical};
-use caustica_formats::mesh::{self, MeshOptions};
+use caustica_formats::ir::{Scene, canonical};
 use caustica_formats::{Content, Read, ReadOptions, Written, read_scene, write_scene};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -161,33 +160,4 @@ fn attributes_that_a_made_mesh_lacks_are_listed() {
     assert_eq!(listed.len(), 1, "{:#?}", written.losses);
     assert!(listed[0].what.contains("`vertex_flow`") && listed[0].what.contains("2 numbers"));
     assert!(listed[0].place.as_deref().is_some_and(|place| place.starts_with("s.xml:4:")), "{listed:?}");
-}
-
-/// Mitsuba 3 refuses meshes of one material of which some have `flip_normals`: pbrt's turned ones are written turned,
-/// normals and winding, with the same side in front.
-#[test]
-fn turned_meshes_of_pbrt_need_no_flag_in_mitsuba() {
-    let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [0 0 1 0 0 1 0 0 1] \
-                 \"integer indices\" [0 1 2]\n";
-    let file = "Shape \"plymesh\" \"string filename\" \"smooth.ply\"\n";
-    let scene = format!(
-        "WorldBegin\nLightSource \"infinite\"\n{shape}{file}AttributeBegin\nReverseOrientation\n{shape}{file}\
-         AttributeEnd\n"
-    );
-    let mut files = Memory(beside());
-    files.0.insert("s.pbrt".into(), scene.into_bytes());
-    let read = read_scene(&files, Path::new("s.pbrt"), &ReadOptions::default()).unwrap();
-    let written = write(&read, &files, "made.xml");
-    assert!(!written.text.contains("flip_normals"), "{}", written.text);
-    let (again, files) = read_back(&written, &files);
-    let front = |shape: &caustica_formats::ir::Shape| {
-        let ShapeKind::Mesh(file) = &shape.kind else { panic!("{shape:?}") };
-        let bytes = files.0[&file.path].clone();
-        let mesh = mesh::read(file.format, &bytes, &MeshOptions::default()).unwrap();
-        let [a, b, c] = mesh.triangles[0].map(|i| mesh.positions[i as usize]);
-        let winding = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        (mesh.normals[0][2], winding.signum())
-    };
-    let fronts: Vec<_> = again.scene.shapes.iter().map(front).collect();
-    assert_eq!(fronts, [(1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, -1.0)]);
 }

@@ -43,14 +43,10 @@ impl Writer<'_, '_> {
             ShapeKind::Partial(quadric) => !stays_analytic(quadric, &shape.to_world),
             _ => stretched.is_some(),
         };
-        let mut flip = shape.flip_normals ^ (turned && mirrored);
-        let other_side = if flip { self.other_side(shape)? } else { None };
-        flip &= other_side.is_none();
-        let Some(element) =
-            other_side.or(stretched).map_or_else(|| self.geometry(shape), |made| Ok(Some(made)))?
-        else {
+        let Some(element) = stretched.map_or_else(|| self.geometry(shape), |made| Ok(Some(made)))? else {
             return Ok(None);
         };
+        let flip = shape.flip_normals ^ (turned && mirrored);
         let mut element =
             element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
         element = element.children(self.material(shape)?);
@@ -60,24 +56,6 @@ impl Writer<'_, '_> {
             element = element.child(self.emission(shape, emission)?);
         }
         Ok(Some(element))
-    }
-
-    /// A mesh of pbrt with its sides exchanged: Mitsuba 3 joins meshes of one material, and refuses them where
-    /// `flip_normals` differs.
-    fn other_side(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
-        let name = shape.name.as_deref();
-        let (file, flat) = match &shape.kind {
-            ShapeKind::Mesh(file) if file.authored_normals => {
-                (self.out.make_turned_ply(file, shape.origin)?, self.out.mesh(file)?.normals.is_empty())
-            }
-            ShapeKind::Inline(mesh) => {
-                let stem = mesh.made_from.as_deref().filter(|_| name.is_none()).or(name).unwrap_or("mesh");
-                (self.out.make_turned_inline_ply(mesh, stem)?, mesh.normals.is_empty())
-            }
-            _ => return Ok(None),
-        };
-        let element = Element::plugin("shape", "ply").id(name).string("filename", &file);
-        Ok(Some(element.boolean_unless("face_normals", flat, false)))
     }
 
     /// The shape; a lamp of two sides as two that lie back to back, where their surface lets no light through.
