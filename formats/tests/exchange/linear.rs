@@ -50,7 +50,7 @@ fn scene() -> Counted {
                 "<shape type=\"{plugin}\"><string name=\"filename\" value=\"{name}\"/>\
                  <bsdf type=\"roughplastic\"><texture type=\"bitmap\" name=\"diffuse_reflectance\">\
                  <string name=\"filename\" value=\"picture.pfm\"/><transform name=\"to_uv\">\
-                 <scale value=\"{}, 1\"/></transform></texture></bsdf></shape>\n",
+                 <scale x=\"{}\"/></transform></texture></bsdf></shape>\n",
                 i + 1
             )
             .unwrap();
