@@ -129,6 +129,44 @@ fn pbrt_is_given_the_scene_in_its_language() {
     assert!(median(theirs, 1, "bias").abs() < 0.03);
 }
 
+/// A stand-in for a pbrt that never ends with more than four samples, together with a process that it has started.
+#[cfg(unix)]
+const ENDLESS: &str = r#"#!/bin/sh
+grep -q '"integer maxdepth" 100$' "$8" || { echo "another depth" >&2; exit 8; }
+[ "$3" -gt 4 ] && { sleep 1000 & wait; }
+exec "$CAUSTICA" render "$8" --integrator path --spp "$3" --quiet --layers none -o "$7"
+"#;
+
+/// A render that takes too long is stopped and reported where its point would be; paths are followed as long as the
+/// scene asks for, but not for ever.
+#[cfg(unix)]
+#[test]
+fn endless_renders_are_stopped() {
+    use std::os::unix::fs::PermissionsExt;
+    let f = Folder::new();
+    f.reference("truth.exr");
+    std::fs::create_dir(f.path("bin")).unwrap();
+    let stub = f.path("bin/pbrt");
+    std::fs::write(&stub, ENDLESS).unwrap();
+    std::fs::set_permissions(&stub, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let scene = scene();
+    let configs = ["--config", "pbrt:path", "--passes", "4,16,32", "--seeds", "1", "--limit", "10"];
+    let depth = ["--max-depth", "-1"];
+    let arguments =
+        [&["bench", &scene, "--reference", "truth.exr", "-o", "out"], &configs[..], &depth].concat();
+    let (status, said) = f.caustica(&arguments, &format!("{}:/usr/bin:/bin", f.path("bin").display()));
+    assert_eq!(status, 0, "{said}");
+    assert!(said.contains("note: pbrt follows paths for 100 bounces at most"), "{said}");
+    let row = &f.json("out/bench.json")["scenes"][0]["rows"][0];
+    assert_eq!(row["points"].as_array().unwrap().len(), 1, "{row}");
+    // A larger budget is not tried.
+    assert_eq!(row["stopped"], serde_json::json!([{ "budget": { "passes": 16 }, "seconds": 10.0 }]));
+    assert!(said.contains("16 passes   stopped after 10 s"), "{said}");
+    let page = std::fs::read_to_string(f.path("out/bench.html")).unwrap();
+    // In the table, and in the legend of every plot.
+    assert_eq!(page.matches("pbrt:path (16 passes: stopped after 10 s)").count(), 4, "{page}");
+}
+
 #[test]
 fn an_interrupted_bench_resumes() {
     let f = Folder::new();

@@ -49,6 +49,7 @@ fn unknown_plugin() {
     2 │   <shape type='spher'/>
       │                ^^^^^
       │
+      = help: --lenient renders without it: it is skipped
       = help: did you mean `sphere`?
     "#);
 }
@@ -152,7 +153,7 @@ fn all_problems_are_listed_at_once() {
 fn scene_file_that_is_not_there_or_of_no_known_language() {
     let gone = run(&[], &["render", "gone.xml"]);
     assert_eq!(gone.status, 1);
-    assert_snapshot!(gone.text, @"error: gone.xml: No such file or directory (os error 2)");
+    assert_snapshot!(gone.text, @"error: gone.xml: No such file or directory");
     let other = run(&[("scene.txt", "")], &["render", "scene.txt"]);
     assert_eq!(other.status, 1);
     assert_snapshot!(other.text, @r#"
@@ -185,10 +186,62 @@ fn settings_that_do_not_exist_or_do_not_parse() {
     assert_snapshot!(name.text, @"error: there is no setting `kernal`; did you mean `kernel`?");
     let value = run(&files, &["render", "scene.xml", "--set", "kernel=round"]);
     assert_eq!(value.status, 2);
-    assert_snapshot!(value.text, @"error: setting `kernel` wants one of constant, cone, epanechnikov, biweight, triweight, tricube, gaussian, logistic, silverman, got `round`");
+    assert_snapshot!(value.text, @"error: invalid value `round` for setting `kernel`: expected one of constant, cone, epanechnikov, biweight, triweight, tricube, gaussian, logistic, silverman");
     let layer = run(&files, &["render", "scene.xml", "--quiet", "--layers", "direkt"]);
     assert_eq!(layer.status, 2);
     assert_snapshot!(layer.text, @"error: there is no layer `direkt`; there are emission, direct, caustic, indirect, variance, samples");
+}
+
+/// What is asked for and the scene does not have is wrong on the command line, and nothing else.
+#[test]
+fn requests_that_a_scene_cannot_meet_are_usage_errors() {
+    let scene = whole_scene();
+    let files = [("scene.xml", scene.as_str())];
+    let asked = |arguments: &[&str]| {
+        let run = run(&files, &[&["render", "scene.xml"], arguments].concat());
+        assert_eq!(run.status, 2, "{}", run.text);
+        run.text
+    };
+    assert_snapshot!(asked(&["--sensor", "1"]), @"error: invalid value `1` for `--sensor`: expected 0, as the scene has one sensor");
+    assert_snapshot!(asked(&["--crop", "2,0,3,4"]), @"error: invalid value `2,0,3,4` for `--crop`: expected a part of the film, which has 4 × 4 pixels");
+    assert_snapshot!(asked(&["-D", "size=3"]), @r#"
+    error: the scene never uses the parameter `size` given by -D
+     = help: the scene's parameters: none
+    "#);
+    let value = asked(&["--set", "mode=progresive"]);
+    assert!(value.ends_with("expected one of progressive, classic; did you mean `progressive`?"), "{value}");
+    let bench = run(&files, &["bench", "scene.xml"]);
+    assert_eq!(bench.status, 2, "{}", bench.text);
+}
+
+/// A resumed render tells its own passes from those of the checkpoint, and nothing it does not know; a black picture
+/// has no relative error, and is said to be black however quiet the program is to be.
+#[test]
+fn summaries_say_what_was_done() {
+    let scene =
+        whole_scene().replace("</scene>", "<shape type='sphere'><emitter type='area'/></shape></scene>");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.xml"), scene).unwrap();
+    std::fs::write(folder.path().join("black.xml"), whole_scene()).unwrap();
+    let render = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+        let output = command.current_dir(folder.path()).arg("render").args(arguments).output().unwrap();
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{text}");
+        text
+    };
+    let kept = ["scene.xml", "--integrator", "photonmap", "-o", "out.exr", "--checkpoint", "c"];
+    let first = render(&[&kept[..], &["--spp", "2"]].concat());
+    assert!(first.contains("passes          2 in ") && first.contains("wrote c (checkpoint)"), "{first}");
+    let more = render(&[&kept[..], &["--spp", "5", "--resume"]].concat());
+    assert!(more.contains("passes          5 = 2 of the checkpoint + 3 in "), "{more}");
+    let none = render(&[&kept[..], &["--spp", "5", "--resume"]].concat());
+    assert!(none.contains("passes          5 = 5 of the checkpoint + 0 in "), "{none}");
+    assert!(!none.contains("radius") && !none.contains("rays"), "{none}");
+    let black = render(&["black.xml", "--spp", "4", "-o", "black.exr"]);
+    assert!(black.contains("standard error  none: all is black"), "{black}");
+    let quiet = render(&["black.xml", "--spp", "1", "-q", "-o", "black.exr"]);
+    assert_eq!(quiet, "warning: black.xml: the scene has no light; the picture will be black\n");
 }
 
 #[test]
@@ -204,7 +257,7 @@ fn sizes_and_counts_beyond_sense_point_at_their_option() {
     "#);
     let photons = run(&files, &["render", "scene.xml", "--photons", "0"]);
     assert_eq!(photons.status, 2);
-    assert_snapshot!(photons.text, @"error: setting `photons` wants a whole number from 1 (integrator `path` needs no photons), `stored:NUMBER` or `auto`, got `0`");
+    assert_snapshot!(photons.text, @"error: invalid value `0` for setting `photons`: expected a whole number from 1 (integrator `path` needs no photons), `stored:NUMBER` or `auto`");
 }
 
 #[test]

@@ -39,4 +39,5 @@ mod settings;
 mod tidy;
 mod transmission;
 mod twins;
+mod verdict;
 mod watertight;

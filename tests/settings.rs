@@ -70,9 +70,9 @@ fn typed_values_are_settings_too() {
             let mut expected = base.clone();
             // What a whole number may be, a float may not, and the other way round.
             let fits = match tag {
-                "integer" => row.wants.contains("whole number") || row.wants.contains("count"),
-                "float" => row.wants.contains("length") || row.wants.contains("number between"),
-                _ => row.wants == "true or false",
+                "integer" => row.expected.contains("whole number") || row.expected.contains("count"),
+                "float" => row.expected.contains("length") || row.expected.contains("number between"),
+                _ => row.expected == "true or false",
             };
             if fits && expected.set(row.name, value).is_ok() {
                 accepted += 1;

@@ -7,11 +7,11 @@ use std::path::PathBuf;
 use caustica_formats::files::Files;
 use caustica_formats::image::{self, Encoding};
 use caustica_formats::ir::{
-    Bitmap, Color, ColorSlot, Fov, FovAxis, InlineMesh, Integrator, LightImage, MeshFile, Origin, Projection, Scalar,
-    Scene, Sensor, SpectrumRule, TextureEncoding, canonical,
+    Bitmap, Color, ColorSlot, Fov, FovAxis, InlineMesh, Integrator, LightImage, MeshFile, Origin, Projection,
+    Scalar, Scene, Sensor, SpectrumRule, TextureEncoding, canonical,
 };
 use caustica_formats::mesh::{self, MeshOptions};
-use caustica_formats::spectrum::{srgb_to_linear, to_linear_rgb};
+use caustica_formats::spectrum::{conductor, ior, srgb_to_linear, to_linear_rgb};
 use serde_json::{Value, json};
 
 /// The scene as JSON without names and with one form for what can be said in several: colours are linear RGB, meshes
@@ -73,19 +73,30 @@ fn rgb(value: &Value, slot: ColorSlot, rule: SpectrumRule) -> Option<Value> {
     to_linear_rgb(&color, slot, rule).ok().map(|rgb| json!({ "rgb": rgb }))
 }
 
-/// η and k in air, for metals that are given by colours.
+/// η and k in air, for metals that are given by names or colours.
 fn metal(fields: &mut serde_json::Map<String, Value>) {
     let three = |value: &Value| -> Option<[f64; 3]> {
         serde_json::from_value(value.get("Color")?.get("rgb")?.clone()).ok()
     };
     let colors = |v: [f64; 3]| json!({ "Color": { "rgb": v } });
+    if let Some(Value::Object(named)) = fields.get("Named")
+        && let Some(metal) = named.get("name").and_then(Value::as_str).and_then(conductor)
+    {
+        let outside = named.get("ext_eta").cloned().unwrap_or(Value::Null);
+        let metal = json!({ "eta": colors(metal.eta), "k": colors(metal.k), "ext_eta": outside });
+        fields.remove("Named");
+        fields.insert("EtaK".to_owned(), metal);
+    }
     if let Some(r) = fields.get("Reflectance").and_then(three) {
         let k = r.map(|r| r.clamp(0.0, 0.9999)).map(|r| 2.0 * (r / (1.0 - r)).sqrt());
         fields.remove("Reflectance");
         fields.insert("EtaK".to_owned(), json!({ "eta": colors([1.0; 3]), "k": colors(k), "ext_eta": null }));
     }
     let Some(Value::Object(metal)) = fields.get_mut("EtaK") else { return };
-    let outside = metal.get("ext_eta").and_then(|ior| ior.get("Value")?.as_f64());
+    let outside = metal.get("ext_eta").and_then(|outside| match outside.get("Named") {
+        Some(name) => ior(name.as_str()?),
+        None => outside.get("Value")?.as_f64(),
+    });
     if let Some(outside) = outside
         && let (Some(eta), Some(k)) = (metal.get("eta").and_then(three), metal.get("k").and_then(three))
     {

@@ -1,11 +1,12 @@
 //! A scene reads below its own folder and the folders its user named, and meshes and pictures below
 //! the folders it declares itself, nowhere else.
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock};
 
-use crate::files::{Disk, Files};
+use crate::files::{Disk, Files, plain};
 
 /// The file system below some folders. Links and `..` are followed first, so they lead nowhere else.
 #[derive(Debug)]
@@ -13,6 +14,8 @@ pub struct Confined {
     roots: Vec<PathBuf>,
     /// For files named as one of [`ASSETS`] only: a scene may not show what else stands there.
     declared: RwLock<Vec<PathBuf>>,
+    /// What was looked for or asked for and lies elsewhere.
+    outside: RwLock<BTreeSet<PathBuf>>,
 }
 
 const ASSETS: &[&str] = &[
@@ -43,7 +46,7 @@ impl Confined {
         let linked = std::fs::canonicalize(scene).ok().and_then(|real| real.parent().map(Path::to_path_buf));
         let roots = [own].into_iter().chain(linked).chain(allowed.iter().cloned());
         let roots = roots.filter_map(|root| std::fs::canonicalize(root).ok()).collect();
-        Self { roots, declared: RwLock::default() }
+        Self { roots, declared: RwLock::default(), outside: RwLock::default() }
     }
 
     fn allows(&self, real: &Path) -> bool {
@@ -52,22 +55,22 @@ impl Confined {
 
     /// The file that a path stands for, when it may be read.
     fn allowed(&self, path: &Path) -> io::Result<PathBuf> {
-        let real = std::fs::canonicalize(path)?;
+        let real = std::fs::canonicalize(path).map_err(plain)?;
         if self.allows(&real) {
             return Ok(real);
         }
-        let folder = real.parent().unwrap_or(Path::new("/")).display();
-        Err(io::Error::new(
-            io::ErrorKind::PermissionDenied,
-            format!(
-                "a scene may read below its own folder only; allow this one with `--allow-path {folder}`"
-            ),
-        ))
+        self.note_outside(real);
+        let text = "it is outside of the folders that the scene may read";
+        Err(io::Error::new(io::ErrorKind::PermissionDenied, text))
     }
 
     fn is_declared(&self, real: &Path) -> bool {
         let declared = self.declared.read().unwrap_or_else(PoisonError::into_inner);
         declared.iter().any(|root| real.starts_with(root))
+    }
+
+    fn note_outside(&self, real: PathBuf) {
+        self.outside.write().unwrap_or_else(PoisonError::into_inner).insert(real);
     }
 }
 
@@ -87,7 +90,14 @@ impl Files for Confined {
 
     /// True outside of the folders too: reading then says what to allow, where "not found" would puzzle.
     fn is_file(&self, path: &Path) -> bool {
-        Disk.is_file(path)
+        let there = Disk.is_file(path);
+        if there
+            && let Ok(real) = std::fs::canonicalize(path)
+            && !self.allows(&real)
+        {
+            self.note_outside(real);
+        }
+        there
     }
 
     fn names(&self, folder: &Path) -> Vec<String> {
@@ -105,6 +115,12 @@ impl Files for Confined {
         }
         self.declared.write().unwrap_or_else(PoisonError::into_inner).push(real);
         true
+    }
+
+    fn outside(&self) -> Vec<PathBuf> {
+        let noted = self.outside.read().unwrap_or_else(PoisonError::into_inner);
+        // A folder may have been declared since.
+        noted.iter().filter(|real| !self.allows(real)).cloned().collect()
     }
 }
 
@@ -126,11 +142,11 @@ mod tests {
         assert!(files.read(&at("scenes/s.xml")).is_ok());
         assert!(files.read(&at("scenes/meshes/../meshes/m")).is_ok());
         for outside in ["other/o", "scenes/../other/o", "scenes-too/t"] {
-            let problem = files.read(&at(outside)).expect_err("outside").to_string();
-            let real = std::fs::canonicalize(at(outside)).expect("exists");
-            let folder = real.parent().expect("has a folder").display().to_string();
-            assert!(problem.ends_with(&format!("`--allow-path {folder}`")), "{problem}");
+            let problem = files.read(&at(outside)).expect_err("outside");
+            assert_eq!(problem.kind(), io::ErrorKind::PermissionDenied);
         }
+        let real = |name: &str| std::fs::canonicalize(at(name)).expect("exists");
+        assert_eq!(files.outside(), [real("other/o"), real("scenes-too/t")]);
         assert!(files.names(&at("other")).is_empty());
         let files = Confined::new(&at("scenes/s.xml"), &[at("other")]);
         assert!(files.read(&at("scenes/../other/o")).is_ok());

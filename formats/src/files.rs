@@ -32,10 +32,30 @@ pub trait Files: fmt::Debug + Sync {
     fn declare(&self, _folder: &Path) -> bool {
         false
     }
+    /// Files that the scene names and may not read, links followed.
+    fn outside(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
 }
 
 /// No scene, mesh or texture file may be larger than this (8 GiB).
 pub const MAX_FILE_BYTES: u64 = 8 << 30;
+
+/// An error in the system's words, without its number in the system's list.
+pub fn words(error: &io::Error) -> String {
+    let text = error.to_string();
+    let Some((words, rest)) = text.split_once(" (os error ") else { return text };
+    let after = rest.split_once(')').map_or("", |(_, after)| after);
+    format!("{words}{after}")
+}
+
+/// As [`words`], still an error.
+pub fn plain(error: io::Error) -> io::Error {
+    match words(&error) {
+        text if text == error.to_string() => error,
+        text => io::Error::new(error.kind(), text),
+    }
+}
 
 /// The file system.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,11 +64,11 @@ pub struct Disk;
 impl Files for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         self.check(path)?;
-        std::fs::read(path)
+        std::fs::read(path).map_err(plain)
     }
 
     fn check(&self, path: &Path) -> io::Result<()> {
-        let about = std::fs::metadata(path)?;
+        let about = std::fs::metadata(path).map_err(plain)?;
         // A device or a pipe may never end.
         if !about.is_file() {
             return Err(io::Error::other("it is not a regular file"));
@@ -129,8 +149,10 @@ pub(crate) fn part_by_part(
 /// What the files of a scene read more than once may add up to, in bytes: includes that multiply each
 /// other would fill the memory out of a few kilobytes.
 const MAX_REPEATED: u64 = 64 << 20;
+/// What a file read once more counts at least: an empty one costs memory too.
+const LEAST_REPEATED: u64 = 1 << 10;
 
-/// Keeps count of the files a scene includes.
+/// Keeps count of the files a scene includes. There may be any number of them; their size is limited.
 #[derive(Debug, Default)]
 pub(crate) struct Included {
     seen: BTreeSet<PathBuf>,
@@ -141,12 +163,17 @@ impl Included {
     /// Counts one more inclusion of a file of so many bytes.
     pub fn count(&mut self, path: &Path, bytes: usize) -> Result<(), String> {
         if !self.seen.insert(path.to_path_buf()) {
-            self.repeated += bytes as u64;
+            self.repeated += (bytes as u64).max(LEAST_REPEATED);
         }
-        if self.repeated > MAX_REPEATED {
+        if self.is_full() {
             return Err(format!("files included again and again add up to more than {MAX_REPEATED} bytes"));
         }
         Ok(())
+    }
+
+    /// Whether the limit was passed, which [`Self::count`] reported: nothing more should be read.
+    pub fn is_full(&self) -> bool {
+        self.repeated > MAX_REPEATED
     }
 }
 

@@ -57,7 +57,8 @@ pub fn read_scene(files: &dyn Files, path: &Path, options: &ReadOptions) -> Resu
     let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default().to_ascii_lowercase();
     let named = |l: &&Language| l.extensions.iter().any(|known| name.ends_with(&format!(".{known}")));
     if let Some(language) = LANGUAGES.iter().find(named) {
-        return (language.read)(files, path, options);
+        return (language.read)(files, path, options)
+            .map_err(|failure| Box::new(failure.advised(files, path)));
     }
     let known = dotted(LANGUAGES.iter().flat_map(|l| l.extensions).copied());
     let problem = Diagnostic::error(format!("{}: not a scene language caustica reads", path.display()), None)

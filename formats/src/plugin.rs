@@ -1,6 +1,6 @@
 //! Plugin tables, which both scene languages have: one row per name, with its reader or its status.
 
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Severity, Span};
 
 /// How a plugin of a scene language is supported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,10 +60,23 @@ pub(crate) fn find<F: Copy>(table: &[Plugin<F>], name: &str) -> Option<Status<F>
     table.iter().find(|row| row.name == name).map(|row| row.status)
 }
 
+/// What is rendered instead of a plugin of the table; `None` when it is rendered itself or not at all.
+pub(crate) fn instead<F>(table: &[Plugin<F>], name: &str) -> Option<&'static str> {
+    table.iter().find(|row| row.name == name).map(|row| row.instead).filter(|instead| !instead.is_empty())
+}
+
 /// The error for a name that no version of the language has; `what` is the likes of "bsdf plugin".
 pub(crate) fn unknown<F>(table: &[Plugin<F>], what: &str, name: &str, span: Span) -> Diagnostic {
-    let problem = Diagnostic::error(format!("unknown {what} `{name}`"), Some(span));
-    problem.suggest_or(name, table.iter().map(|row| row.name), || {
+    suggest(table, name, Diagnostic::error(format!("unknown {what} `{name}`"), Some(span)))
+}
+
+/// With the name of the table that was probably meant; an error without one gets all that can be read.
+pub(crate) fn suggest<F>(table: &[Plugin<F>], name: &str, problem: Diagnostic) -> Diagnostic {
+    let names = table.iter().map(|row| row.name);
+    if problem.severity < Severity::Error {
+        return problem.suggest(name, names);
+    }
+    problem.suggest_or(name, names, || {
         let readable = table.iter().filter(|row| matches!(row.status, Status::Read(_)));
         let names: Vec<&str> = readable.map(|row| row.name).collect();
         format!("known: {}", names.join(", "))

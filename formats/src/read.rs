@@ -1,10 +1,12 @@
 //! What a reader of any scene language takes and gives.
 
+use std::cmp::Reverse;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Diagnostic, SourceMap};
-use crate::ir;
+use crate::diagnostic::{Diagnostic, SHOWN, Severity, SourceMap};
+use crate::files::Files;
+use crate::{ir, outside};
 
 /// What a reader needs beside the scene itself.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +38,38 @@ pub struct Failure {
     pub diagnostics: Vec<Diagnostic>,
     /// The files the spans point into.
     pub sources: SourceMap,
+}
+
+impl Failure {
+    /// Errors first, each kind in the order given.
+    pub fn new(mut diagnostics: Vec<Diagnostic>, sources: SourceMap) -> Self {
+        diagnostics.sort_by_key(|d| Reverse(d.severity));
+        Self { diagnostics, sources }
+    }
+
+    /// With a note that says how to allow what the scene at `scene` may not read, where that is among the
+    /// problems.
+    #[must_use]
+    pub fn advised(mut self, files: &dyn Files, scene: &Path) -> Self {
+        if let Some(note) = outside::advice(files, scene) {
+            // Among those that are shown.
+            let at = self.diagnostics.len().min(SHOWN - 1);
+            self.diagnostics.insert(at, note);
+        }
+        self
+    }
+
+    /// Without warnings and notes.
+    #[must_use]
+    pub fn errors_only(mut self) -> Self {
+        self.diagnostics.retain(|d| d.severity == Severity::Error);
+        self
+    }
+
+    /// Whether nothing is wrong but what was asked for.
+    pub fn is_request(&self) -> bool {
+        self.diagnostics.iter().all(|d| d.request || d.severity != Severity::Error)
+    }
 }
 
 impl fmt::Display for Failure {

@@ -1,4 +1,4 @@
-//! `caustica inspect`: the scene as it was read, its statistics, the plan, and what is not rendered.
+//! `caustica inspect`: the scene as it was read, its statistics, the plan, and what is wrong with it.
 
 use clap::Args;
 
@@ -16,21 +16,23 @@ pub struct InspectArgs {
     json: bool,
 }
 
-/// Prints what is to be said of the scene to stdout. What is not supported is listed there; other
-/// warnings go to stderr.
+/// Prints what is to be said of the scene to stdout, and problems to stderr. The exit status is that of `render`: 1
+/// where the scene cannot be rendered.
 ///
 /// # Errors
-/// When the scene cannot be opened.
+/// When what was asked for is wrong.
 pub fn run(args: &InspectArgs) -> Result<u8, Failure> {
-    let session = args.scene.inspect()?;
-    let description = session.describe();
-    if args.json {
-        report::data(&serde_json::to_string_pretty(&description).map_err(|e| e.to_string())?)?;
-    } else {
-        if !session.other_warnings().is_empty() {
-            report::line(session.other_warnings());
-        }
-        report::data(&description.to_string())?;
+    let inspection = args.scene.inspect()?;
+    let description = inspection.describe();
+    match &inspection.failure {
+        Some(failure) => report::error(&failure.to_string()),
+        None if args.json || inspection.warnings().is_empty() => {}
+        None => report::line(&inspection.warnings()),
     }
-    Ok(0)
+    report::data(&if args.json {
+        serde_json::to_string_pretty(&description).map_err(|e| e.to_string())?
+    } else {
+        description.to_string()
+    })?;
+    Ok(inspection.failure.map_or(0, |failure| Failure::from(failure).status()))
 }

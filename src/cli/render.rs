@@ -57,7 +57,7 @@ pub struct RenderArgs {
     /// List the settings of --set with types and defaults
     #[arg(long)]
     help_settings: bool,
-    /// Print errors only
+    /// Print errors, and what is missing in the picture, only
     #[arg(short, long)]
     quiet: bool,
     /// Print the plan and more statistics
@@ -124,7 +124,8 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
         report::line(&format!("interrupted in the first pass: nothing was written to {}", file.display()));
     }
     let whole = outcome.statistics.passes > 0 && !outcome.statistics.first_pass_cut;
-    if whole && (saving || outcome.stop == Stop::Interrupted) {
+    let last = whole && (saving || outcome.stop == Stop::Interrupted);
+    if last {
         let saved = saver.save(&outcome.pixels, outcome.statistics.passes, true);
         if let (Err(_), Err(problem)) = (&picture, &saved) {
             report::error(&problem.to_string());
@@ -133,7 +134,9 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     } else {
         picture?;
     }
-    let written = if kept { &[] } else { &*output.files };
+    let pictures = if kept { &[] } else { &*output.files };
+    let checkpoint = last.then_some(format!("{} (checkpoint)", saver.path.display()));
+    let written = pictures.iter().map(|file| file.display().to_string()).chain(checkpoint);
     args.summary(&session, written, &outcome, load_seconds)?;
     Ok(if outcome.stop == Stop::Interrupted { interrupt.status() } else { 0 })
 }
@@ -175,7 +178,7 @@ impl RenderArgs {
         if self.verbose {
             report::line(&session.plan().to_string());
         }
-        if !session.facts.lit && !self.quiet {
+        if !session.facts.lit {
             let scene = session.path().display();
             report::line(&format!("warning: {scene}: the scene has no light; the picture will be black"));
         }
@@ -227,7 +230,7 @@ impl RenderArgs {
     fn summary(
         &self,
         session: &Session,
-        written: &[PathBuf],
+        written: impl Iterator<Item = String>,
         outcome: &Outcome,
         load_seconds: f64,
     ) -> Result<(), String> {
@@ -241,7 +244,7 @@ impl RenderArgs {
         if !self.quiet {
             report::line(&summary::table(outcome, load_seconds));
             for file in written {
-                report::line(&format!("wrote {}", file.display()));
+                report::line(&format!("wrote {file}"));
             }
         }
         Ok(())
@@ -253,7 +256,9 @@ fn help_settings() -> Result<u8, String> {
     let rows: Vec<String> = SETTINGS
         .iter()
         .zip(defaults.values())
-        .map(|(row, (_, default))| format!("{:<20} {} [{}; default {default}]", row.name, row.doc, row.wants))
+        .map(|(row, (_, default))| {
+            format!("{:<20} {} [{}; default {default}]", row.name, row.doc, row.expected)
+        })
         .collect();
     let kernels: Vec<&str> = KernelKind::ALL.iter().map(|k| k.name()).collect();
     report::data(&format!("{}\n\nkernels: {}", rows.join("\n"), kernels.join(", ")))?;

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use caustica_formats::diagnostic::nearest;
 use caustica_formats::ir::{Crop, Filter, SpectrumRule};
 use clap::{Args, ValueEnum};
 
 use super::failure::Failure;
 use super::report;
 use crate::scene::compile::MAX_PIXELS;
-use crate::session::{Error, Options, Session};
+use crate::session::{Error, Inspection, Options, Session};
 
 /// Scene file, parameters, camera, film and settings, for every subcommand that opens a scene.
 #[derive(Debug, Args)]
@@ -120,7 +121,11 @@ fn crop(text: &str) -> Result<Crop, String> {
 }
 
 fn filter(name: &str) -> Result<Filter, String> {
-    Filter::named(name).ok_or_else(|| format!("expected {}", filter_names()))
+    Filter::named(name).ok_or_else(|| {
+        let near = nearest(name, Filter::NAMED.iter().map(|row| row.name));
+        let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        format!("expected {}{hint}", filter_names())
+    })
 }
 
 /// "box, tent or lanczos".
@@ -143,25 +148,22 @@ impl SceneArgs {
     /// # Errors
     /// When no scene is named, or it cannot be opened.
     pub fn open(&self, quiet: bool) -> Result<Session, Failure> {
-        let session = Session::open(self.path()?, &self.options());
-        let warnings = match &session {
-            Ok(session) => session.warnings(),
-            Err(Error::Scene { warnings, .. }) => warnings,
-            Err(_) => "",
-        };
-        if !quiet && !warnings.is_empty() {
-            report::line(warnings);
+        let session = Session::open(self.path()?, &self.options()).map_err(|error| match error {
+            Error::Scene(failure) if quiet => Error::Scene(Box::new(failure.errors_only())),
+            error => error,
+        })?;
+        if !quiet && !session.warnings().is_empty() {
+            report::line(session.warnings());
         }
-        Ok(session?)
+        Ok(session)
     }
 
-    /// As [`Self::open`], without printing. What is not supported is no error.
+    /// As [`Self::open`], without printing; a scene that cannot be rendered is looked at all the same.
     ///
     /// # Errors
-    /// As [`Self::open`].
-    pub fn inspect(&self) -> Result<Session, Failure> {
-        let options = Options { lenient: true, ..self.options() };
-        Ok(Session::open(self.path()?, &options)?)
+    /// When no scene is named, or what was asked for is wrong.
+    pub fn inspect(&self) -> Result<Inspection, Failure> {
+        Ok(Inspection::of(self.path()?, &self.options())?)
     }
 
     fn path(&self) -> Result<&Path, Failure> {
@@ -210,5 +212,6 @@ mod tests {
             filter("sinc"),
             Err("expected box, tent, gaussian, mitchell, catmullrom or lanczos".to_owned())
         );
+        assert!(filter("gausian").unwrap_err().ends_with("; did you mean `gaussian`?"));
     }
 }

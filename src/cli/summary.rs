@@ -9,22 +9,28 @@ use super::report;
 /// The table that `render` prints.
 pub fn table(outcome: &Outcome, load_seconds: f64) -> String {
     let s = &outcome.statistics;
+    let made = s.passes - s.resumed_passes;
+    let passes = match s.resumed_passes {
+        0 => format!("{made}"),
+        resumed => format!("{} = {resumed} of the checkpoint + {made}", s.passes),
+    };
     let mut rows = vec![
-        ("passes", format!("{} in {:.2} s (loading {load_seconds:.2} s)", s.passes, s.seconds)),
+        ("passes", format!("{passes} in {:.2} s (loading {load_seconds:.2} s)", s.seconds)),
         ("rays", format!("{} ({}/s)", count(s.rays as f64), rate(s.rays, s.seconds))),
     ];
+    if made == 0 {
+        rows.truncate(1);
+    }
     if s.light_paths > 0 {
         rows.extend(photon_rows(outcome));
     }
-    if s.first_radius > 0.0 {
-        rows.push(("radius", format!("{:.4e} to {:.4e}", s.first_radius, s.last_radius)));
-    }
-    if s.first_caustic_radius > 0.0 {
-        rows.push((
-            "caustic radius",
-            format!("{:.4e} to {:.4e}", s.first_caustic_radius, s.last_caustic_radius),
-        ));
-    }
+    let radii = [
+        ("radius", s.first_radius, s.last_radius),
+        ("caustic radius", s.first_caustic_radius, s.last_caustic_radius),
+    ];
+    // The last radius is known of a pass that was made here.
+    let radii = radii.into_iter().filter(|(_, first, last)| *first > 0.0 && *last > 0.0);
+    rows.extend(radii.map(|(name, first, last)| (name, format!("{first:.4e} to {last:.4e}"))));
     let memory =
         report::peak_memory().map_or_else(String::new, |m| format!("{} at the peak; ", megabytes(m)));
     rows.push((
@@ -38,7 +44,12 @@ pub fn table(outcome: &Outcome, load_seconds: f64) -> String {
     ));
     if s.passes > 1 {
         let error = 100.0 * outcome.pixels.relative_error(s.passes);
-        rows.push(("standard error", format!("{error:.3} % of the mean")));
+        let text = if error.is_finite() {
+            format!("{error:.3} % of the mean")
+        } else {
+            "none: all is black".to_owned()
+        };
+        rows.push(("standard error", text));
     }
     rows.push(("ended", ended(outcome).to_owned()));
     rows.iter().map(|(n, v)| format!("{n:<15} {v}")).collect::<Vec<_>>().join("\n")

@@ -10,8 +10,10 @@ use crate::texture::{Param, Site, Textures};
 pub enum Falloff {
     /// Linear in the angle (Mitsuba).
     Linear,
-    /// 3x² − 2x³ of the cosine's share of the way (pbrt).
+    /// 3x² − 2x³ of the cosine's share of the way (pbrt-v4).
     Smoothstep,
+    /// x⁴ of it (pbrt-v3).
+    Quartic,
 }
 
 /// Point light with a cone: full intensity (W/sr) up to the angle `beam`, none from `cutoff` on (radians).
@@ -78,10 +80,11 @@ impl Spot {
         let falloff = match self.falloff {
             _ if angle <= self.beam => 1.0,
             Falloff::Linear => (self.cutoff - angle) / (self.cutoff - self.beam),
-            Falloff::Smoothstep => {
+            Falloff::Smoothstep | Falloff::Quartic => {
                 let (edge, full) = (self.cutoff.cos(), self.beam.cos());
                 let x = ((d.z - edge) / (full - edge)).clamp(0.0, 1.0);
-                x * x * (3.0 - 2.0 * x)
+                let end = if self.falloff == Falloff::Quartic { x * x } else { 3.0 - 2.0 * x };
+                x * x * end
             }
         };
         let color = self.texture.map_or(Color::ONE, |t| {
@@ -132,6 +135,7 @@ impl Light for Spot {
             Falloff::Linear => 0.0,
             // The step is symmetric: half of the rim's solid angle counts.
             Falloff::Smoothstep => 0.5 * (b.cos() - c.cos()),
+            Falloff::Quartic => 0.2 * (b.cos() - c.cos()),
         };
         self.intensity * (2.0 * std::f64::consts::PI * (1.0 - b.cos() + ramp)) as f32
     }

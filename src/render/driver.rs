@@ -68,6 +68,8 @@ pub struct Progress<'a> {
 pub struct Statistics {
     /// Passes in the picture, resumed ones included.
     pub passes: u32,
+    /// Those of them that were resumed; counts and times are of the others.
+    pub resumed_passes: u32,
     /// Wall-clock time of the render without loading.
     pub seconds: f64,
     /// Choosing radii and path counts.
@@ -253,7 +255,7 @@ fn run<I: Integrator>(
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         progress(&Progress { pixels: &pixels, passes, elapsed: start.elapsed(), pass });
     };
-    (stats.passes, stats.seconds) = (passes, start.elapsed().as_secs_f64());
+    (stats.passes, stats.resumed_passes, stats.seconds) = (passes, done, start.elapsed().as_secs_f64());
     Outcome { pixels, statistics: stats, stop }
 }
 

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use caustica_formats::files::plain;
 use caustica_formats::image::{atomic_replace, atomic_write};
 
 use super::{Error, Session};
-use crate::film::{Filter, Pixels};
+use crate::film::{FilmSize, Filter, Pixels};
 use crate::render::{Checkpoint, CheckpointError, Sums};
 
 /// Seconds between flushes to the disk. Between them a checkpoint survives the death of the program,
@@ -42,6 +43,7 @@ impl Saver {
         let problem = |source: CheckpointError| Error::Resume { file: self.path.clone(), source };
         let saved = match Checkpoint::read(&self.path) {
             Err(CheckpointError::Io(e)) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(CheckpointError::Io(e)) => return Err(problem(CheckpointError::Io(plain(e)))),
             read => read.map_err(problem)?,
         };
         saved.check(&self.identity).map_err(problem)?;
@@ -91,12 +93,22 @@ fn identity(session: &Session) -> Vec<(String, String)> {
     let mut rows = vec![
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("scene hash".to_owned(), session.hash.clone()),
-        ("film".to_owned(), format!("{}x{} crop {:?}", film.width, film.height, film.crop)),
+        ("film".to_owned(), film_name(film)),
         ("filter".to_owned(), filter_name(&session.view.filter)),
     ];
     rows.extend(session.choices.iter().cloned());
     rows.extend(session.settings.values().filter(|(n, _)| *n != "passes").map(|(n, v)| (n.to_owned(), v)));
     rows
+}
+
+/// "640×480", or "640×480, of it 64×48 at 0,0".
+fn film_name(film: FilmSize) -> String {
+    let [x, y, width, height] = film.crop;
+    let whole = format!("{}×{}", film.width, film.height);
+    if film.crop == FilmSize::full(film.width, film.height).crop {
+        return whole;
+    }
+    format!("{whole}, of it {width}×{height} at {x},{y}")
 }
 
 fn filter_name(filter: &Filter) -> String {

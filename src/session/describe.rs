@@ -2,33 +2,35 @@
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Debug, Write};
+use std::path::Path;
 
-use caustica_formats::diagnostic::{Diagnostic, SourceMap};
 use caustica_formats::ir;
 use serde::Serialize;
 
 use super::units::{count, megabytes};
-use super::{Plan, Session};
+use super::{Finding, Plan, Session};
+use crate::scene::Scene;
 
-/// All that is said of a scene.
-/// Serialises to the JSON of `inspect --json`, prints as its text.
+/// All that is said of a scene. Serialises to the JSON of `inspect --json`, prints as its text. What could not be
+/// found out because of an error is absent.
 #[derive(Clone, Debug, Serialize)]
 pub struct Description<'a> {
     scene: String,
+    /// Whether `render` takes the scene.
+    renders: bool,
+    diagnostics: &'a [Finding],
     /// Of all its files.
-    hash: &'a str,
-    read: &'a Contents,
-    statistics: Statistics,
-    plan: Plan,
-    settings: BTreeMap<&'static str, String>,
-    unsupported: Vec<&'a Finding>,
-    warnings: Vec<&'a Finding>,
+    hash: Option<&'a str>,
+    read: Option<&'a Contents>,
+    statistics: Option<Statistics>,
+    plan: Option<Plan>,
+    settings: Option<BTreeMap<&'static str, String>>,
 }
 
 /// What the file says, before anything is made of it: how many of each kind.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Contents {
-    film: [u32; 2],
+    film: Option<[u32; 2]>,
     crop: Option<ir::Crop>,
     integrator: Option<String>,
     sensors: usize,
@@ -59,97 +61,79 @@ struct Statistics {
     acceleration_bytes: usize,
 }
 
-/// A problem that does not keep the scene from being opened.
-#[derive(Clone, Debug, Serialize)]
-pub struct Finding {
-    /// FILE:LINE:COLUMN.
-    pub place: Option<String>,
-    /// What it is about.
-    pub message: String,
-    /// What to do about it.
-    pub help: Vec<String>,
-    /// Something is left out of the picture or replaced.
-    #[serde(skip)]
-    pub unsupported: bool,
-}
-
-impl Finding {
-    pub(super) fn new(d: &Diagnostic, sources: &SourceMap) -> Self {
+impl Statistics {
+    fn of(scene: &Scene) -> Self {
+        let levels = std::iter::once(&scene.geometry.world).chain(&scene.geometry.groups);
+        let center = scene.sphere.center;
         Self {
-            place: d.span.map(|span| sources.location(span)),
-            message: d.message.clone(),
-            help: d.help.clone(),
-            unsupported: d.unsupported,
+            shapes: scene.shapes.len(),
+            primitives: levels.map(|level| level.primitives).sum(),
+            instances: scene.geometry.instances.len(),
+            materials: scene.materials.len(),
+            textures: scene.textures.0.len(),
+            texture_bytes: scene.textures.bytes(),
+            emitters: scene.emitters.len(),
+            emitted_power: crate::spectrum::to_rgb(scene.power()).map(f64::from),
+            // The scene's coordinates begin at its origin.
+            middle: std::array::from_fn(|i| scene.origin[i] + f64::from(center[i])),
+            radius: f64::from(scene.sphere.radius),
+            acceleration_bytes: scene.geometry.bytes(),
         }
     }
 }
 
 impl<'a> Description<'a> {
-    pub(super) fn of(session: &'a Session) -> Self {
-        let scene = &session.scene;
-        let levels = std::iter::once(&scene.geometry.world).chain(&scene.geometry.groups);
-        let (unsupported, warnings) = session.findings.iter().partition(|f| f.unsupported);
+    /// Of the scene at `path` with what was found; without a session of what its files say.
+    pub(super) fn of(
+        path: &Path,
+        renders: bool,
+        diagnostics: &'a [Finding],
+        session: Option<&'a Session>,
+        contents: Option<&'a Contents>,
+    ) -> Self {
         Self {
-            scene: session.path.display().to_string(),
-            hash: &session.hash,
-            read: &session.contents,
-            statistics: Statistics {
-                shapes: scene.shapes.len(),
-                primitives: levels.map(|level| level.primitives).sum(),
-                instances: scene.geometry.instances.len(),
-                materials: scene.materials.len(),
-                textures: scene.textures.0.len(),
-                texture_bytes: scene.textures.bytes(),
-                emitters: scene.emitters.len(),
-                emitted_power: crate::spectrum::to_rgb(scene.power()).map(f64::from),
-                middle: scene.origin,
-                radius: f64::from(scene.sphere.radius),
-                acceleration_bytes: scene.geometry.bytes(),
-            },
-            plan: session.plan(),
-            settings: session.settings.values().collect(),
-            unsupported,
-            warnings,
+            scene: path.display().to_string(),
+            renders,
+            diagnostics,
+            hash: session.map(Session::hash),
+            read: session.map(|session| &session.contents).or(contents),
+            statistics: session.map(|session| Statistics::of(&session.scene)),
+            plan: session.map(Session::plan),
+            settings: session.map(|session| session.settings.values().collect()),
         }
     }
 
     fn text(&self) -> String {
-        let (read, made) = (&self.read, &self.statistics);
         let mut out = String::new();
         let mut row = |name: &str, value: String| out.push_str(&format!("{name:<20} {value}\n"));
-        let [w, h] = read.film;
         row("scene", self.scene.clone());
-        let crop = read.crop.map(|c| format!(", of it {}×{} at {}, {}", c.width, c.height, c.x, c.y));
-        row("film", format!("{w}×{h}{}", crop.unwrap_or_default()));
-        row("integrator", read.integrator.clone().unwrap_or_else(|| "none asked for".to_owned()));
-        row("sensors", read.sensors.to_string());
-        row("shapes", listed(&read.shapes));
-        row("groups", read.groups.to_string());
-        row("materials", listed(&read.materials));
-        row("textures", listed(&read.textures));
-        row("emitters", listed(&read.emitters));
-        row("area lamps", read.area_lamps.to_string());
-        row("\nprimitives", count(made.primitives as f64));
-        row("instances", made.instances.to_string());
-        row("textures loaded", format!("{} ({})", made.textures, megabytes(made.texture_bytes as u64)));
-        let [red, green, blue] = made.emitted_power;
-        row("emitted power", format!("{red:.4}, {green:.4}, {blue:.4} W"));
-        let [x, y, z] = made.middle;
-        row("middle, radius", format!("({x:.4}, {y:.4}, {z:.4}), {:.4}", made.radius));
-        row("acceleration", megabytes(made.acceleration_bytes as u64));
-        out.push_str(&format!("\nplan\n{}\n\nsettings\n", self.plan));
-        for (name, value) in &self.settings {
-            out.push_str(&format!("  {name:<18} {value}\n"));
+        if let Some(read) = self.read {
+            read.rows(&mut row);
         }
-        out.push_str("\nnot supported\n");
-        for &Finding { place, message, .. } in &self.unsupported {
-            out.push_str(&format!(
-                "  {}{message}\n",
-                place.as_ref().map_or(String::new(), |p| format!("{p}: "))
-            ));
+        if let Some(made) = &self.statistics {
+            made.rows(&mut row);
         }
-        if self.unsupported.is_empty() {
-            out.push_str("  nothing: all of the scene is rendered\n");
+        if let Some(plan) = &self.plan {
+            out.push_str(&format!("\nplan\n{plan}\n"));
+        }
+        if let Some(settings) = &self.settings {
+            out.push_str("\nsettings\n");
+            settings.iter().for_each(|(name, value)| out.push_str(&format!("  {name:<18} {value}\n")));
+        }
+        let mut list = |title: &str, wanted: &dyn Fn(&Finding) -> bool, none: &str| {
+            let lines: Vec<String> =
+                self.diagnostics.iter().filter(|f| wanted(f)).map(Finding::line).collect();
+            if !lines.is_empty() || !none.is_empty() {
+                out.push_str(&format!("\n{title}\n"));
+                out.push_str(if lines.is_empty() { none } else { "" });
+                lines.iter().for_each(|line| out.push_str(&format!("  {line}\n")));
+            }
+        };
+        let none = if self.renders { "  nothing: all of the scene is rendered\n" } else { "" };
+        list("not supported", &|f| f.unsupported, none);
+        list("errors", &|f| f.is_error() && !f.unsupported, "");
+        if !self.renders {
+            out.push_str("\nthis scene is refused\n");
         }
         out.trim_end().to_owned()
     }
@@ -162,12 +146,14 @@ impl fmt::Display for Description<'_> {
 }
 
 impl Contents {
-    pub(super) fn of(scene: &ir::Scene, film: &ir::Film) -> Self {
+    /// With the film of a sensor by its number, or that of the scene's default.
+    pub(super) fn of(scene: &ir::Scene, sensor: Option<usize>) -> Self {
+        let film = scene.sensors.get(sensor.unwrap_or(scene.default_sensor)).map(|sensor| &sensor.film);
         let in_groups = || scene.groups.iter().flat_map(|(_, group)| &group.shapes);
         let shapes = || scene.shapes.iter().chain(in_groups());
         Self {
-            film: [film.width, film.height],
-            crop: film.crop,
+            film: film.map(|film| [film.width, film.height]),
+            crop: film.and_then(|film| film.crop),
             integrator: scene.integrator.as_ref().map(|i| i.plugin.clone()),
             sensors: scene.sensors.len(),
             shapes: kinds(shapes().map(|shape| &shape.kind)),
@@ -177,6 +163,37 @@ impl Contents {
             emitters: kinds(scene.emitters.iter().map(|emitter| &emitter.kind)),
             area_lamps: shapes().filter(|shape| shape.emission.is_some()).count(),
         }
+    }
+
+    fn rows(&self, row: &mut dyn FnMut(&str, String)) {
+        if let Some([w, h]) = self.film {
+            let crop = self.crop.map(|c| format!(", of it {}×{} at {}, {}", c.width, c.height, c.x, c.y));
+            row("film", format!("{w}×{h}{}", crop.unwrap_or_default()));
+        }
+        row("integrator", self.integrator.clone().unwrap_or_else(|| "none asked for".to_owned()));
+        row("sensors", self.sensors.to_string());
+        row("shapes", listed(&self.shapes));
+        row("groups", self.groups.to_string());
+        row("materials", listed(&self.materials));
+        row("textures", listed(&self.textures));
+        let mut emitters = self.emitters.clone();
+        if self.area_lamps > 0 {
+            emitters.insert("Area".to_owned(), self.area_lamps);
+        }
+        row("emitters", listed(&emitters));
+    }
+}
+
+impl Statistics {
+    fn rows(&self, row: &mut dyn FnMut(&str, String)) {
+        row("\nprimitives", count(self.primitives as f64));
+        row("instances", self.instances.to_string());
+        row("textures loaded", format!("{} ({})", self.textures, megabytes(self.texture_bytes as u64)));
+        let [red, green, blue] = self.emitted_power;
+        row("emitted power", format!("{red:.4}, {green:.4}, {blue:.4} W"));
+        let [x, y, z] = self.middle;
+        row("middle, radius", format!("({x:.4}, {y:.4}, {z:.4}), {:.4}", self.radius));
+        row("acceleration", megabytes(self.acceleration_bytes as u64));
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use caustica_formats::Failure;
+use caustica_formats::ir::Crop;
 use thiserror::Error as ThisError;
 
 use super::layers::UnknownLayer;
@@ -13,12 +15,24 @@ use crate::settings::SettingError;
 #[derive(Debug, ThisError)]
 pub enum Error {
     /// The scene could not be read or compiled.
-    #[error("{problems}")]
-    Scene {
-        /// Every problem with its place in the author's file.
-        problems: String,
-        /// What was worth a warning until then; may be empty.
-        warnings: String,
+    #[error(transparent)]
+    Scene(#[from] Box<Failure>),
+    /// The scene has no sensor of this number.
+    #[error("invalid value `{asked}` for `--sensor`: expected {}", sensors(*.count))]
+    NoSensor {
+        /// Counted from 0.
+        asked: usize,
+        /// Sensors of the scene.
+        count: usize,
+    },
+    /// What is to be rendered is not on the film.
+    #[error("invalid value `{},{},{},{}` for `--crop`: expected a part of the film, which has {} × {} pixels",
+        crop.x, crop.y, crop.width, crop.height, film[0], film[1])]
+    OutsideFilm {
+        /// The part that was asked for.
+        crop: Crop,
+        /// Width and height.
+        film: [u32; 2],
     },
     /// A setting does not exist or cannot have this value.
     #[error(transparent)]
@@ -95,13 +109,22 @@ impl Error {
     pub fn is_request(&self) -> bool {
         matches!(
             self,
-            Self::Setting(_)
+            Self::NoSensor { .. }
+                | Self::OutsideFilm { .. }
+                | Self::Setting(_)
                 | Self::UnknownLayer(_)
                 | Self::NeedsExr { .. }
                 | Self::UnknownFormat { .. }
                 | Self::IsInput(_)
                 | Self::NamedTwice(_)
-        )
+        ) || matches!(self, Self::Scene(failure) if failure.is_request())
+    }
+}
+
+fn sensors(count: usize) -> String {
+    match count {
+        1 => "0, as the scene has one sensor".to_owned(),
+        n => format!("a number from 0 to {}, as the scene has {n} sensors", n - 1),
     }
 }
 

@@ -56,14 +56,16 @@ impl<'a> Hashing<'a> {
 }
 
 fn hash(bytes: &[u8]) -> u64 {
-    let mut words = bytes.chunks_exact(8);
-    let mut h = words
-        .by_ref()
-        .fold(bytes.len() as u64, |h, w| mix(h ^ u64::from_le_bytes(w.try_into().unwrap_or_default())));
-    for &b in words.remainder() {
-        h = mix(h ^ u64::from(b));
+    // Four sums side by side: each step has to wait for the one before it.
+    let (blocks, rest) = bytes.as_chunks::<32>();
+    let mut sums = [0, 1, 2, 3];
+    for block in blocks {
+        for (sum, word) in sums.iter_mut().zip(block.as_chunks::<8>().0) {
+            *sum = mix(*sum ^ u64::from_le_bytes(*word));
+        }
     }
-    h
+    let h = sums.into_iter().fold(bytes.len() as u64, |h, sum| mix(h ^ sum));
+    rest.iter().fold(h, |h, b| mix(h ^ u64::from(*b)))
 }
 
 impl Files for Hashing<'_> {
@@ -87,6 +89,10 @@ impl Files for Hashing<'_> {
 
     fn declare(&self, folder: &Path) -> bool {
         self.inner.declare(folder)
+    }
+
+    fn outside(&self) -> Vec<PathBuf> {
+        self.inner.outside()
     }
 }
 

@@ -3,6 +3,8 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
+use caustica_formats::files::words;
+
 use super::{Error, place};
 
 /// Held while a render may write `path`; the system lets go of it even after kill -9.
@@ -25,8 +27,7 @@ impl Lock {
         let beside = target.with_file_name(format!(".{name}.lock"));
         loop {
             let file = File::options().create(true).truncate(false).write(true).open(&beside);
-            let file =
-                file.map_err(|e| Error::Unwritable { file: path.to_path_buf(), why: e.to_string() })?;
+            let file = file.map_err(|e| Error::Unwritable { file: path.to_path_buf(), why: words(&e) })?;
             match file.try_lock() {
                 Ok(()) if same(&file, &beside) => return Ok(Some(Self { _file: file, beside })),
                 // The process that had it removed the file between our two steps.

@@ -4,7 +4,8 @@
 //! few calls of this module each.
 //!
 //! - [`Session::open`] reads and compiles a scene with [`Options`].
-//! - [`Session::describe`] says what is in it and what rendering it will do ([`Plan`]).
+//! - [`Inspection::of`] opens it as well and says what is in it, what rendering it will do ([`Plan`]) and what is
+//!   wrong with it.
 //! - [`Session::check_memory`] and [`Output::check`] find out what would fail before time is spent.
 //! - [`Session::render`] makes passes until a [`Budget`] is used up and calls back after each.
 //! - [`Session::picture`] gives pixels; [`Output::write`] puts them into files.
@@ -13,7 +14,9 @@
 mod checkpoint;
 mod describe;
 mod error;
+mod finding;
 mod hashing;
+mod inspection;
 mod layers;
 mod lock;
 mod memory;
@@ -30,18 +33,20 @@ use std::path::{Path, PathBuf};
 use caustica_formats::confined::Confined;
 use caustica_formats::diagnostic::{Diagnostic, SourceMap};
 use caustica_formats::files::Files;
-use caustica_formats::{Read, ir, read_scene};
+use caustica_formats::{Failure, Read, ir, read_scene};
 
 use crate::integrator::Task;
 use crate::render::{Budget, Outcome, Progress, Sums, render};
-use crate::scene::compile::compile;
+use crate::scene::compile::{Compiled, compile};
 use crate::scene::{Facts, Scene, View};
 use crate::settings::Settings;
 
 pub use caustica_formats::ir::{Crop, Filter, SpectrumRule};
 pub use checkpoint::Saver;
-pub use describe::{Description, Finding};
+pub use describe::Description;
 pub use error::Error;
+pub use finding::{Finding, Label, Place};
+pub use inspection::Inspection;
 pub use layers::{KNOWN as KNOWN_LAYERS, Layers, UnknownLayer};
 pub use lock::Lock;
 pub use memory::Memory;
@@ -99,8 +104,7 @@ impl Session {
         // A misspelt setting is found before the scene is read, which may take long.
         options.override_settings(&mut Settings::default())?;
         let files = Hashing::new(files, path);
-        let read = read_scene(&files, path, &options.reading())
-            .map_err(|failure| Error::Scene { problems: failure.to_string(), warnings: String::new() })?;
+        let read = read_scene(&files, path, &options.reading())?;
         Self::compiled(read, files, path, options)
     }
 
@@ -113,23 +117,13 @@ impl Session {
         Self::compiled(read, Hashing::new(files, path), path, options)
     }
 
-    fn compiled(read: Read, files: Hashing<'_>, path: &Path, options: &Options) -> Result<Self, Error> {
-        let Read { mut scene, warnings: mut diagnostics, sources } = read;
-        options.override_film(&mut scene);
-        let of_reader = shown(&sources, &diagnostics);
-        // What was not read from files has places in none.
-        let read = sources.paths().next().is_some();
-        let placed = |problems: Vec<Diagnostic>| -> Vec<Diagnostic> {
-            problems.into_iter().map(|d| Diagnostic { span: d.span.filter(|_| read), ..d }).collect()
-        };
-        let mut compiled = compile(&scene, &files, options.compiling()).map_err(|problems| Error::Scene {
-            problems: shown(&sources, &placed(problems)),
-            warnings: of_reader.clone(),
-        })?;
-        compiled.warnings = placed(compiled.warnings);
+    fn compiled(mut read: Read, files: Hashing<'_>, path: &Path, options: &Options) -> Result<Self, Error> {
+        options.check(&read.scene)?;
+        options.override_film(&mut read.scene);
+        let compiled = compile_read(&read, &files, path, options)?;
+        let Read { scene, warnings: mut diagnostics, sources } = read;
         let mut settings = compiled.settings;
         options.override_settings(&mut settings)?;
-        let of_both = [of_reader, shown(&sources, &compiled.warnings)];
         diagnostics.extend(compiled.warnings);
         let others: Vec<Diagnostic> = diagnostics.iter().filter(|d| !d.unsupported).cloned().collect();
         let film = scene.sensors[options.sensor.unwrap_or(scene.default_sensor)].film.clone();
@@ -140,10 +134,10 @@ impl Session {
             view: compiled.view,
             settings,
             path: path.to_path_buf(),
-            contents: Contents::of(&scene, &film),
+            contents: Contents::of(&scene, options.sensor),
             film,
             findings: diagnostics.iter().map(|d| Finding::new(d, &sources)).collect(),
-            warnings: [of_both.map(|text| text + "\n").concat().trim().to_owned(), shown(&sources, &others)],
+            warnings: [shown(&sources, &diagnostics), shown(&sources, &others)],
             hash,
             inputs,
             choices: options.choices(),
@@ -170,7 +164,7 @@ impl Session {
         &self.warnings[0]
     }
 
-    /// [`Session::warnings`] without those about what is not rendered, which [`Session::describe`] lists.
+    /// [`Session::warnings`] without those about what is not rendered, which [`Inspection::describe`] lists.
     pub fn other_warnings(&self) -> &str {
         &self.warnings[1]
     }
@@ -184,11 +178,6 @@ impl Session {
     pub fn wants_alpha(&self) -> bool {
         use ir::PixelFormat::{LuminanceAlpha, Rgba, Xyza};
         matches!(self.film.pixel_format, Rgba | LuminanceAlpha | Xyza)
-    }
-
-    /// What is in the scene, and what rendering it will do.
-    pub fn describe(&self) -> Description<'_> {
-        Description::of(self)
     }
 
     /// What a render with the present settings will do.
@@ -221,6 +210,29 @@ impl Session {
     pub fn picture<'a>(&'a self, outcome: &'a Outcome) -> Picture<'a> {
         let statistics = &outcome.statistics;
         Picture { session: self, pixels: &outcome.pixels, passes: statistics.passes, statistics }
+    }
+}
+
+/// Whether a scene that was read can be rendered: [`Session::open`] with these options fails where this does.
+///
+/// # Errors
+/// As [`Session::open`].
+pub fn check(read: &Read, files: &dyn Files, path: &Path, options: &Options) -> Result<(), Error> {
+    compile_read(read, files, path, options).map(|_| ())
+}
+
+fn compile_read(read: &Read, files: &dyn Files, path: &Path, options: &Options) -> Result<Compiled, Error> {
+    // What was not read from files has places in none.
+    let has_places = read.sources.paths().next().is_some();
+    let placed = |problems: Vec<Diagnostic>| -> Vec<Diagnostic> {
+        problems.into_iter().map(|d| Diagnostic { span: d.span.filter(|_| has_places), ..d }).collect()
+    };
+    match compile(&read.scene, files, options.compiling()) {
+        Ok(compiled) => Ok(Compiled { warnings: placed(compiled.warnings), ..compiled }),
+        Err(problems) => {
+            let all = read.warnings.iter().cloned().chain(placed(problems)).collect();
+            Err(Box::new(Failure::new(all, read.sources.clone()).advised(files, path)).into())
+        }
     }
 }
 

@@ -61,6 +61,23 @@ impl Options {
         CompileOptions { sensor: self.sensor, lenient: self.lenient, spectrum_rule: self.spectrum_rule }
     }
 
+    /// Makes sure that the scene has what is asked for.
+    pub(super) fn check(&self, scene: &ir::Scene) -> Result<(), Error> {
+        let count = scene.sensors.len();
+        if let Some(asked) = self.sensor.filter(|asked| count > 0 && *asked >= count) {
+            return Err(Error::NoSensor { asked, count });
+        }
+        let sensor = scene.sensors.get(self.sensor.unwrap_or(scene.default_sensor));
+        if let (Some(crop), Some(sensor)) = (self.crop, sensor) {
+            let [width, height] = self.size.unwrap_or([sensor.film.width, sensor.film.height]);
+            let fits = |from: u32, n: u32, full: u32| from.checked_add(n).is_some_and(|end| end <= full);
+            if !(fits(crop.x, crop.width, width) && fits(crop.y, crop.height, height)) {
+                return Err(Error::OutsideFilm { crop, film: [width, height] });
+            }
+        }
+        Ok(())
+    }
+
     /// Changes the film of the chosen sensor.
     pub(super) fn override_film(&self, scene: &mut ir::Scene) {
         let index = self.sensor.unwrap_or(scene.default_sensor);

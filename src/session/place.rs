@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use caustica_formats::files::words;
+
 use super::Error;
 
 /// Makes sure that no two outputs are one file, and that none is a file the scene was read from.
@@ -64,7 +66,7 @@ pub fn check_place(file: &Path) -> Result<(), Error> {
     }
     match tempfile::Builder::new().prefix(".caustica-probe").tempfile_in(folder) {
         Ok(_) => Ok(()),
-        Err(e) => fail(&e),
+        Err(e) => fail(&words(&e)),
     }
 }
 
@@ -86,7 +88,7 @@ pub(super) fn keep_elsewhere(file: &Path, bytes: &[u8]) -> Result<PathBuf, Strin
         );
         match kept {
             Ok(path) => return Ok(path),
-            Err(e) => problems.push(format!("`{}`: {e}", folder.display())),
+            Err(e) => problems.push(format!("`{}`: {}", folder.display(), words(&e))),
         }
     }
     Err(problems.join(", "))

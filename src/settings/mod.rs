@@ -28,19 +28,27 @@ pub enum SettingError {
         nearest: Option<String>,
     },
     /// The value is none that the setting can have.
-    #[error("setting `{name}` wants {wants}, got `{got}`")]
+    #[error("invalid value `{found}` for setting `{name}`: expected {expected}{}", suggestion(.nearest))]
     Invalid {
         /// The setting.
         name: String,
         /// What its values look like, in words.
-        wants: String,
+        expected: String,
         /// The value that was given.
-        got: String,
+        found: String,
+        /// A value that was probably meant.
+        nearest: Option<String>,
     },
 }
 
 fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map_or_else(String::new, |n| format!("; did you mean `{n}`?"))
+}
+
+/// The word that differs from `text` in so many letters at most, if there is one.
+fn nearest(text: &str, words: impl Iterator<Item = &'static str>, most: usize) -> Option<String> {
+    let distances = words.map(|word| (strsim::damerau_levenshtein(text, word), word));
+    distances.min().filter(|(distance, _)| *distance <= most).map(|(_, word)| word.to_owned())
 }
 
 /// One row of [`SETTINGS`].
@@ -49,15 +57,17 @@ pub struct Row {
     /// By which scenes and the command line set it.
     pub name: &'static str,
     /// What its values look like, for people.
-    pub wants: &'static str,
+    pub expected: &'static str,
     /// What it does.
     pub doc: &'static str,
     set: fn(&mut Settings, &str) -> Result<(), String>,
     get: fn(&Settings) -> String,
+    /// Values that are words.
+    words: fn() -> Vec<&'static str>,
 }
 
 macro_rules! settings {
-    ($($field:ident: $type:ty = $default:expr, $wants:literal, $doc:literal;)+) => {
+    ($($field:ident: $type:ty = $default:expr, $expected:literal, $doc:literal;)+) => {
         /// How to render. Field order is that of `--help-settings`.
         #[derive(Clone, Debug, PartialEq)]
         pub struct Settings { $(#[doc = $doc] pub $field: $type),+ }
@@ -71,10 +81,11 @@ macro_rules! settings {
         /// All settings.
         pub const SETTINGS: &[Row] = &[$(Row {
             name: stringify!($field),
-            wants: $wants,
+            expected: $expected,
             doc: $doc,
             set: |s, text| { s.$field = <$type as Value>::parse(text)?; Ok(()) },
             get: |s| s.$field.to_string(),
+            words: <$type as Value>::words,
         }),+];
     };
 }
@@ -111,21 +122,18 @@ impl Settings {
     /// Sets one by name, to a value in the words of the command line.
     ///
     /// # Errors
-    /// [`SettingError::Unknown`] with the nearest name, [`SettingError::Invalid`] with what was wanted.
+    /// [`SettingError::Unknown`] with the nearest name, [`SettingError::Invalid`] with what was expected.
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingError> {
         let Some(row) = SETTINGS.iter().find(|r| r.name == name) else {
-            let nearest = SETTINGS
-                .iter()
-                .map(|r| (strsim::damerau_levenshtein(name, r.name), r.name))
-                .min()
-                .filter(|(d, _)| *d <= 3)
-                .map(|(_, n)| n.to_owned());
+            let nearest = nearest(name, SETTINGS.iter().map(|row| row.name), 3);
             return Err(SettingError::Unknown { name: name.to_owned(), nearest });
         };
-        (row.set)(self, value.trim()).map_err(|wants| SettingError::Invalid {
+        let value = value.trim();
+        (row.set)(self, value).map_err(|expected| SettingError::Invalid {
             name: name.to_owned(),
-            wants,
-            got: value.to_owned(),
+            expected,
+            found: value.to_owned(),
+            nearest: nearest(&value.to_ascii_lowercase(), (row.words)().into_iter(), value.len() / 3),
         })
     }
 
@@ -150,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_named_with_what_was_wanted() {
+    fn mistakes_are_named_with_what_was_expected() {
         let mut s = Settings::default();
         assert_eq!(
             s.set("kernal", "cone").unwrap_err().to_string(),
@@ -158,15 +166,21 @@ mod tests {
         );
         assert_eq!(
             s.set("alpha", "2").unwrap_err().to_string(),
-            "setting `alpha` wants a number between 0 and 1, got `2`"
+            "invalid value `2` for setting `alpha`: expected a number between 0 and 1"
         );
+        assert_eq!(
+            s.set("lookup", "nearst").unwrap_err().to_string(),
+            "invalid value `nearst` for setting `lookup`: expected one of radius, nearest; did you mean `nearest`?"
+        );
+        assert!(s.set("nee", "flase").unwrap_err().to_string().ends_with("did you mean `false`?"));
+        assert!(s.set("radius", "Auto").unwrap_err().to_string().ends_with("did you mean `auto`?"));
         let one = "a whole number from 2 (the farthest photon bounds the disc and is not counted)";
-        for (name, value, wants) in [
+        for (name, value, expected) in [
             ("neighbours", "1", one.to_owned()),
             ("caustic_neighbours", "0", one.to_owned()),
             ("caustic_cap", "1", format!("{one}, or -1 for no limit")),
         ] {
-            let message = format!("setting `{name}` wants {wants}, got `{value}`");
+            let message = format!("invalid value `{value}` for setting `{name}`: expected {expected}");
             assert_eq!(s.set(name, value).unwrap_err().to_string(), message);
         }
         s.set("radius", "0.05R").unwrap();

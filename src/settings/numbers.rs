@@ -30,7 +30,7 @@ impl fmt::Display for Count {
 impl FromStr for Count {
     type Err = String;
     fn from_str(s: &str) -> Result<Self, String> {
-        let wants = || "a whole number from 1, `stored:NUMBER` or `auto`".to_owned();
+        let expected = || "a whole number from 1, `stored:NUMBER` or `auto`".to_owned();
         let number = |s: &str| match s.parse::<u64>() {
             Ok(0) => {
                 Err("a whole number from 1 (integrator `path` needs no photons), `stored:NUMBER` or `auto`"
@@ -40,7 +40,7 @@ impl FromStr for Count {
             // 1e6 and 2.5e5 are how people write photon counts.
             Err(_) => match s.parse::<f64>() {
                 Ok(x) if (1.0..1e18).contains(&x) && x.fract() == 0.0 => Ok(x as u64),
-                _ => Err(wants()),
+                _ => Err(expected()),
             },
         };
         match s {
@@ -99,7 +99,7 @@ impl Limit {
     /// Without limit.
     pub const NONE: Self = Self(u32::MAX);
 
-    fn wants() -> String {
+    fn expected() -> String {
         "a whole number from 0, or -1 for no limit".to_owned()
     }
 }
@@ -115,8 +115,8 @@ impl FromStr for Limit {
     fn from_str(s: &str) -> Result<Self, String> {
         match s.parse::<i64>() {
             Ok(-1) => Ok(Self::NONE),
-            Ok(n) => u32::try_from(n).map(Self).map_err(|_| Self::wants()),
-            Err(_) => Err(Self::wants()),
+            Ok(n) => u32::try_from(n).map(Self).map_err(|_| Self::expected()),
+            Err(_) => Err(Self::expected()),
         }
     }
 }
@@ -168,7 +168,7 @@ impl FromStr for Cap {
             _ => s
                 .parse::<Neighbours>()
                 .map(|n| Self(n.0))
-                .map_err(|wants| format!("{wants}, or -1 for no limit")),
+                .map_err(|expected| format!("{expected}, or -1 for no limit")),
         }
     }
 }

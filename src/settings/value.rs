@@ -4,28 +4,33 @@ use super::choices::{IntegratorKind, Lookup, Mode, Roulette};
 use super::numbers::{Cap, Count, Limit, Neighbours, Radius, Samples};
 use crate::math::kernel::KernelKind;
 
-/// Parses with what was wanted as the error.
+/// Parses with what was expected as the error.
 pub(super) trait Value: Sized {
     fn parse(s: &str) -> Result<Self, String>;
+    /// Values that are words.
+    fn words() -> Vec<&'static str> {
+        Vec::new()
+    }
 }
 
 macro_rules! value_from_str {
-    ($($t:ty),+) => { $(impl Value for $t {
+    ($($t:ty: $words:expr),+ $(,)?) => { $(impl Value for $t {
         fn parse(s: &str) -> Result<Self, String> { s.parse() }
+        fn words() -> Vec<&'static str> { $words }
     })+ };
 }
 value_from_str!(
-    IntegratorKind,
-    Mode,
-    Lookup,
-    Roulette,
-    Count,
-    Radius,
-    Limit,
-    Neighbours,
-    Cap,
-    Samples,
-    KernelKind
+    IntegratorKind: Self::NAMES.to_vec(),
+    Mode: Self::NAMES.to_vec(),
+    Lookup: Self::NAMES.to_vec(),
+    Roulette: Self::NAMES.to_vec(),
+    Count: vec!["auto"],
+    Radius: vec!["auto"],
+    Limit: Vec::new(),
+    Neighbours: Vec::new(),
+    Cap: Vec::new(),
+    Samples: vec!["auto"],
+    KernelKind: Self::ALL.iter().map(|kernel| kernel.name()).collect(),
 );
 
 impl Value for bool {
@@ -35,6 +40,9 @@ impl Value for bool {
             "false" | "off" | "no" => Ok(false),
             _ => Err("true or false".to_owned()),
         }
+    }
+    fn words() -> Vec<&'static str> {
+        vec!["true", "false"]
     }
 }
 

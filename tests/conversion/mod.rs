@@ -1,5 +1,7 @@
 //! What is converted shows the same picture: every shape with every use of a texture, in both directions.
 
+mod accepted;
+mod extremes;
 mod faults;
 mod table;
 
@@ -35,11 +37,15 @@ impl Source {
         Self { name, files: beside.chain([scene]).collect() }
     }
 
+    /// To the other language.
     pub fn convert(&self) -> Converted {
+        self.convert_to(if self.name.ends_with("xml") { "made.pbrt" } else { "made.xml" })
+    }
+
+    pub fn convert_to(&self, name: &'static str) -> Converted {
         let files = Memory(self.files.clone());
         let read = read_scene(&files, Path::new(self.name), &ReadOptions::default())
             .unwrap_or_else(|e| panic!("{e}"));
-        let name = if self.name.ends_with("xml") { "made.pbrt" } else { "made.xml" };
         let written = write_scene(&read, &files, Path::new(name)).unwrap();
         let mut beside = self.files.clone();
         for asset in &written.assets {
@@ -59,6 +65,12 @@ impl Source {
 }
 
 impl Converted {
+    /// What our reader says of it.
+    pub fn open(&self) -> Result<Session, String> {
+        let options = Options { spectrum_rule: None, ..Options::default() };
+        Session::open_in(&self.files, Path::new(self.name), &options).map_err(|e| e.to_string())
+    }
+
     pub fn picture(&self, seed: u64) -> Picture {
         picture(&self.files, self.name, seed)
     }

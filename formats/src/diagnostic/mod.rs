@@ -53,6 +53,8 @@ pub struct Diagnostic {
     pub help: Vec<String>,
     /// Names something that is known and not rendered.
     pub unsupported: bool,
+    /// What was asked for beside the scene is wrong, not the scene.
+    pub request: bool,
 }
 
 impl Diagnostic {
@@ -65,6 +67,7 @@ impl Diagnostic {
             labels: Vec::new(),
             help: Vec::new(),
             unsupported: false,
+            request: false,
         }
     }
 
@@ -82,6 +85,13 @@ impl Diagnostic {
     #[must_use]
     pub fn unsupported(mut self) -> Self {
         self.unsupported = true;
+        self
+    }
+
+    /// Marks it as a message about what was asked for, such as a value for a parameter that no scene has.
+    #[must_use]
+    pub fn request(mut self) -> Self {
+        self.request = true;
         self
     }
 
@@ -133,7 +143,7 @@ pub(crate) fn in_source_order(problems: &mut Vec<Diagnostic>) {
 }
 
 /// Most messages printed at once.
-const SHOWN: usize = 100;
+pub(crate) const SHOWN: usize = 100;
 
 /// The last boundary between characters of `text` at or before `offset`.
 pub(crate) fn char_floor(text: &str, offset: usize) -> usize {
@@ -171,7 +181,7 @@ struct SourceFile {
 impl SourceMap {
     /// Adds a file and returns its index.
     pub fn add(&mut self, path: PathBuf, text: String) -> u32 {
-        let id = u32::try_from(self.files.len()).expect("include depth and count are limited");
+        let id = u32::try_from(self.files.len()).expect("memory holds fewer files");
         self.files.push(SourceFile { path, text, lines: OnceLock::new() });
         id
     }

@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempPath;
 
+use crate::files::plain;
+
 /// Writes `bytes` to `path` through a temporary file in the same folder that is flushed to disk and
 /// then renamed over the target. The temporary file is removed when anything fails.
 ///
 /// # Errors
 /// When the folder or the file cannot be written; the old file is then as it was.
 pub fn atomic_write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
-    write(path.as_ref(), bytes, true)
+    write(path.as_ref(), bytes, true).map_err(plain)
 }
 
 /// As [`atomic_write`] without the flush: safe against a crash of the program, but not of the machine.
@@ -19,7 +21,7 @@ pub fn atomic_write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// When the folder or the file cannot be written; the old file is then as it was.
 pub fn atomic_replace(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
-    write(path.as_ref(), bytes, false)
+    write(path.as_ref(), bytes, false).map_err(plain)
 }
 
 fn write(path: &Path, bytes: &[u8], flush: bool) -> io::Result<()> {

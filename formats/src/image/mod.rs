@@ -15,6 +15,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use thiserror::Error;
 
+use crate::misnamed;
+
+pub use crate::files::words;
 pub use atomic::{Staged, atomic_replace, atomic_write};
 pub use exr_write::{ExrLayer, ExrOptions, encode_exr, write_exr};
 pub use hdr::encode_hdr;
@@ -127,9 +130,12 @@ pub fn read_samples(bytes: &[u8]) -> Result<Image<Samples>, ImageError> {
         Some(Format::Pfm) => pfm::read(bytes).map(floats),
         Some(Format::Hdr) => hdr::read(bytes).map(floats),
         Some(Format::Raster(format)) => raster::read(bytes, format),
-        None => Err(ImageError::Unsupported(
-            "this image format (known: EXR, PNG, JPEG, BMP, TGA, HDR, PFM)".into(),
-        )),
+        None => Err(match misnamed::not_binary(bytes) {
+            Some(what) => ImageError::Invalid(format!("it is {what}")),
+            None => ImageError::Unsupported(
+                "this image format (known: EXR, PNG, JPEG, BMP, TGA, HDR, PFM)".into(),
+            ),
+        }),
     }
 }
 

@@ -183,7 +183,8 @@ fn formats_are_told_apart() {
         assert!((image.pixel(8, 0)[0] - 160.0 / 255.0).abs() < tolerance);
         assert!(image.pixel(0, 0)[0].abs() < tolerance);
     }
-    assert!(matches!(read(b"hello"), Err(ImageError::Unsupported(_))));
+    assert!(matches!(read(b"hello"), Err(ImageError::Invalid(_))));
+    assert!(matches!(read(b"\x00\x01\xff hello"), Err(ImageError::Unsupported(_))));
     assert!(read(b"").is_err());
 }
 

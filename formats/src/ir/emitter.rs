@@ -119,8 +119,10 @@ plain! { SpotFalloff, EnvironmentMapping }
 pub enum SpotFalloff {
     /// Linear in the angle (Mitsuba).
     Linear,
-    /// Smoothstep of the cosine (pbrt).
+    /// Smoothstep of the cosine (pbrt-v4).
     Smoothstep,
+    /// Fourth power of the cosine's share of the way (pbrt-v3).
+    Quartic,
 }
 
 /// A picture that emits.

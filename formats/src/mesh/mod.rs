@@ -16,6 +16,7 @@ use thiserror::Error;
 
 use crate::files::{MAX_FILE_BYTES, is_gzip, unpack};
 use crate::ir::MeshFormat;
+use crate::misnamed;
 
 pub use attributes::Attribute;
 pub use obj::{ObjMaterial, ObjParts, obj_parts, read_mtl, read_obj, read_obj_part};
@@ -76,6 +77,16 @@ pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<M
     } else {
         bytes
     };
+    let as_expected = match format {
+        MeshFormat::Obj | MeshFormat::ObjPart { .. } => true,
+        MeshFormat::Ply => bytes.starts_with(b"ply"),
+        MeshFormat::Serialized { .. } => bytes.starts_with(&serialized::MAGIC.to_le_bytes()),
+    };
+    let other =
+        if as_expected { misnamed::named(bytes).map(str::to_owned) } else { misnamed::not_binary(bytes) };
+    if let Some(what) = other {
+        return Err(MeshError::Invalid(format!("it is {what}")));
+    }
     match format {
         MeshFormat::Obj => read_obj(bytes, options),
         MeshFormat::ObjPart { index } => read_obj_part(bytes, index, options),

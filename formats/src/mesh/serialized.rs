@@ -7,7 +7,8 @@ use flate2::read::ZlibDecoder;
 
 use super::{Mesh, MeshError, MeshOptions, check_indices, finish};
 
-const MAGIC: u16 = 0x041c;
+/// The first two bytes of every mesh.
+pub(super) const MAGIC: u16 = 0x041c;
 
 const HAS_NORMALS: u32 = 0x0001;
 const HAS_UVS: u32 = 0x0002;

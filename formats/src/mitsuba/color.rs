@@ -5,6 +5,7 @@ use super::object::{Class, Entry, Object, ObjectIndex, Value};
 use super::props::Props;
 use super::reader::Reader;
 use super::texture::is_texture_plugin;
+use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
 use crate::plugin::{Plugin, read};
@@ -164,7 +165,11 @@ impl<'a> Reader<'a> {
                 match object.class {
                     Class::Texture | Class::Spectrum if is_texture(object) => {
                         let gray = ColorInput::Color(Color::Gray(0.5));
-                        return Some(self.texture(*index).map_or(gray, ColorInput::Texture));
+                        let outer = self.in_emitter;
+                        self.in_emitter |= slot == ColorSlot::Emission;
+                        let texture = self.texture(*index);
+                        self.in_emitter = outer;
+                        return Some(texture.map_or(gray, ColorInput::Texture));
                     }
                     Class::Texture | Class::Spectrum => self.spectrum(*index).unwrap_or(Color::Gray(0.5)),
                     _ => return props.wrong(entry, "a colour or texture"),
@@ -180,7 +185,13 @@ impl<'a> Reader<'a> {
         let (Color::Rgb(rgb) | Color::Srgb(rgb)) = color else { return };
         let name = entry.name.as_deref().unwrap_or_default();
         let shown = rgb.map(|v| v.to_string()).join(", ");
-        if slot == ColorSlot::Reflectance && rgb.iter().any(|v| !(0.0..=1.0).contains(v)) {
+        if slot == ColorSlot::Reflectance && self.in_emitter && rgb.iter().all(|v| *v >= 0.0) {
+            if self.dialect != Dialect::Old && rgb.iter().any(|v| *v > 1.0) {
+                let text = format!("`{name}` is light here and may be more than 1: [{shown}]");
+                let problem = Diagnostic::warning(text, Some(entry.span));
+                props.problems.push(problem.help("Mitsuba takes it so up to 3.6, and rejects it later"));
+            }
+        } else if slot == ColorSlot::Reflectance && rgb.iter().any(|v| !(0.0..=1.0).contains(v)) {
             let text = format!("`{name}` is a reflectance and must lie between 0 and 1, not [{shown}]");
             props.problems.push(Diagnostic::new(self.strict(), text, Some(entry.span)));
         } else if rgb.iter().any(|v| *v < 0.0) {
@@ -271,7 +282,8 @@ fn numbers(props: &mut Props<'_>, name: &'static str) -> Option<Vec<f64>> {
 }
 
 fn irregular(props: &mut Props<'_>) -> Option<Color> {
-    let (wavelengths, values) = (numbers(props, "wavelengths")?, numbers(props, "values")?);
+    let (wavelengths, values) = (numbers(props, "wavelengths"), numbers(props, "values"));
+    let (wavelengths, values) = (wavelengths?, values?);
     if wavelengths.len() != values.len() {
         let text = format!("{} wavelengths but {} values", wavelengths.len(), values.len());
         props.complain("values", text);

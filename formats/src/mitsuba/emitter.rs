@@ -39,6 +39,9 @@ const BAKED: &str = "render it into a latitude-longitude picture and use an `env
 /// Emitters on the surface of a shape; true for those that emit along the normal only.
 pub(super) const AREA_EMITTERS: &[Plugin<bool>] = &[read("area", false), read("directionalarea", true)];
 
+/// How often the emitter is chosen, and marks of renderers that sample specular chains; ignored.
+const HARMLESS: &[&str] = &["sampling_weight", "caustic_emitter_single", "caustic_emitter_multi"];
+
 impl<'a> Reader<'a> {
     pub fn top_level_emitter(&mut self, index: ObjectIndex) {
         let object = &self.objects[index];
@@ -63,7 +66,7 @@ impl<'a> Reader<'a> {
         }
         let Some(reader) = self.plugin(EMITTERS, index, "it is skipped") else { return };
         let mut props = self.props(index);
-        props.ignore(&["sampling_weight"]);
+        props.ignore(HARMLESS);
         self.report_medium(&mut props);
         let kind = reader(self, &mut props);
         let (name, origin) = (props.name(), props.origin());
@@ -99,9 +102,8 @@ impl<'a> Reader<'a> {
             if props.has("to_world") {
                 props.complain("to_world", "an area emitter takes no `to_world`; place the shape instead");
             }
-            props.ignore(&["sampling_weight", "to_world"]);
-            // Marks of renderers that sample specular chains.
-            props.ignore(&["caustic_emitter_single", "caustic_emitter_multi"]);
+            props.ignore(HARMLESS);
+            props.ignore(&["to_world"]);
             self.report_medium(&mut props);
             let radiance = self.color_input(&mut props, "radiance", ColorSlot::Emission, 1.0);
             let origin = props.origin();

@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 
 use super::foreign;
 use super::parameters::Parameters;
+use super::policy::Policy;
 use super::tree::{Element, MAX_DEPTH};
 use super::version::Version;
 use super::xml;
 use crate::diagnostic::{Diagnostic, SourceMap, Span};
 use crate::encoding::{as_declared, into_utf8};
 use crate::files::{Files, Included};
+use crate::misnamed;
 use crate::missing::{find, not_found};
 use crate::read::ReadOptions;
 
 const MAX_INCLUDE_DEPTH: usize = 32;
-const MAX_INCLUDES: usize = 10_000;
 
 /// The expanded tree of a scene.
 #[derive(Debug)]
@@ -25,6 +26,8 @@ pub(super) struct Expanded {
     pub versions: Vec<Version>,
     /// `<path>` folders, the last one given first.
     pub folders: Vec<PathBuf>,
+    /// An included file could not be read. What it defines is missing for that reason alone.
+    pub incomplete: bool,
 }
 
 pub(super) struct Expander<'a> {
@@ -44,8 +47,8 @@ pub(super) struct Expander<'a> {
     later_includes: Vec<Vec<PathBuf>>,
     /// Depth of the root element of each file of `stack`.
     root_depths: Vec<usize>,
-    included: usize,
     repeats: Included,
+    incomplete: bool,
 }
 
 impl<'a> Expander<'a> {
@@ -68,8 +71,8 @@ impl<'a> Expander<'a> {
             defaults: Vec::new(),
             later_includes: Vec::new(),
             root_depths: Vec::new(),
-            included: 0,
             repeats: Included::default(),
+            incomplete: false,
         }
     }
 
@@ -94,8 +97,13 @@ impl<'a> Expander<'a> {
             self.problems.push(problem);
             return None;
         }
-        self.problems.extend(self.parameters.unused());
-        Some(Expanded { root, versions: self.versions, folders: self.folders })
+        if !self.incomplete {
+            let policy = Policy { lenient: self.options.lenient };
+            self.problems.extend(self.parameters.report_undefined(path, policy));
+            self.problems.extend(self.parameters.unused());
+        }
+        let Self { versions, folders, incomplete, .. } = self;
+        Some(Expanded { root, versions, folders, incomplete })
     }
 
     fn file(&mut self, path: &Path, from: Option<Span>, depth: usize) -> Option<Element> {
@@ -136,6 +144,9 @@ impl<'a> Expander<'a> {
 
     fn text(&self, path: &Path) -> Result<String, String> {
         let bytes = as_declared(into_utf8(self.files.read(path).map_err(|e| e.to_string())?));
+        if let Some(what) = misnamed::named(&bytes) {
+            return Err(format!("it is {what}"));
+        }
         if u32::try_from(bytes.len()).is_err() {
             return Err("a scene file must be smaller than 4 GiB".to_owned());
         }
@@ -171,13 +182,14 @@ impl<'a> Expander<'a> {
     }
 
     fn substituted(&mut self, text: &str, span: Span) -> Result<Option<String>, ()> {
-        let before = self.problems.len();
+        let before = (self.problems.len(), self.parameters.undefined_count());
         let result = self.substitute(text, span);
         if result.is_ok() || self.later_includes.iter().all(Vec::is_empty) {
             return result;
         }
         // Perhaps a file that is included further down defines it.
-        self.problems.truncate(before);
+        self.problems.truncate(before.0);
+        self.parameters.forget_undefined(before.1);
         for level in 0..self.later_includes.len() {
             for path in std::mem::take(&mut self.later_includes[level]) {
                 let Some(root) = self.text(&path).ok().and_then(|text| xml::parse(0, &text, &mut Vec::new()))
@@ -251,6 +263,7 @@ impl<'a> Expander<'a> {
         let span = element.place("filename");
         let folders = self.include_folders();
         let Some(path) = find(self.files, &name, &folders) else {
+            self.incomplete = true;
             self.problems.push(not_found(self.files, "included file", &name, span, &folders));
             return;
         };
@@ -264,20 +277,20 @@ impl<'a> Expander<'a> {
             self.problems.push(problem);
             return;
         }
-        self.included += 1;
-        if self.stack.len() >= MAX_INCLUDE_DEPTH || self.included > MAX_INCLUDES {
-            let text = if self.included > MAX_INCLUDES {
-                format!("more than {MAX_INCLUDES} files are included")
-            } else {
-                format!("files are included more than {MAX_INCLUDE_DEPTH} deep")
-            };
-            // One message serves; the rest would be its echo.
-            if self.included <= MAX_INCLUDES + 1 {
-                self.problems.push(Diagnostic::error(text, Some(span)));
-            }
+        if self.stack.len() >= MAX_INCLUDE_DEPTH {
+            let text = format!("files are included more than {MAX_INCLUDE_DEPTH} deep");
+            self.problems.push(Diagnostic::error(text, Some(span)));
             return;
         }
-        let Some(root) = self.file(&path, Some(span), depth) else { return };
+        // Reported already.
+        if self.repeats.is_full() {
+            self.incomplete = true;
+            return;
+        }
+        let Some(root) = self.file(&path, Some(span), depth) else {
+            self.incomplete = true;
+            return;
+        };
         if root.tag == "scene" {
             out.extend(root.children);
         } else {

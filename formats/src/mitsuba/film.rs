@@ -7,16 +7,18 @@ use crate::diagnostic::Diagnostic;
 use crate::ir::{
     ComponentFormat, Crop, Film, Filter, FilterNumber, NamedFilter, Origin, PixelFormat, Tonemap,
 };
-use crate::plugin::{Plugin, read, unsupported};
+use crate::plugin::{Plugin, approximated, read};
 
 type ReadTonemap = fn(&mut Props<'_>) -> Option<Tonemap>;
+
+const AS_HDRFILM: &str = "as `hdrfilm`";
 
 pub(super) const FILMS: &[Plugin<ReadTonemap>] = &[
     read("hdrfilm", high_range),
     read("ldrfilm", low_range),
     read("tiledhdrfilm", high_range),
-    unsupported("mfilm"),
-    unsupported("specfilm"),
+    approximated("mfilm", high_range, AS_HDRFILM),
+    approximated("specfilm", high_range, AS_HDRFILM),
 ];
 
 /// A plugin for each of [`Filter::NAMED`].
@@ -96,7 +98,6 @@ impl<'a> Reader<'a> {
             }
         }
         props.ignore_matching(|name| name.contains('['));
-        props.warn_rest();
         self.finish(props);
         film
     }

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use super::object::{Class, ObjectIndex, Value};
 use super::props::Props;
-use super::reader::{Reader, unknown};
-use crate::diagnostic::{Diagnostic, Severity, Span, nearest};
+use super::reader::Reader;
+use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::ir::{INTEGRATOR_SETTINGS, Integrator, Scalar, ScalarType, Setting};
-use crate::plugin::{Plugin, Status, approximated, find, read, unsupported};
+use crate::plugin::{Plugin, approximated, read, unsupported};
 
 use ScalarType::{Boolean, Float, Integer, String as Text};
 
@@ -43,6 +43,8 @@ pub(super) const INTEGRATORS: &[Plugin<Rendering>] = &[
     approximated("prb", Rendering::Approximated, AS_PATH),
     approximated("prb_basic", Rendering::Approximated, AS_PATH),
     approximated("prbvolpath", Rendering::Approximated, AS_PATH),
+    approximated("prb_projective", Rendering::Approximated, AS_PATH),
+    approximated("prb_reparam", Rendering::Approximated, AS_PATH),
     approximated("moment", Rendering::Wrapper, "the picture alone"),
     approximated("aov", Rendering::Wrapper, "the picture alone"),
     approximated("stokes", Rendering::Wrapper, "the picture alone"),
@@ -51,6 +53,11 @@ pub(super) const INTEGRATORS: &[Plugin<Rendering>] = &[
     unsupported("depth"),
     unsupported("ao"),
     unsupported("field"),
+    unsupported("motion"),
+    unsupported("direct_projective"),
+    unsupported("direct_reparam"),
+    unsupported("emission_reparam"),
+    unsupported("volprim_rf_basic"),
     unsupported("multichannel"),
 ];
 
@@ -114,35 +121,21 @@ impl<'a> Reader<'a> {
             return None;
         }
         let mut props = self.props(index);
-        let integrator = match find(INTEGRATORS, &object.plugin) {
-            Some(Status::Read(Rendering::Own(own))) => {
+        let integrator = match self.plugin(INTEGRATORS, index, "photon mapping renders the scene") {
+            Some(Rendering::Own(own)) => {
                 let settings = self.settings(&mut props, own);
                 let integrator =
                     Integrator { origin: props.origin(), plugin: object.plugin.clone(), settings };
                 self.finish(props);
                 integrator
             }
-            Some(Status::Read(Rendering::Approximated)) => {
+            Some(Rendering::Approximated) => {
                 let text = format!("integrator `{}` is approximated by `path`", object.plugin);
                 self.problems.push(Diagnostic::warning(text, Some(object.span)));
                 self.as_path(props)
             }
-            Some(Status::Read(Rendering::Wrapper)) => return self.unwrapped(props),
-            Some(Status::Unsupported(advice)) => {
-                self.unsupported(index, advice, "`path` is used");
-                self.as_path(props)
-            }
-            None => {
-                // Integrators of other renderers are replaced; a misspelt name would lose its parameters.
-                let slip = nearest(&object.plugin, INTEGRATORS.iter().map(|row| row.name)).is_some();
-                self.problems.push(if slip {
-                    unknown(INTEGRATORS, object)
-                } else {
-                    let text = format!("unknown integrator plugin `{}`: `path` is used", object.plugin);
-                    Diagnostic::warning(text, Some(object.span))
-                });
-                self.as_path(props)
-            }
+            Some(Rendering::Wrapper) => return self.unwrapped(props),
+            None => self.as_path(props),
         };
         Some(integrator)
     }

@@ -15,6 +15,7 @@ mod number;
 mod obj;
 mod object;
 mod parameters;
+mod policy;
 mod property;
 mod props;
 mod reader;
@@ -40,14 +41,15 @@ use crate::read::{Failure, Read, ReadOptions};
 pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Read, Box<Failure>> {
     let mut sources = SourceMap::default();
     let mut problems = Vec::new();
+    let policy = policy::Policy { lenient: options.lenient };
     let expanded = expand::Expander::new(files, options, &mut sources, &mut problems).scene(path);
     let scene = expanded.map(|mut tree| {
         upgrade::upgrade(&mut tree.root, &tree.versions);
         let dialect = tree.versions.first().copied().unwrap_or(version::Version(3, 0, 0)).dialect();
         let folders = search_folders(path, &tree.folders, options);
-        let resolver = resolve::Resolver::new(files, &sources, &folders, &mut problems, options.lenient);
+        let resolver = resolve::Resolver::new(files, &sources, &folders, &mut problems, policy);
         let objects = resolver.objects(tree);
-        let reader = reader::Reader::new(&objects, dialect, files, &sources, &folders, options);
+        let reader = reader::Reader::new(&objects, dialect, files, &sources, &folders, policy);
         let (scene, found) = reader.scene();
         problems.extend(found);
         scene

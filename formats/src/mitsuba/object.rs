@@ -77,6 +77,8 @@ pub(super) struct Object {
 pub(super) struct Entry {
     /// snake_case; `None` for an object without name.
     pub name: Option<String>,
+    /// The name as the file has it, where that is another.
+    pub spelling: Option<String>,
     /// As written.
     pub name_span: Span,
     /// What to point at for its value.

@@ -1,5 +1,8 @@
 //! `$name` substitution.
 
+use std::path::Path;
+
+use super::policy::Policy;
 use crate::diagnostic::{Diagnostic, Span, nearest};
 
 /// Longest substituted value: `<default>`s that double each other would fill the memory.
@@ -22,6 +25,8 @@ pub(super) struct Parameters {
     items: Vec<Parameter>,
     /// Bytes of all values that were put together.
     bytes: usize,
+    /// Names without a value and where each was first used.
+    undefined: Vec<(String, Span)>,
 }
 
 impl Parameters {
@@ -48,7 +53,7 @@ impl Parameters {
     }
 
     /// `text` with every `$name` replaced. `later` finds the value of a `<default>` that comes
-    /// after this place. `Err` when something was undefined; it was reported.
+    /// after this place. `Err` when something was undefined, which is kept for [`Self::report_undefined`].
     pub fn substitute(
         &mut self,
         text: &str,
@@ -61,6 +66,7 @@ impl Parameters {
         }
         let mut out = String::with_capacity(text.len());
         let mut rest = text;
+        let mut complete = true;
         while let Some(at) = rest.find('$') {
             if rest[..at].ends_with('\\') {
                 out.push_str(&rest[..at - 1]);
@@ -83,8 +89,10 @@ impl Parameters {
                 rest = &rest[name.len()..];
                 self.default_value(&name, &value);
             } else {
-                problems.push(self.undefined(rest, span));
-                return Err(());
+                let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
+                self.add_undefined(&rest[..end], span);
+                rest = &rest[end..];
+                complete = false;
             }
             if out.len() > MAX_VALUE_BYTES || self.bytes + out.len() > MAX_BYTES {
                 problems
@@ -94,19 +102,51 @@ impl Parameters {
         }
         out.push_str(rest);
         self.bytes += out.len();
-        Ok(Some(out))
+        if complete { Ok(Some(out)) } else { Err(()) }
     }
 
-    fn undefined(&self, rest: &str, span: Span) -> Diagnostic {
-        let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
-        let name = &rest[..end];
-        let problem = Diagnostic::error(format!("undefined parameter `${name}`"), Some(span));
-        match nearest(name, self.items.iter().map(|p| p.name.as_str())) {
-            Some(known) => problem.help(format!("did you mean `${known}`?")),
-            None => {
-                problem.help(format!("add <default name=\"{name}\" value=\"…\"/> above, or give -D {name}=…"))
+    fn add_undefined(&mut self, name: &str, span: Span) {
+        if self.undefined.iter().all(|(known, _)| known != name) {
+            self.undefined.push((name.to_owned(), span));
+        }
+    }
+
+    /// How many names have no value so far, to come back to by [`Self::forget_undefined`].
+    pub fn undefined_count(&self) -> usize {
+        self.undefined.len()
+    }
+
+    /// Forgets all names without a value but the first `kept`.
+    pub fn forget_undefined(&mut self, kept: usize) {
+        self.undefined.truncate(kept);
+    }
+
+    /// One message about all names without a value, with a command line that gives them one.
+    pub fn report_undefined(&self, scene: &Path, policy: Policy) -> Option<Diagnostic> {
+        let [(_, first), others @ ..] = self.undefined.as_slice() else { return None };
+        let names: Vec<String> = self.undefined.iter().map(|(name, _)| format!("`${name}`")).collect();
+        let plural = if others.is_empty() { "" } else { "s" };
+        let what = format!("undefined parameter{plural} {}", names.join(", "));
+        let mut problem = policy.judge(&what, "every place has its default", *first);
+        for (name, span) in others {
+            problem = problem.label(*span, format!("`${name}`"));
+        }
+        let mut command = format!("caustica render {}", quoted(&scene.display().to_string()));
+        for given in self.items.iter().filter(|p| p.given) {
+            command.push_str(&format!(" -D {}", quoted(&format!("{}={}", given.name, given.value))));
+        }
+        let mut missing = false;
+        for (name, _) in &self.undefined {
+            let known = self.items.iter().map(|p| p.name.as_str()).filter(|known| known != name);
+            match nearest(name, known) {
+                Some(known) => problem = problem.help(format!("did you mean `${known}` by `${name}`?")),
+                None => {
+                    missing = true;
+                    command.push_str(&format!(" -D {name}=..."));
+                }
             }
         }
+        Some(if missing { problem.help(format!("give a value: {command}")) } else { problem })
     }
 
     /// One error for each parameter of the command line that the scene does not have.
@@ -114,7 +154,8 @@ impl Parameters {
         self.items.iter().filter(|p| p.given && !p.used).map(|unused| {
             let name = &unused.name;
             let problem =
-                Diagnostic::error(format!("the scene never uses the parameter `{name}` given by -D"), None);
+                Diagnostic::error(format!("the scene never uses the parameter `{name}` given by -D"), None)
+                    .request();
             let known = self.items.iter().filter(|p| p.used || !p.given).map(|p| p.name.as_str());
             problem.suggest_or(name, known.clone(), || {
                 let mut known: Vec<_> = known.collect();
@@ -123,6 +164,15 @@ impl Parameters {
             })
         })
     }
+}
+
+/// `text` as one word of a shell.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./=+:,@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        return text.to_owned();
+    }
+    format!("'{}'", text.replace('\'', "'\\''"))
 }
 
 fn list_or_none(names: &[&str]) -> String {

@@ -254,7 +254,14 @@ impl PropertyReader<'_> {
     /// 0.x turns about any axis; later versions take an axis that is no unit vector as it is.
     fn rotation(&mut self, element: &Element, axis: [f64; 3], angle: f64) -> Option<Transform> {
         let Some(proper) = Transform::rotate(axis, angle) else {
-            return self.error("the axis of <rotate> is zero", element.tag_span);
+            let text = "the axis of <rotate> is zero";
+            if angle != 0.0 {
+                return self.error(text, element.tag_span);
+            }
+            let text = format!("{text}, and so is the angle: nothing is turned");
+            let problem = Diagnostic::warning(text, Some(element.tag_span));
+            self.problems.push(problem.help("Mitsuba 3 rejects this; remove it"));
+            return Some(Transform::IDENTITY);
         };
         if self.dialect == Dialect::Old {
             return Some(proper);

@@ -2,8 +2,9 @@
 
 use super::number;
 use super::object::{Class, Entry, Object, ObjectIndex, Value};
+use super::policy::Policy;
 use super::upgrade::camel_case;
-use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::diagnostic::{Diagnostic, Severity, Span, nearest};
 use crate::ir::{Ior, Origin, Transform};
 use crate::spectrum::ior_names;
 
@@ -80,21 +81,6 @@ impl<'a> Props<'a> {
     pub fn ignore_matching(&mut self, matches: impl Fn(&str) -> bool) {
         for (taken, entry) in self.taken.iter_mut().zip(&self.object.entries) {
             *taken |= entry.name.as_deref().is_some_and(&matches);
-        }
-    }
-
-    /// Whatever was not taken becomes a warning instead of an error.
-    pub fn warn_rest(&mut self) {
-        for i in 0..self.taken.len() {
-            let entry = &self.object.entries[i];
-            let is_scalar = !matches!(entry.value, Value::Object(_));
-            if let (false, true, Some(name)) = (self.taken[i], is_scalar, &entry.name) {
-                let text =
-                    format!("unknown parameter `{}` of {} is ignored", self.spelt(name), self.object.plugin);
-                let problem = Diagnostic::warning(text, Some(entry.name_span));
-                self.problems.push(self.suggest(name, problem, false));
-                self.taken[i] = true;
-            }
         }
     }
 
@@ -296,14 +282,14 @@ impl<'a> Props<'a> {
             Value::Object(index) => format!("a {}", self.objects[*index].class.name()),
             other => other.describe().to_owned(),
         };
-        let name = self.spelt(entry.name.as_deref().unwrap_or_default());
+        let name = entry.name.as_deref().unwrap_or_default();
         let text = format!("parameter `{name}` of {} expects {wanted}, got {got}", self.object.plugin);
         self.problems.push(Diagnostic::error(text, Some(entry.span)));
         None
     }
 
-    /// All problems, including those of entries that nobody asked for.
-    pub fn finish(mut self) -> Vec<Diagnostic> {
+    /// All problems, including those of entries that nobody asked for, with names as the file spells them.
+    pub fn finish(mut self, policy: Policy) -> Vec<Diagnostic> {
         for (entry, taken) in self.object.entries.iter().zip(&self.taken) {
             if *taken || (matches!(entry.value, Value::Broken) && entry.name.is_none()) {
                 continue;
@@ -312,22 +298,51 @@ impl<'a> Props<'a> {
             let problem = match (&entry.name, &entry.value) {
                 (None, Value::Object(index)) => {
                     let class = self.objects[*index].class.name();
-                    Diagnostic::error(format!("{plugin} takes no nested {class} here"), Some(entry.span))
+                    let text = format!("{plugin} takes no nested {class} here");
+                    policy.parameter(self.object, true, &text, entry.span)
                 }
-                (name, _) => {
+                (name, value) => {
                     let name = name.as_deref().unwrap_or_default();
-                    let text = format!("unknown parameter `{}` of {plugin}", self.spelt(name));
-                    self.suggest(name, Diagnostic::error(text, Some(entry.name_span)), true)
+                    let text = format!("unknown parameter `{name}` of {plugin}");
+                    let nested = matches!(value, Value::Object(_));
+                    let problem = policy.parameter(self.object, nested, &text, entry.name_span);
+                    let list = problem.severity == Severity::Error;
+                    self.suggest(name, problem, list)
                 }
             };
             self.problems.push(problem);
         }
+        if self.object.camel_case || self.object.entries.iter().any(|e| e.spelling.is_some()) {
+            let mut problems = std::mem::take(&mut self.problems);
+            for problem in &mut problems {
+                problem.message = self.respelt(&problem.message);
+                problem.help.iter_mut().for_each(|help| *help = self.respelt(help));
+            }
+            return problems;
+        }
         self.problems
     }
 
-    /// `name` as the author's version of the language spells it.
+    /// `name` as the file spells it, or as the author's version of the language does.
     fn spelt(&self, name: &str) -> String {
-        if self.object.camel_case { camel_case(name) } else { name.to_owned() }
+        let given = self.object.entries.iter().find(|e| e.name.as_deref() == Some(name));
+        match given {
+            Some(entry) => entry.spelling.clone().unwrap_or_else(|| name.to_owned()),
+            None if self.object.camel_case => camel_case(name),
+            None => name.to_owned(),
+        }
+    }
+
+    /// A message in which names of parameters, which stand between `` ` ``, are spelt as in the file.
+    fn respelt(&self, text: &str) -> String {
+        let is_name = |word: &str| {
+            self.known.contains(&word) || self.object.entries.iter().any(|e| e.name.as_deref() == Some(word))
+        };
+        let quoted = |(i, word): (usize, &str)| match i % 2 == 1 && is_name(word) {
+            true => self.spelt(word),
+            false => word.to_owned(),
+        };
+        text.split('`').enumerate().map(quoted).collect::<Vec<_>>().join("`")
     }
 
     fn suggest(&self, name: &str, problem: Diagnostic, list: bool) -> Diagnostic {
@@ -335,7 +350,7 @@ impl<'a> Props<'a> {
         known.sort_unstable();
         known.dedup();
         match nearest(name, known.iter().copied()) {
-            Some(near) => problem.help(format!("did you mean `{}`?", self.spelt(near))),
+            Some(near) => problem.help(format!("did you mean `{near}`?")),
             None if known.is_empty() && list => problem.help("it takes no parameters"),
             None if list => {
                 let all: Vec<String> = known.iter().map(|k| self.spelt(k)).collect();

@@ -4,14 +4,15 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use super::object::{Class, Object, ObjectIndex, Value};
+use super::policy::{Policy, changes_light};
 use super::props::Props;
 use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
 use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Query, Scene, ShapeGroup, Texture};
+use crate::misnamed;
 use crate::missing::{find, not_found};
 use crate::plugin::{self, Plugin, Status};
-use crate::read::ReadOptions;
 
 pub(super) struct Reader<'a> {
     pub objects: &'a [Object],
@@ -23,7 +24,7 @@ pub(super) struct Reader<'a> {
     files: &'a dyn Files,
     sources: &'a SourceMap,
     folders: &'a [PathBuf],
-    options: &'a ReadOptions,
+    policy: Policy,
     /// Objects that several others refer to are read once.
     pub bsdfs: HashMap<ObjectIndex, Id<Bsdf>>,
     pub textures: HashMap<ObjectIndex, Id<Texture>>,
@@ -31,6 +32,8 @@ pub(super) struct Reader<'a> {
     pub emissions: HashMap<ObjectIndex, Option<AreaEmission>>,
     /// Materials of OBJ files, by file and name.
     pub obj_bsdfs: HashMap<(PathBuf, String), Id<Bsdf>>,
+    /// What is read now belongs to an emitter, whose textures hold light and no reflectances.
+    pub in_emitter: bool,
     /// Emitters that became lights of the scene.
     pub lights: HashSet<ObjectIndex>,
 }
@@ -42,7 +45,7 @@ impl<'a> Reader<'a> {
         files: &'a dyn Files,
         sources: &'a SourceMap,
         folders: &'a [PathBuf],
-        options: &'a ReadOptions,
+        policy: Policy,
     ) -> Self {
         let scene = Scene {
             origin: Origin(objects.first().map(|root| root.span)),
@@ -66,12 +69,13 @@ impl<'a> Reader<'a> {
             files,
             sources,
             folders,
-            options,
+            policy,
             bsdfs: HashMap::new(),
             textures: HashMap::new(),
             groups: HashMap::new(),
             emissions: HashMap::new(),
             obj_bsdfs: HashMap::new(),
+            in_emitter: false,
             lights: HashSet::new(),
         }
     }
@@ -83,9 +87,9 @@ impl<'a> Reader<'a> {
         for entry in &root.entries {
             let Value::Object(index) = entry.value else {
                 if !matches!(entry.value, Value::Broken) {
-                    let name = entry.name.as_deref().unwrap_or_default();
-                    let text = format!("the scene takes no parameter `{name}`");
-                    self.problems.push(Diagnostic::error(text, Some(entry.name_span)));
+                    let name = entry.spelling.as_ref().or(entry.name.as_ref());
+                    let text = format!("unknown parameter `{}` of the scene", name.map_or("", |n| n));
+                    self.problems.push(self.policy.parameter(root, false, &text, entry.name_span));
                 }
                 continue;
             };
@@ -119,7 +123,7 @@ impl<'a> Reader<'a> {
 
     /// Ends the reading of an object.
     pub fn finish(&mut self, props: Props<'a>) {
-        self.problems.extend(props.finish());
+        self.problems.extend(props.finish(self.policy));
     }
 
     /// The reader of an object's plugin, or `None` after reporting that there is none and what
@@ -130,13 +134,24 @@ impl<'a> Reader<'a> {
             return None;
         }
         match plugin::find(table, &object.plugin) {
-            Some(Status::Read(reader)) => Some(reader),
+            Some(Status::Read(reader)) => {
+                // Integrators have words of their own.
+                let instead =
+                    plugin::instead(table, &object.plugin).filter(|_| object.class != Class::Integrator);
+                if let Some(instead) = instead {
+                    let text = format!("{} `{}` is rendered {instead}", object.class.name(), object.plugin);
+                    self.problems.push(Diagnostic::warning(text, Some(object.span)));
+                }
+                Some(reader)
+            }
             Some(Status::Unsupported(advice)) => {
                 self.unsupported(index, advice, instead);
                 None
             }
             None => {
-                self.problems.push(unknown(table, object));
+                let what = format!("unknown {} plugin `{}`", object.class.name(), object.plugin);
+                let problem = self.policy.plugin(object, &what, instead);
+                self.problems.push(plugin::suggest(table, &object.plugin, problem));
                 None
             }
         }
@@ -145,17 +160,17 @@ impl<'a> Reader<'a> {
     /// Reports an object that is known but not rendered.
     pub fn unsupported(&mut self, index: ObjectIndex, advice: &str, instead: &str) {
         let object = &self.objects[index];
-        let what = format!("{} plugin `{}` is not supported yet", object.class.name(), object.plugin);
-        let problem = if !object.used {
-            Diagnostic::warning(format!("{what}, but nothing uses it"), Some(object.span))
-        } else if self.options.lenient {
-            Diagnostic::warning(format!("{what}: {instead}"), Some(object.span))
+        let (class, plugin) = (object.class.name(), &object.plugin);
+        let what = if object.used && changes_light(object.class) {
+            format!("{class} plugin `{plugin}` is not supported yet")
         } else {
-            let ours = format!("--lenient renders without it: {instead}");
-            let help = if advice.is_empty() { ours } else { format!("{advice}; {ours}") };
-            Diagnostic::error(what, Some(object.span)).help(help)
+            format!("{class} plugin `{plugin}` is not rendered")
         };
-        self.problems.push(problem.unsupported());
+        let mut problem = self.policy.plugin(object, &what, instead);
+        if !advice.is_empty() {
+            problem = problem.help(advice);
+        }
+        self.problems.push(problem);
     }
 
     /// [`Self::unsupported`] for classes without a table.
@@ -183,7 +198,8 @@ impl<'a> Reader<'a> {
 
     /// The content of a file that was found.
     pub fn file(&self, path: &Path) -> Result<Vec<u8>, String> {
-        self.files.read(path).map_err(|e| e.to_string())
+        let bytes = self.files.read(path).map_err(|e| e.to_string())?;
+        misnamed::named(&bytes).map_or(Ok(bytes), |what| Err(format!("it is {what}")))
     }
 
     /// The file `name` in one of `folders`.
@@ -195,9 +211,4 @@ impl<'a> Reader<'a> {
     pub fn strict(&self) -> Severity {
         if self.dialect == Dialect::Old { Severity::Warning } else { Severity::Error }
     }
-}
-
-/// The error for a plugin that no version of Mitsuba has.
-pub(super) fn unknown<F>(table: &[Plugin<F>], object: &Object) -> Diagnostic {
-    plugin::unknown(table, &format!("{} plugin", object.class.name()), &object.plugin, object.span)
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::expand::{Expanded, check_attributes};
 use super::object::{Class, Entry, Object, ObjectIndex, Value};
+use super::policy::Policy;
 use super::property::{PROPERTY_TAGS, PropertyReader};
 use super::tree::{Element, MAX_DEPTH};
 use super::version::{Dialect, Version};
@@ -16,8 +17,7 @@ pub(super) struct Resolver<'a> {
     pub sources: &'a SourceMap,
     pub folders: &'a [PathBuf],
     pub problems: &'a mut Vec<Diagnostic>,
-    /// Unknown elements are skipped with a warning.
-    pub lenient: bool,
+    pub policy: Policy,
     versions: Vec<Version>,
     objects: Vec<Object>,
     ids: HashMap<String, (ObjectIndex, Span)>,
@@ -30,14 +30,14 @@ impl<'a> Resolver<'a> {
         sources: &'a SourceMap,
         folders: &'a [PathBuf],
         problems: &'a mut Vec<Diagnostic>,
-        lenient: bool,
+        policy: Policy,
     ) -> Self {
         Self {
             files,
             sources,
             folders,
             problems,
-            lenient,
+            policy,
             versions: Vec::new(),
             objects: Vec::new(),
             ids: HashMap::new(),
@@ -49,8 +49,8 @@ impl<'a> Resolver<'a> {
     pub fn objects(mut self, tree: Expanded) -> Vec<Object> {
         self.versions = tree.versions;
         self.object(&tree.root, Class::Scene);
-        self.link_aliases();
-        self.link_references();
+        self.link_aliases(tree.incomplete);
+        self.link_references(tree.incomplete);
         self.cut_cycles();
         self.mark_used();
         self.objects
@@ -81,7 +81,8 @@ impl<'a> Resolver<'a> {
             used: false,
             camel_case: dialect == Dialect::Old,
         });
-        if let Some(id) = id {
+        // An empty id names nothing.
+        if let Some(id) = id.filter(|id| !id.is_empty()) {
             self.register(id, index, element.place("id"));
         }
         let mut entries: Vec<Entry> = Vec::with_capacity(element.children.len());
@@ -99,6 +100,7 @@ impl<'a> Resolver<'a> {
         let tag = element.tag.as_str();
         let name = element.value("name").map(str::to_owned);
         let name_span = element.place("name");
+        let spelling = self.spelling(element);
         let class = Class::of_tag(tag).filter(|_| tag != "spectrum" || element.attribute("type").is_some());
         if let Some(class) = class {
             if class == Class::Scene {
@@ -107,7 +109,8 @@ impl<'a> Resolver<'a> {
                 return None;
             }
             let index = self.object(element, class);
-            return Some(Entry { name, name_span, span: element.place("type"), value: Value::Object(index) });
+            let value = Value::Object(index);
+            return Some(Entry { name, spelling, name_span, span: element.place("type"), value });
         }
         if tag == "ref" {
             check_attributes(element, &["id", "name"], self.problems);
@@ -120,7 +123,7 @@ impl<'a> Resolver<'a> {
                     Value::Broken
                 }
             };
-            return Some(Entry { name, name_span, span, value });
+            return Some(Entry { name, spelling, name_span, span, value });
         }
         if tag == "alias" {
             check_attributes(element, &["id", "as"], self.problems);
@@ -141,10 +144,19 @@ impl<'a> Resolver<'a> {
                 self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
                 return None;
             }
-            return Some(Entry { name, name_span, span: element.place("value"), value });
+            return Some(Entry { name, spelling, name_span, span: element.place("value"), value });
         }
         self.unknown_element(element);
         None
+    }
+
+    /// The name of an element as its file has it, if it was upgraded.
+    fn spelling(&self, element: &Element) -> Option<String> {
+        let name = element.attribute("name").filter(|name| name.value_span != element.tag_span)?;
+        let text = self.sources.text(name.value_span.file);
+        let written = text.get(name.value_span.start as usize..name.value_span.end as usize)?;
+        // What was substituted stands there as `$` or an entity.
+        (written != name.value && !written.contains(['$', '&'])).then(|| written.to_owned())
     }
 
     fn property(&mut self, element: &Element) -> Value {
@@ -156,19 +168,15 @@ impl<'a> Resolver<'a> {
     }
 
     fn unknown_element(&mut self, element: &Element) {
-        let text = format!("unknown element <{}>", element.tag);
-        if self.lenient {
-            self.problems.push(Diagnostic::warning(format!("{text} is skipped"), Some(element.tag_span)));
-            return;
-        }
         let objects =
             ["bsdf", "emitter", "film", "integrator", "medium", "rfilter", "sampler", "sensor", "shape"];
         let others = ["texture", "include", "default", "ref", "alias", "path"];
         let known = PROPERTY_TAGS.iter().chain(&objects).chain(&others).copied();
-        let problem = Diagnostic::error(text, Some(element.tag_span));
+        let text = format!("unknown element <{}>", element.tag);
+        let problem = self.policy.judge(&text, "it is skipped", element.tag_span);
         self.problems.push(match nearest(&element.tag, known) {
             Some(known) => problem.help(format!("did you mean <{known}>?")),
-            None => problem.help("remove it; --lenient skips unknown elements"),
+            None => problem,
         });
     }
 
@@ -178,6 +186,7 @@ impl<'a> Resolver<'a> {
         }
         let Some(name) = &new.name else { return };
         if let Some(first) = seen.insert(name.clone(), new.name_span) {
+            let name = new.spelling.as_ref().unwrap_or(name);
             let text = format!("parameter `{name}` is given twice");
             // Mitsuba 0.6 and 2 warned and went on with the later value.
             let problem = if tolerant {
@@ -198,7 +207,7 @@ impl<'a> Resolver<'a> {
         self.ids.insert(id, (index, span));
     }
 
-    fn link_aliases(&mut self) {
+    fn link_aliases(&mut self, incomplete: bool) {
         let mut aliases = std::mem::take(&mut self.aliases);
         // An alias of an alias may come in any order; each round links at least one or ends.
         loop {
@@ -211,7 +220,7 @@ impl<'a> Resolver<'a> {
                 }
             }
             if rest.len() == before || rest.is_empty() {
-                for (id, new, span) in rest {
+                for (id, new, span) in rest.into_iter().filter(|_| !incomplete) {
                     let text = format!("alias `{new}` names the object `{id}`, which does not exist");
                     self.problems.push(Diagnostic::error(text, Some(span)));
                 }
@@ -221,12 +230,17 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    fn link_references(&mut self) {
+    fn link_references(&mut self, incomplete: bool) {
         for object in &mut self.objects {
             for entry in &mut object.entries {
                 let Value::Reference(id) = &entry.value else { continue };
                 if let Some((index, _)) = self.ids.get(id) {
                     entry.value = Value::Object(*index);
+                    continue;
+                }
+                if incomplete {
+                    // The missing file may have it.
+                    entry.value = Value::Broken;
                     continue;
                 }
                 let problem = Diagnostic::error(format!("no object has the id `{id}`"), Some(entry.span));

@@ -23,6 +23,10 @@ pub(super) const SENSORS: &[Plugin<ReadOptics>] = &[
     unsupported("telecentric"),
     unsupported("perspective_rdist"),
     unsupported("fluencemeter"),
+    // Of renderers that came from Mitsuba.
+    unsupported("realistic"),
+    unsupported("realisticlens"),
+    unsupported("nlos_capture_meter"),
 ];
 
 /// Accepted for their sample counts only: we use our own sample points.
@@ -82,8 +86,8 @@ impl<'a> Reader<'a> {
             sampler: self.sampler(sampler),
         };
         if let Some(nested) = props.child(Class::Rfilter) {
-            let text = "a reconstruction filter belongs inside the <film>, not beside it";
-            props.problems.push(Diagnostic::error(text, Some(nested.span)));
+            let text = "a reconstruction filter belongs inside the <film>, not beside it: it is ignored";
+            props.problems.push(Diagnostic::warning(text, Some(nested.span)));
         }
         self.finish(props);
         self.scene.sensors.push(sensor);
@@ -94,15 +98,28 @@ impl<'a> Reader<'a> {
         let Some(index) = index else { return sampler };
         let mut props = self.props(index);
         let known = self.plugin(SAMPLERS, index, "independent samples are used").is_some();
-        sampler.sample_count = props.count("sample_count", 4, 1..=1 << 30);
+        sampler.sample_count = sample_count(&mut props);
         sampler.seed = props.optional_integer("seed").map_or(0, i64::cast_unsigned);
         props.ignore(&["jitter", "strength", "dimension", "scramble", "light_samples", "wrap"]);
-        props.warn_rest();
         if known {
             sampler.plugin.clone_from(&props.object.plugin);
         }
         self.finish(props);
         sampler
+    }
+}
+
+/// More samples than anyone can wait for stand for "until stopped".
+fn sample_count(props: &mut Props<'_>) -> u32 {
+    const MOST: u32 = 1 << 30;
+    match props.optional_integer("sample_count") {
+        Some(count) if count > i64::from(MOST) => {
+            let text = format!("`sample_count` of {count} is cut to {MOST}");
+            let place = props.entry("sample_count").map(|entry| entry.span);
+            props.problems.push(Diagnostic::warning(text, place));
+            MOST
+        }
+        _ => props.count("sample_count", 4, 1..=MOST),
     }
 }
 

@@ -1,8 +1,9 @@
 //! Shapes, groups and instances.
 
 use super::object::{Class, ObjectIndex, Value};
-use super::props::Props;
+use super::props::{Nested, Props};
 use super::reader::Reader;
+use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
     Bsdf, BsdfKind, Color, ColorInput, Id, MeshFile, MeshFormat, Origin, Shape, ShapeGroup, ShapeKind,
@@ -34,10 +35,12 @@ pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
     unsupported("hair"),
     unsupported("heightfield"),
     unsupported("deformable"),
+    unsupported("animatedinstance"),
 ];
 
-/// Parameters of renderers that sample specular chains and of differentiable ones; ignored.
+/// Parameters of renderers that sample specular chains or glints and of differentiable ones; ignored.
 const HARMLESS: &[&str] = &[
+    "glinty",
     "silhouette_sampling_weight",
     "caustic_caster_single",
     "caustic_caster_multi",
@@ -90,7 +93,8 @@ impl<'a> Reader<'a> {
     fn report_shape_index(&mut self, index: ObjectIndex) {
         let entry = self.objects[index].entries.iter().find(|e| e.name.as_deref() == Some("shape_index"));
         if let Some(entry) = entry.filter(|e| matches!(e.value, Value::Integer(0..))) {
-            let text = "`shape_index` of an obj file is not supported: all its objects are loaded";
+            let name = entry.spelling.as_deref().unwrap_or("shape_index");
+            let text = format!("`{name}` of an obj file is not supported: all its objects are loaded");
             self.problems.push(Diagnostic::warning(text, Some(entry.name_span)));
         }
     }
@@ -116,15 +120,17 @@ impl<'a> Reader<'a> {
         }
         props.ignore(HARMLESS);
         self.report_medium(&mut props);
-        for class in [Class::Sensor, Class::Subsurface] {
-            while let Some(nested) = props.child(class) {
-                self.skip_unsupported(nested.index, "it is skipped");
-            }
+        while let Some(nested) = props.child(Class::Sensor) {
+            self.sensor(nested.index);
+        }
+        while let Some(nested) = props.child(Class::Subsurface) {
+            self.skip_unsupported(nested.index, "it is skipped");
         }
         // An instance has the materials of its group; what is left over is reported as unknown.
         let bsdf = match () {
             () if is_instance => None,
             () if materials => std::iter::from_fn(|| props.child(Class::Bsdf)).last(),
+            () if self.dialect == Dialect::Old => last_bsdf(&mut props),
             () => props.only_child(Class::Bsdf),
         };
         let emitter = if is_instance { None } else { props.only_child(Class::Emitter) };
@@ -215,6 +221,18 @@ impl<'a> Reader<'a> {
             max_smooth_angle,
         }))
     }
+}
+
+/// The last nested bsdf, which is the one that counts in 0.6.
+fn last_bsdf(props: &mut Props<'_>) -> Option<Nested> {
+    let mut last = props.child(Class::Bsdf)?;
+    while let Some(next) = props.child(Class::Bsdf) {
+        let text = "a shape has one bsdf: this one is used instead of that before it";
+        let problem = Diagnostic::warning(text, Some(next.span));
+        props.problems.push(problem.label(last.span, "not used"));
+        last = next;
+    }
+    Some(last)
 }
 
 fn obj<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<ShapeKind> {

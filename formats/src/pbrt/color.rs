@@ -2,11 +2,12 @@
 
 use super::directive::{ParamType, Values};
 use super::params::Params;
+use super::policy::Fault;
 use super::reader::Reader;
 use crate::diagnostic::{Diagnostic, Span, nearest};
-use crate::ir::{Color, ColorInput, FloatInput, Ior};
+use crate::ir::{Color, ColorInput, ColorSlot, FloatInput, Ior, SpectrumRule};
 use crate::missing::{find, not_found};
-use crate::spectrum::{LibrarySpectrum, library_names, library_spectrum, parse_spd, planck};
+use crate::spectrum::{LibrarySpectrum, library_names, library_spectrum, parse_spd, planck, to_linear_rgb};
 
 use ParamType as T;
 
@@ -105,23 +106,31 @@ impl Reader<'_> {
     }
 
     pub fn color_texture(&mut self, p: &mut Params, name: &str, span: Span) -> Option<ColorInput> {
-        if let Some((input, _)) = self.color_textures.get(name) {
+        if let Some((input, _)) = self.names.color_textures.get(name) {
             return Some(input.clone());
         }
-        let known: Vec<&str> = self.color_textures.keys().map(String::as_str).collect();
-        let other = self.float_textures.contains_key(name).then_some("a float texture");
-        p.problems.push(no_texture("spectrum", name, span, &known, other));
+        let known: Vec<&str> = self.names.color_textures.keys().map(String::as_str).collect();
+        let other = self.names.float_textures.contains_key(name).then_some("a float texture");
+        let problem = no_texture("spectrum", name, span, &known, other);
+        self.undefined_texture(p, problem);
         None
     }
 
     fn float_texture(&mut self, p: &mut Params, name: &str, span: Span) -> Option<FloatInput> {
-        if let Some((input, _)) = self.float_textures.get(name) {
+        if let Some((input, _)) = self.names.float_textures.get(name) {
             return Some(input.clone());
         }
-        let known: Vec<&str> = self.float_textures.keys().map(String::as_str).collect();
-        let other = self.color_textures.contains_key(name).then_some("a spectrum texture");
-        p.problems.push(no_texture("float", name, span, &known, other));
+        let known: Vec<&str> = self.names.float_textures.keys().map(String::as_str).collect();
+        let other = self.names.color_textures.contains_key(name).then_some("a spectrum texture");
+        let problem = no_texture("float", name, span, &known, other);
+        self.undefined_texture(p, problem);
         None
+    }
+
+    fn undefined_texture(&self, p: &mut Params, problem: Diagnostic) {
+        if !self.incomplete {
+            p.problems.push(self.policy.judge(Fault::Mistake, problem, "the default is used"));
+        }
     }
 
     fn literal(
@@ -147,6 +156,11 @@ impl Reader<'_> {
                     // pbrt scales the peak to 1.
                     let peak = planck(WIEN / kelvin * 1e9, kelvin);
                     Color::Blackbody { kelvin, scale: 1.0 / peak }
+                }
+                // pbrt-v3.
+                [kelvin, scale] if kelvin > 0.0 && self.policy.is_three() => {
+                    let peak = planck(WIEN / kelvin * 1e9, kelvin);
+                    Color::Blackbody { kelvin, scale: scale / peak }
                 }
                 [kelvin] => return fail(format!("a temperature must be positive, not {kelvin} K")),
                 _ => return fail(format!("`{name}` expects 1 value, got {}", v.len())),
@@ -181,17 +195,24 @@ impl Reader<'_> {
         })
     }
 
-    fn rgb(&mut self, p: &mut Params, name: &str, rgb: [f64; 3], span: Span, usage: Use) -> Option<Color> {
+    fn rgb(
+        &mut self,
+        p: &mut Params,
+        name: &str,
+        mut rgb: [f64; 3],
+        span: Span,
+        usage: Use,
+    ) -> Option<Color> {
         let shown = format!("({}, {}, {})", rgb[0], rgb[1], rgb[2]);
         if rgb.iter().any(|c| *c < 0.0) {
             let text = format!("`{name}` {shown} may not be negative");
-            p.problems.push(Diagnostic::error(text, Some(span)));
-            return None;
+            p.problems.push(p.policy.report(Fault::Mistake, &text, span, "0 is used"));
+            rgb = rgb.map(|c| c.max(0.0));
         }
         if usage == Use::Albedo && rgb.iter().any(|c| *c > 1.0) {
             let text = format!("`{name}` {shown} reflects more light than arrives: the maximum is 1");
-            p.problems.push(Diagnostic::error(text, Some(span)));
-            return None;
+            p.problems.push(p.policy.report(Fault::Mistake, &text, span, "at most 1 is used"));
+            rgb = rgb.map(|c| c.min(1.0));
         }
         if usage == Use::Illuminant {
             return Some(Color::Rgb(p.space.light_to_rec709(rgb)));
@@ -256,6 +277,11 @@ pub(super) fn scaled(color: Color, factor: f64) -> Color {
         Color::Blackbody { kelvin, scale } => Color::Blackbody { kelvin, scale: scale * factor },
         other => other,
     }
+}
+
+/// The linear Rec.709 values of a literal colour, by pbrt's rule.
+pub(super) fn linear(color: &Color, slot: ColorSlot) -> Option<[f64; 3]> {
+    to_linear_rgb(color, slot, SpectrumRule::Pbrt).ok()
 }
 
 fn single(values: &Values) -> Option<&str> {

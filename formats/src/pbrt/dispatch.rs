@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use super::directive::{Directive, Param};
 use super::params::Params;
+use super::policy::Fault;
 use super::reader::{Reader, text};
 use super::space::ColorSpace;
 use super::state::Scope;
@@ -25,12 +26,19 @@ impl Reader<'_> {
             "Texture" => self.texture(&d, params),
             "Material" => {
                 let p = self.entity("material", &d, params, Some("material"));
+                self.state.material_params = self.policy.is_three().then(|| Rc::new(p.clone()));
                 self.state.material = Some(self.material(p, None));
             }
             "MakeNamedMaterial" => self.named_material(&d, params),
             "NamedMaterial" => {
-                let id = self.material_by_name(text(&d, 0), d.arguments[0].span);
-                self.state.material = Some(id);
+                if let Some(id) = self.material_by_name(text(&d, 0), d.arguments[0].span) {
+                    self.state.material = Some(id);
+                    self.state.material_params = self.names.material_params.get(text(&d, 0)).cloned();
+                }
+            }
+            "Volume" => {
+                let what = format!("participating medium `{}`", text(&d, 0));
+                self.unsupported(&what, "vacuum is used", d.span);
             }
             "MakeNamedMedium" => self.medium(&d, params),
             "MediumInterface" => self.medium_interface(&d),
@@ -104,6 +112,8 @@ impl Reader<'_> {
             "WorldBegin" => self.world_begin(d.span),
             "AttributeBegin" => self.open(Scope::Attribute, d.span),
             "AttributeEnd" => self.close(Scope::Attribute, d.span),
+            "TransformBegin" if self.policy.is_three() => self.open(Scope::Transform, d.span),
+            "TransformEnd" if self.policy.is_three() => self.close(Scope::Transform, d.span),
             "TransformBegin" | "TransformEnd" => {
                 if !self.warned_scopes {
                     self.warned_scopes = true;
@@ -147,16 +157,18 @@ impl Reader<'_> {
                 | "Texture"
                 | "TransformBegin"
                 | "TransformEnd"
+                | "Volume"
         );
         match self.world {
             Some(begin) if head => {
                 let text = format!("{} must come before WorldBegin", d.name);
-                self.problems
-                    .push(Diagnostic::error(text, Some(d.span)).label(begin, "the world begins here"));
+                let problem = Diagnostic::error(text, Some(d.span)).label(begin, "the world begins here");
+                self.problems.push(self.policy.judge(Fault::Mistake, problem, "it is ignored"));
                 false
             }
             None if world => {
-                self.error(format!("{} must come after WorldBegin", d.name), d.span);
+                let text = format!("{} must come after WorldBegin", d.name);
+                self.fault(Fault::Mistake, &text, d.span, "it is ignored");
                 false
             }
             _ => true,

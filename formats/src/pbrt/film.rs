@@ -21,7 +21,7 @@ type ReadFilter = fn(&mut Params) -> Filter;
 pub(super) const FILTERS: &[Plugin<ReadFilter>] = &[
     read("box", boxed),
     read("gaussian", |p| Filter::TruncatedGaussian {
-        radius: radius(p, 1.5),
+        radius: radius(p, if p.policy.is_three() { 2.0 } else { 1.5 }),
         sigma: p.positive("sigma", 0.5),
     }),
     read("mitchell", |p| Filter::ScaledMitchell {
@@ -68,9 +68,9 @@ impl Reader<'_> {
     pub fn film(&mut self, world: Span, exposure: f64) -> Film {
         let mut film = default_film();
         film.filter = self.filter(world);
-        let space = self.state.space;
+        let common = self.common();
         let given = self.head.film.take();
-        let mut p = given.unwrap_or_else(|| Params::new("film", "rgb", world, Vec::new(), space));
+        let mut p = given.unwrap_or_else(|| Params::new("film", "rgb", world, Vec::new(), common));
         film.origin = p.origin();
         if let Some(reader) = self.plugin(FILMS, &mut p, "the rgb film is used") {
             reader(&mut p);
@@ -105,9 +105,10 @@ impl Reader<'_> {
     }
 
     fn filter(&mut self, world: Span) -> Filter {
-        let space = self.state.space;
+        let common = self.common();
         let given = self.head.filter.take();
-        let mut p = given.unwrap_or_else(|| Params::new("filter", "gaussian", world, Vec::new(), space));
+        let default = if self.policy.is_three() { "box" } else { "gaussian" };
+        let mut p = given.unwrap_or_else(|| Params::new("filter", default, world, Vec::new(), common));
         let filter = match self.plugin(FILTERS, &mut p, "the gaussian filter is used") {
             Some(reader) => reader(&mut p),
             None => default_film().filter,

@@ -8,6 +8,7 @@ impl Reader<'_> {
     pub fn finish(&mut self) {
         self.check_materials();
         self.check_objects();
+        self.check_media();
         // Materials stay as they are from here on.
         let mut query = Query::default();
         let mut shapes = std::mem::take(&mut self.scene.shapes);

@@ -38,8 +38,10 @@ impl Reader<'_> {
         let Some(mut p) = self.head.integrator.take() else { return };
         let origin = p.origin();
         let mut settings = Settings::new();
-        let reader = self.plugin(INTEGRATORS, &mut p, "`path` is used");
-        let plugin = reader.map_or("path", |reader| reader(&mut p, &mut settings));
+        let Some(reader) = self.plugin(INTEGRATORS, &mut p, "photon mapping is used") else {
+            return self.done(p);
+        };
+        let plugin = reader(&mut p, &mut settings);
         // pbrt counts bounces, we count the segments of a path.
         let bounces = i64::from(p.count("maxdepth", 5, 0));
         let depth = if bounces >= UNLIMITED { -1 } else { bounces + 1 };
@@ -93,6 +95,14 @@ fn sppm(p: &mut Params, settings: &mut Settings) -> &'static str {
     let origin = |p: &Params, name: &str| Origin(Some(p.span_of(name)));
     let radius = Setting { origin: origin(p, "radius"), value: Scalar::Float(p.positive("radius", 1.0)) };
     settings.insert("initial_radius".to_owned(), radius);
+    if p.policy.is_three() {
+        // By either name; the sampler has no say.
+        let given = [p.optional_integer("iterations"), p.optional_integer("numiterations")];
+        let count = given.into_iter().flatten().find(|count| *count > 0).unwrap_or(64);
+        let place = if p.has("iterations") { "iterations" } else { "numiterations" };
+        let value = Scalar::Integer(i64::from(count));
+        settings.insert("max_passes".to_owned(), Setting { origin: origin(p, place), value });
+    }
     if let Some(photons) = p.optional_integer("photonsperiteration").filter(|count| *count > 0) {
         let value = Scalar::Integer(i64::from(photons));
         settings

@@ -3,15 +3,15 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use super::color::{Use, scaled};
+use super::color::{Use, linear, scaled};
 use super::directive::ParamType;
 use super::params::Params;
 use super::reader::Reader;
 use super::texture::upside_down;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
-    AreaEmission, Bitmap, Color, ColorInput, Emitter, EmitterKind, EnvironmentMapping, LightImage, Mapping,
-    SpotFalloff, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
+    AreaEmission, Bitmap, Color, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, LightImage,
+    Mapping, SpotFalloff, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
 };
 use crate::plugin::{Plugin, Status, find, read};
 
@@ -53,7 +53,11 @@ impl Reader<'_> {
         if p.has("filename") && p.has("L") {
             p.complain("filename", "an area light takes either `L` or `filename`, not both");
         }
-        let color = self.color(&mut p, "L", Use::Illuminant);
+        let (color, scale) = if self.policy.is_three() {
+            (Some(self.old_color(&mut p, "L")), 1.0)
+        } else {
+            (self.color(&mut p, "L", Use::Illuminant), p.float("scale", 1.0))
+        };
         let radiance = match image {
             Some(path) => {
                 let kind = TextureKind::Bitmap(uv_image(path));
@@ -64,13 +68,40 @@ impl Reader<'_> {
         let emission = AreaEmission {
             origin,
             radiance,
-            scale: p.float("scale", 1.0),
+            scale,
             two_sided: p.boolean("twosided", false),
             collimated: false,
             power: p.optional_float("power").filter(|power| *power > 0.0),
         };
         self.done(p);
         Some(emission)
+    }
+
+    /// A light's colour in pbrt-v3: the spectrum as it is, times the colour `scale`.
+    fn old_color(&mut self, p: &mut Params, name: &'static str) -> Color {
+        let color = self.color(p, name, Use::Unbounded).unwrap_or(Color::Rgb([1.0; 3]));
+        let Some(scale) = self.color(p, "scale", Use::Unbounded) else { return color };
+        let [r, g, b] = linear(&scale, ColorSlot::Emission).unwrap_or([1.0; 3]);
+        if r == g && g == b && !matches!(color, Color::Library(_)) {
+            return scaled(color, r);
+        }
+        let rgb = linear(&color, ColorSlot::Emission).unwrap_or([1.0; 3]);
+        Color::Rgb([rgb[0] * r, rgb[1] * g, rgb[2] * b])
+    }
+
+    /// What pbrt-v3 multiplies a light's picture by: a number here, and the mean of a colour.
+    fn old_picture_scale(&mut self, p: &mut Params, name: &'static str) -> f64 {
+        let color = self.old_color(p, name);
+        let rgb = linear(&color, ColorSlot::Emission).unwrap_or([1.0; 3]);
+        let mean = rgb.iter().sum::<f64>() / 3.0;
+        if rgb.iter().any(|c| (c - mean).abs() > 1e-3 * mean.abs()) {
+            let [r, g, b] = rgb;
+            let text = format!(
+                "the colour ({r:.4}, {g:.4}, {b:.4}) of a light with a picture is left out: its mean is kept"
+            );
+            p.problems.push(Diagnostic::warning(text, Some(p.span)));
+        }
+        mean
     }
 
     /// `I` or `L` times `scale`, and times what `power` asks for where that is more than zero.
@@ -80,6 +111,9 @@ impl Reader<'_> {
         name: &'static str,
         of_power: Option<(&'static str, f64)>,
     ) -> Color {
+        if self.policy.is_three() {
+            return self.old_color(p, name);
+        }
         let color = self.color(p, name, Use::Illuminant).unwrap_or_else(|| Reader::white_light(p));
         let mut scale = p.float("scale", 1.0);
         if let Some((power, emitted)) = of_power
@@ -90,8 +124,8 @@ impl Reader<'_> {
         scaled(color, scale)
     }
 
-    fn light_image(&mut self, p: &mut Params) -> Option<LightImage> {
-        let path = self.asset(p, "filename", "image")?;
+    fn light_image(&mut self, p: &mut Params, name: &'static str) -> Option<LightImage> {
+        let path = self.asset(p, name, "image")?;
         Some(LightImage { path, encoding: TextureEncoding::Auto, scale: 1.0, illuminance: None })
     }
 }
@@ -112,7 +146,14 @@ fn uv_image(path: PathBuf) -> Bitmap {
 
 fn point(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
     let from = p.triple("from", T::Point3).unwrap_or_default();
-    let position = r.state.ctm[0].point(from);
+    let ctm = &r.state.ctm[0];
+    let position = if r.policy.is_three() {
+        // pbrt-v3 moves by `from` in the world, after the transform.
+        let origin = ctm.point([0.0; 3]);
+        std::array::from_fn(|i| origin[i] + from[i])
+    } else {
+        ctm.point(from)
+    };
     Some(EmitterKind::Point { position, intensity: r.intensity(p, "I", Some(("power", 4.0 * PI))) })
 }
 
@@ -143,6 +184,7 @@ fn spot(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
         return None;
     }
     let (cos_beam, cos_cone) = ((cone - delta).to_radians().cos(), cone.to_radians().cos());
+    let falloff = if r.policy.is_three() { SpotFalloff::Quartic } else { SpotFalloff::Smoothstep };
     // The integral of the smoothstep over the sphere: half of the rim counts.
     let emitted = 2.0 * PI * ((1.0 - cos_beam) + (cos_beam - cos_cone) / 2.0);
     let intensity = r.intensity(p, "I", Some(("power", emitted)));
@@ -155,7 +197,7 @@ fn spot(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
         intensity,
         cutoff_angle: cone,
         beam_width: cone - delta,
-        falloff: SpotFalloff::Smoothstep,
+        falloff,
         texture: None,
     })
 }
@@ -170,9 +212,18 @@ fn aim(from: [f64; 3], to: [f64; 3]) -> Option<Transform> {
 
 fn goniometric(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
     let intensity = r.intensity(p, "I", None);
-    let image = if p.has("filename") { r.light_image(p) } else { None };
+    if p.has("mapname") && r.policy.is_three() {
+        let span = p.span_of("mapname");
+        r.unsupported(
+            "the latitude-longitude picture of a goniometric light",
+            "the light shines evenly",
+            span,
+        );
+        p.ignore(&["mapname"]);
+    }
+    let image = if p.has("filename") { r.light_image(p, "filename") } else { None };
     p.ignore(&["filename"]);
-    if !p.has("filename") {
+    if !p.has("filename") && !p.has("mapname") {
         p.problems
             .push(Diagnostic::warning("a goniometric light without an image is a point light", Some(p.span)));
     }
@@ -184,10 +235,12 @@ fn goniometric(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
 }
 
 fn projection(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
-    let image = r.light_image(p);
-    let scale = p.float("scale", 1.0);
-    let fov = p.float("fov", 90.0);
-    let power = p.optional_float("power").filter(|power| *power > 0.0);
+    let old = r.policy.is_three();
+    let name = if old { "mapname" } else { "filename" };
+    let image = r.light_image(p, name);
+    let scale = if old { r.old_picture_scale(p, "I") } else { p.float("scale", 1.0) };
+    let fov = p.float("fov", if old { 45.0 } else { 90.0 });
+    let power = if old { None } else { p.optional_float("power").filter(|power| *power > 0.0) };
     if !(fov > 0.0 && fov < 180.0) {
         p.complain("fov", format!("`fov` must lie between 0 and 180 degrees, not {fov}"));
         return None;
@@ -206,25 +259,34 @@ fn infinite(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
         );
         p.ignore(&["portal"]);
     }
-    let old = p.has("mapname");
-    if !p.has("filename") && !old {
+    if p.has("mapname") {
+        return old_environment(r, p);
+    }
+    if !p.has("filename") {
         p.ignore(&["filename"]);
         return Some(EmitterKind::Constant { radiance: r.intensity(p, "L", Some(("illuminance", PI))) });
     }
-    let (name, mapping) = if old {
-        ("mapname", EnvironmentMapping::LatLong)
-    } else {
-        ("filename", EnvironmentMapping::EqualArea)
-    };
-    let path = r.asset(p, name, "image");
+    let path = r.asset(p, "filename", "image");
     if r.color(p, "L", Use::Illuminant).is_some() {
         p.complain("L", "an infinite light takes either `L` or `filename`, not both");
     }
     let scale = p.float("scale", 1.0);
     let illuminance = p.optional_float("illuminance").filter(|lux| *lux > 0.0);
     let image = LightImage { path: path?, encoding: TextureEncoding::Auto, scale, illuminance };
-    let to_world = if old { r.state.ctm[0].after(&LAT_LONG) } else { r.state.ctm[0] };
-    Some(EmitterKind::Environment { to_world, image, mapping })
+    Some(EmitterKind::Environment { to_world: r.state.ctm[0], image, mapping: EnvironmentMapping::EqualArea })
+}
+
+/// The latitude-longitude map of pbrt-v3.
+fn old_environment(r: &mut Reader<'_>, p: &mut Params) -> Option<EmitterKind> {
+    let (name, span) = p.optional_string("mapname")?;
+    if name.is_empty() {
+        return Some(EmitterKind::Constant { radiance: r.intensity(p, "L", None) });
+    }
+    let path = r.located(p, "image", &name, span);
+    let scale = if r.policy.is_three() { r.old_picture_scale(p, "L") } else { p.float("scale", 1.0) };
+    let image = LightImage { path: path?, encoding: TextureEncoding::Auto, scale, illuminance: None };
+    let to_world = r.state.ctm[0].after(&LAT_LONG);
+    Some(EmitterKind::Environment { to_world, image, mapping: EnvironmentMapping::LatLong })
 }
 
 /// From Mitsuba's axes of a latitude-longitude map (+Y up, +Z in the middle, −Z at the left edge, +X a

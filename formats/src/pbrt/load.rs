@@ -8,12 +8,11 @@ use super::upgrade::Old;
 use crate::diagnostic::{Diagnostic, SourceMap, Span};
 use crate::encoding::into_utf8;
 use crate::files::{Files, Included, is_gzip, unpack};
+use crate::misnamed;
 use crate::missing::{find, not_found};
 
 /// Deepest nesting of includes.
 const MAX_DEPTH: usize = 64;
-/// Most files of a scene.
-const MAX_FILES: usize = 10_000;
 /// Most bytes of all files together: spans are 32 bits.
 const MAX_TEXT: u64 = u32::MAX as u64 - 1;
 
@@ -24,7 +23,8 @@ pub(super) struct Loader<'a> {
     pub sources: &'a mut SourceMap,
     pub problems: &'a mut Vec<Diagnostic>,
     pub old: &'a mut Old,
-    count: usize,
+    /// A file is missing or cannot be read.
+    pub incomplete: bool,
     bytes: u64,
     repeats: Included,
     open: Vec<PathBuf>,
@@ -44,7 +44,7 @@ impl<'a> Loader<'a> {
             sources,
             problems,
             old,
-            count: 0,
+            incomplete: false,
             bytes: 0,
             repeats: Included::default(),
             open: Vec::new(),
@@ -63,16 +63,19 @@ impl<'a> Loader<'a> {
                 .collect();
             return self.error(format!("files include each other: {}", chain.join(" → ")), from);
         }
-        self.count += 1;
-        if self.open.len() >= MAX_DEPTH || self.count > MAX_FILES {
-            return self.error(
-                format!("includes are nested more than {MAX_DEPTH} deep, or more than {MAX_FILES} files are included"),
-                from,
-            );
+        if self.open.len() >= MAX_DEPTH {
+            return self.error(format!("includes are nested more than {MAX_DEPTH} deep"), from);
+        }
+        // Reported already.
+        if self.repeats.is_full() || self.bytes > MAX_TEXT {
+            return;
         }
         let text = match self.text(path) {
             Ok(text) => text,
-            Err(e) => return self.error(format!("cannot read `{}`: {e}", path.display()), from),
+            Err(e) => {
+                self.incomplete = true;
+                return self.error(format!("cannot read `{}`: {e}", path.display()), from);
+            }
         };
         self.bytes += text.len() as u64;
         if self.bytes > MAX_TEXT {
@@ -106,6 +109,7 @@ impl<'a> Loader<'a> {
             return;
         };
         let Some(path) = find(self.files, &name, self.folders) else {
+            self.incomplete = true;
             self.problems.push(not_found(self.files, "file", &name, span, self.folders));
             return;
         };
@@ -134,6 +138,9 @@ impl<'a> Loader<'a> {
         let bytes = self.files.read(path).map_err(|e| e.to_string())?;
         let bytes = if is_gzip(&bytes) { unpack(&bytes, MAX_TEXT)? } else { bytes };
         let bytes = into_utf8(bytes);
+        if let Some(what) = misnamed::named(&bytes) {
+            return Err(format!("it is {what}"));
+        }
         if bytes.len() as u64 > MAX_TEXT {
             return Err("it is over 4 GiB".to_owned());
         }

@@ -1,10 +1,16 @@
 //! Materials. Opaque ones are two-sided in pbrt, so they are wrapped in `TwoSided`.
 
+use std::rc::Rc;
+
 use super::color::Use;
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param};
+use super::mix;
+use super::older;
 use super::params::Params;
-use super::reader::{Named, Reader, text};
+use super::policy::Fault;
+use super::reader::{Reader, text};
+use super::state::Named;
 use super::texture::upside_down;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
@@ -29,7 +35,7 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     read("dielectric", dielectric),
     read("thindielectric", thin_dielectric),
     read("diffusetransmission", diffuse_transmission),
-    read("mix", mix),
+    read("mix", mix::mix),
     read("interface", |_, _| Some(BsdfKind::Null)),
     read("none", |_, _| Some(BsdfKind::Null)),
     read("", |_, _| Some(BsdfKind::Null)),
@@ -37,8 +43,19 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     unsupported("hair"),
     unsupported("measured"),
     // pbrt-v3.
+    read("metal", older::metal),
+    read("glass", older::glass),
+    read("mirror", older::mirror),
     unsupported("disney"),
     unsupported("fourier"),
+    // pbrt-v2 and v1.
+    approximated("shinymetal", older::shiny_metal, older::ONE_LOBE),
+    approximated("brushedmetal", older::brushed_metal, older::ONE_LOBE),
+    approximated("bluepaint", older::measured, older::DIFFUSE_PART),
+    approximated("clay", older::measured, older::DIFFUSE_PART),
+    approximated("felt", older::measured, older::DIFFUSE_PART),
+    approximated("primer", older::measured, older::DIFFUSE_PART),
+    approximated("skin", older::measured, older::DIFFUSE_PART),
 ];
 
 const WHITE: ColorInput = ColorInput::Color(Color::Gray(1.0));
@@ -51,7 +68,7 @@ impl Reader<'_> {
     /// Reads a material; with a slot, into it.
     pub fn material(&mut self, mut p: Params, slot: Option<(Id<Bsdf>, &str)>) -> Id<Bsdf> {
         let reader = self.plugin(MATERIALS, &mut p, "diffuse gray 0.5 is used");
-        if matches!(p.kind.as_str(), "" | "none") {
+        if matches!(p.kind.as_str(), "" | "none") && !self.policy.is_three() {
             let text = format!("material `{}` is an old name of `interface`", p.kind);
             p.problems.push(Diagnostic::warning(text, Some(p.span)));
         }
@@ -105,7 +122,8 @@ impl Reader<'_> {
             return kind;
         }
         // A constant displacement moves the surface nowhere that can be seen.
-        match self.optional_float_input(p, "displacement") {
+        let name = if self.policy.is_three() { "bumpmap" } else { "displacement" };
+        match self.optional_float_input(p, name) {
             Some(height @ FloatInput::Texture(_)) => {
                 let nested = self.scene.bsdfs.push(Bsdf { name: None, origin, kind });
                 BsdfKind::BumpMap { height, scale: 1.0, shading: SHADING, nested }
@@ -117,40 +135,70 @@ impl Reader<'_> {
     pub fn named_material(&mut self, d: &Directive, params: Vec<Param>) {
         let (name, span) = (text(d, 0).to_owned(), d.arguments[0].span);
         let Some(p) = self.named_entity("material", d, params) else { return };
-        let id = self.slot(&name, span);
+        let earlier = self.names.materials.get(&name).and_then(|named| named.defined);
+        // What an earlier definition gave to shapes stays theirs.
+        let id = if earlier.is_some() { self.empty_slot(&name, span) } else { self.slot(&name, span) };
+        if self.policy.is_three() {
+            Rc::make_mut(&mut self.names).material_params.insert(name.clone(), Rc::new(p.clone()));
+        }
         self.material(p, Some((id, &name)));
         // Only now: a mix may not contain itself.
-        if let Some(named) = self.materials.get_mut(&name) {
-            let earlier = named.defined.replace(span);
-            self.redefined("material", &name, span, earlier);
+        if let Some(named) = Rc::make_mut(&mut self.names).materials.get_mut(&name) {
+            (named.id, named.defined) = (id, Some(span));
         }
+        self.redefined("material", &name, span, earlier);
     }
 
-    /// The material called `name`, which may be defined later.
-    pub fn material_by_name(&mut self, name: &str, span: Span) -> Id<Bsdf> {
+    /// The material called `name`; in pbrt-v4 it may be defined later, in pbrt-v3 nothing happens then.
+    pub fn material_by_name(&mut self, name: &str, span: Span) -> Option<Id<Bsdf>> {
+        if self.policy.is_three()
+            && self.names.materials.get(name).is_none_or(|named| named.defined.is_none())
+        {
+            if !self.incomplete {
+                let problem = self.no_material(name, span);
+                self.problems.push(self.policy.judge(Fault::Mistake, problem, "the material stays as it is"));
+            }
+            return None;
+        }
         let id = self.slot(name, span);
-        if let Some(named) = self.materials.get_mut(name) {
+        if let Some(named) = Rc::make_mut(&mut self.names).materials.get_mut(name) {
             named.used.get_or_insert(span);
         }
-        id
+        Some(id)
     }
 
     fn slot(&mut self, name: &str, span: Span) -> Id<Bsdf> {
-        if let Some(named) = self.materials.get(name) {
+        if let Some(named) = self.names.materials.get(name) {
             return named.id;
         }
-        let kind = BsdfKind::Diffuse { reflectance: GRAY };
-        let id =
-            self.scene.bsdfs.push(Bsdf { name: Some(name.to_owned()), origin: Origin(Some(span)), kind });
-        self.materials.insert(name.to_owned(), Named { id, defined: None, used: None });
+        let id = self.empty_slot(name, span);
+        let named = Named { id, defined: None, used: None };
+        Rc::make_mut(&mut self.names).materials.insert(name.to_owned(), named);
         id
+    }
+
+    fn empty_slot(&mut self, name: &str, span: Span) -> Id<Bsdf> {
+        let kind = BsdfKind::Diffuse { reflectance: GRAY };
+        self.scene.bsdfs.push(Bsdf { name: Some(name.to_owned()), origin: Origin(Some(span)), kind })
     }
 
     /// The current material, or pbrt's default.
     pub fn current_material(&mut self, origin: Origin) -> Id<Bsdf> {
-        if let Some(id) = self.state.material {
-            return id;
-        }
+        self.state.material.unwrap_or_else(|| self.default_material(origin))
+    }
+
+    /// The current material of pbrt-v3 with parameters that a shape gives it.
+    pub fn changed_material(&mut self, changes: Vec<Param>, origin: Origin) -> Id<Bsdf> {
+        let mut p = match (&self.state.material_params, origin.0) {
+            (Some(params), _) => Params::clone(params),
+            (None, Some(span)) => Params::new("material", "matte", span, Vec::new(), self.common()),
+            (None, None) => return self.current_material(origin),
+        };
+        p.change(changes);
+        self.material(p, None)
+    }
+
+    pub fn default_material(&mut self, origin: Origin) -> Id<Bsdf> {
         if let Some(id) = self.default_material {
             return id;
         }
@@ -167,20 +215,21 @@ impl Reader<'_> {
 
     /// Reports names that were used and never defined.
     pub fn check_materials(&mut self) {
-        let missing: Vec<(String, Span)> = self
-            .materials
-            .iter()
-            .filter_map(|(name, named)| {
-                named.used.filter(|_| named.defined.is_none()).map(|span| (name.clone(), span))
-            })
-            .collect();
-        for (name, span) in missing {
-            let defined = self.materials.iter().filter(|(_, named)| named.defined.is_some());
-            let problem = Diagnostic::error(format!("no material named `{name}`"), Some(span));
-            self.problems.push(problem.suggest_or(&name, defined.map(|(name, _)| name.as_str()), || {
-                "MakeNamedMaterial defines one".to_owned()
-            }));
+        let used = self.names.materials.iter().filter(|(_, named)| named.defined.is_none());
+        let missing: Vec<(String, Span)> =
+            used.filter_map(|(name, named)| named.used.map(|span| (name.clone(), span))).collect();
+        for (name, span) in missing.into_iter().filter(|_| !self.incomplete) {
+            let problem = self.no_material(&name, span);
+            self.problems.push(self.policy.judge(Fault::Mistake, problem, "diffuse gray 0.5 is used"));
         }
+    }
+
+    fn no_material(&self, name: &str, span: Span) -> Diagnostic {
+        let defined = self.names.materials.iter().filter(|(_, named)| named.defined.is_some());
+        let problem = Diagnostic::error(format!("no material named `{name}`"), Some(span));
+        problem.suggest_or(name, defined.map(|(name, _)| name.as_str()), || {
+            "MakeNamedMaterial defines one".to_owned()
+        })
     }
 
     /// `roughness`, or `uroughness` and `vroughness`, under a prefix.
@@ -212,7 +261,7 @@ impl Reader<'_> {
         }
     }
 
-    fn metal(&mut self, p: &mut Params, eta: &'static str, k: &'static str) -> Conductor {
+    pub fn metal(&mut self, p: &mut Params, eta: &'static str, k: &'static str) -> Conductor {
         let reflectance = self.optional_color_input(p, "reflectance", Use::Albedo);
         if reflectance.is_some()
             && let Some(other) = [eta, k].into_iter().find(|name| p.has(name))
@@ -309,34 +358,4 @@ fn diffuse_transmission(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> 
         reflectance: side("reflectance"),
         transmittance: side("transmittance"),
     })
-}
-
-fn mix(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
-    let weight = r.float_input(p, "amount", 0.5);
-    let Some((names, span)) = p.string_list("materials") else {
-        if !p.has("materials") {
-            p.problems.push(Diagnostic::error("mix needs the parameter \"string materials\"", Some(p.span)));
-        }
-        return None;
-    };
-    let [first, second] = &names[..] else {
-        p.complain("materials", format!("`materials` expects 2 names, got {}", names.len()));
-        return None;
-    };
-    let first = r.mixed(p, first, span)?;
-    let second = r.mixed(p, second, span)?;
-    Some(BsdfKind::Blend { weight, first, second })
-}
-
-impl Reader<'_> {
-    /// A part of a mix; it must be defined before.
-    fn mixed(&mut self, p: &mut Params, name: &str, span: Span) -> Option<Id<Bsdf>> {
-        if let Some(named) = self.materials.get(name).filter(|named| named.defined.is_some()) {
-            return Some(named.id);
-        }
-        let known = self.materials.iter().filter(|(_, named)| named.defined.is_some());
-        let problem = Diagnostic::error(format!("no material called `{name}` is defined above"), Some(span));
-        p.problems.push(problem.suggest(name, known.map(|(name, _)| name.as_str())));
-        None
-    }
 }

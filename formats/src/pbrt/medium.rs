@@ -1,6 +1,7 @@
 //! Participating media: recognised, but not rendered.
 
 use super::directive::{Directive, Param};
+use super::policy::Fault;
 use super::reader::{Reader, text};
 use crate::diagnostic::Diagnostic;
 use crate::plugin::{Plugin, read};
@@ -63,21 +64,28 @@ impl Reader<'_> {
         self.redefined("medium", &name, span, earlier);
     }
 
-    /// Everything is in vacuum, `""`.
+    /// Notes the names; `""` is vacuum.
     pub fn medium_interface(&mut self, d: &Directive) {
         for index in 0..d.arguments.len() {
             let (name, span) = (text(d, index), d.arguments[index].span);
-            if name.is_empty() {
-                continue;
+            if !name.is_empty() && self.used_media.iter().all(|(known, _)| known != name) {
+                self.used_media.push((name.to_owned(), span));
             }
-            if self.media.contains_key(name) {
+        }
+    }
+
+    /// Everything is in vacuum.
+    pub fn check_media(&mut self) {
+        for (name, span) in std::mem::take(&mut self.used_media) {
+            if self.media.contains_key(&name) {
                 self.unsupported(&format!("participating medium `{name}`"), "vacuum is used", span);
-                continue;
+            } else if !self.incomplete {
+                let problem = Diagnostic::error(format!("no medium named `{name}`"), Some(span));
+                let problem = problem.suggest_or(&name, self.media.keys().map(String::as_str), || {
+                    "MakeNamedMedium defines one".to_owned()
+                });
+                self.problems.push(self.policy.judge(Fault::Mistake, problem, "vacuum is used"));
             }
-            let problem = Diagnostic::error(format!("no medium named `{name}`"), Some(span));
-            self.problems.push(problem.suggest_or(name, self.media.keys().map(String::as_str), || {
-                "MakeNamedMedium defines one".to_owned()
-            }));
         }
     }
 }

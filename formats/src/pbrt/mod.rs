@@ -15,10 +15,13 @@ mod light;
 mod load;
 mod material;
 mod medium;
+mod mix;
 mod number;
+mod older;
 mod option;
 mod params;
 mod parse;
+mod policy;
 mod reader;
 mod scope;
 mod sensor;
@@ -48,21 +51,21 @@ pub fn read(files: &dyn Files, path: &Path, options: &ReadOptions) -> Result<Rea
     let own = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let folders: Vec<_> = std::iter::once(own).chain(options.search.iter().cloned()).collect();
     let mut directives = Vec::new();
-    load::Loader::new(files, &folders, &mut sources, &mut problems, &mut old).load(
-        path,
-        None,
-        &mut directives,
-    );
-    old.shutters(&mut directives);
+    let mut loader = load::Loader::new(files, &folders, &mut sources, &mut problems, &mut old);
+    loader.load(path, None, &mut directives);
+    let incomplete = loader.incomplete;
+    let policy = policy::Policy { version: old.version(), lenient: options.lenient };
     for (name, _) in &options.defines {
         let text = format!("`{name}` is defined, but pbrt scenes have no parameters");
-        problems.push(Diagnostic::error(text, None));
+        problems.push(Diagnostic::error(text, None).request());
     }
     let readable = !directives.is_empty() || problems.is_empty();
     if readable {
         let start = Span { file: 0, start: 0, end: 0 };
-        let (scene, found) = reader::Reader::new(files, &folders, options, start).scene(directives);
-        problems.extend(old.finish());
+        let mut reader = reader::Reader::new(files, &folders, policy, start);
+        reader.incomplete = incomplete;
+        let (scene, found) = reader.scene(directives);
+        problems.extend(old.finish(policy));
         problems.extend(found);
         in_source_order(&mut problems);
         if problems.iter().all(|p| p.severity != Severity::Error) {

@@ -1,11 +1,15 @@
 //! The parameters of one entity: each must be read, and must have the expected type and count.
 
 use super::directive::{Param, ParamType, Values};
+use super::policy::{Policy, of_parameter};
 use super::space::ColorSpace;
 use crate::diagnostic::{Diagnostic, Span, nearest};
 use crate::ir::Origin;
 
 use ParamType as T;
+
+/// What becomes of a parameter of the wrong type or count.
+const UNUSED: &str = "it counts as not given";
 
 #[derive(Clone, Debug)]
 struct Slot {
@@ -25,6 +29,7 @@ pub(super) struct Params {
     /// Of the kind.
     pub span: Span,
     pub space: ColorSpace,
+    pub policy: Policy,
     pub problems: Vec<Diagnostic>,
     slots: Vec<Slot>,
     asked: Vec<&'static str>,
@@ -33,13 +38,20 @@ pub(super) struct Params {
 }
 
 impl Params {
-    pub fn new(class: &'static str, kind: &str, span: Span, own: Vec<Param>, space: ColorSpace) -> Self {
+    pub fn new(
+        class: &'static str,
+        kind: &str,
+        span: Span,
+        own: Vec<Param>,
+        (space, policy): (ColorSpace, Policy),
+    ) -> Self {
         let slots = own.into_iter().map(|param| Slot { param, own: true, read: false }).collect();
         Self {
             class,
             kind: kind.to_owned(),
             span,
             space,
+            policy,
             problems: Vec::new(),
             slots,
             asked: Vec::new(),
@@ -51,6 +63,19 @@ impl Params {
     pub fn inherit(&mut self, params: &[Param]) {
         let inherited = params.iter().map(|p| Slot { param: p.clone(), own: false, read: false });
         self.slots.splice(0..0, inherited);
+    }
+
+    /// Puts parameters in place of those of the same names.
+    pub fn change(&mut self, params: Vec<Param>) {
+        self.slots.retain(|slot| params.iter().all(|p| p.name != slot.param.name));
+        self.slots.extend(params.into_iter().map(|param| Slot { param, own: true, read: false }));
+    }
+
+    /// Takes out what nobody read and has one of these names.
+    pub fn take_unread(&mut self, names: &[&str]) -> Vec<Param> {
+        let wanted = |slot: &Slot| slot.own && !slot.read && names.contains(&slot.param.name.as_str());
+        let unread = self.slots.extract_if(.., |slot| wanted(slot));
+        unread.map(|slot| slot.param).collect()
     }
 
     pub fn origin(&self) -> Origin {
@@ -115,7 +140,13 @@ impl Params {
     /// Takes `name`, which must have one of `types`. Of several the last one is used.
     pub fn take(&mut self, name: &'static str, types: &[ParamType]) -> Option<Param> {
         self.mark(name);
-        let index = self.slots.iter().rposition(|slot| slot.param.name == name)?;
+        // As pbrt, which looks for a name and a type.
+        let named = |slot: &Slot| slot.param.name == name;
+        let index = self
+            .slots
+            .iter()
+            .rposition(|slot| named(slot) && types.contains(&slot.param.kind))
+            .or_else(|| self.slots.iter().rposition(named))?;
         let earlier = self.slots[..index].iter().rfind(|slot| slot.own && slot.param.name == name);
         if let Some(earlier) = earlier {
             let text = format!("`{name}` is given again below; this one is ignored");
@@ -137,7 +168,7 @@ impl Params {
         let wanted: Vec<&str> = types.iter().map(|kind| kind.keyword()).collect();
         let (what, found) = (self.what(), param.kind.keyword());
         let text = format!("`{name}` of {what} has type {}, not {found}", wanted.join(" or "));
-        self.problems.push(Diagnostic::error(text, Some(param.span)));
+        self.problems.push(self.policy.report(of_parameter(self.class), &text, param.span, UNUSED));
         None
     }
 
@@ -149,7 +180,7 @@ impl Params {
         }
         let values = if count == 1 { "value" } else { "values" };
         let text = format!("`{name}` expects {count} {values}, got {got}");
-        self.problems.push(Diagnostic::error(text, Some(param.value_span)));
+        self.problems.push(self.policy.report(of_parameter(self.class), &text, param.value_span, UNUSED));
         None
     }
 
@@ -242,6 +273,18 @@ impl Params {
         self.numbers(name, &[T::Float], N)?.try_into().ok()
     }
 
+    /// As [`Self::floats`], where pbrt goes on without them if they are not `N`.
+    pub fn floats_or_warn<const N: usize>(&mut self, name: &'static str) -> Option<[f64; N]> {
+        let slot = self.slots.iter().rfind(|slot| slot.param.name == name)?;
+        let got = slot.param.values.len();
+        if got == N || slot.param.values == Values::Broken {
+            return self.floats(name);
+        }
+        self.mark(name);
+        self.warn(name, format!("`{name}` expects {N} values, got {got}: {UNUSED}"));
+        None
+    }
+
     /// Exactly `N` integers.
     pub fn integers<const N: usize>(&mut self, name: &'static str) -> Option<[i32; N]> {
         let values = self.numbers(name, &[T::Integer], N)?;
@@ -288,7 +331,7 @@ impl Params {
         }
     }
 
-    /// Everything that is still to be said; unread parameters are errors.
+    /// Everything that is still to be said, with the parameters nobody read.
     pub fn finish(mut self) -> Vec<Diagnostic> {
         if self.ignore_rest {
             return self.problems;
@@ -297,7 +340,8 @@ impl Params {
         for slot in self.slots.iter().filter(|slot| slot.own && !slot.read) {
             let name = &slot.param.name;
             let text = format!("{what} takes no parameter `{name}`");
-            let problem = Diagnostic::error(text, Some(slot.param.span));
+            let problem =
+                self.policy.report(of_parameter(self.class), &text, slot.param.span, "it is ignored");
             self.problems.push(match nearest(name, self.asked.iter().copied()) {
                 Some(known) => problem.help(format!("did you mean `{known}`?")),
                 None if self.asked.is_empty() => problem.help("it takes none"),

@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use super::directive::{Argument, DIRECTIVES, Directive, Follows, Param, ParamType, Value, follows};
-use super::number;
 use super::token::{Cursor, Token};
 use super::upgrade::Old;
 use crate::diagnostic::{Diagnostic, Span};
@@ -42,7 +41,7 @@ pub(super) struct Parser<'a, 'p> {
     pub cursor: Cursor<'a>,
     file: u32,
     pub old: &'p mut Old,
-    problems: &'p mut Vec<Diagnostic>,
+    pub problems: &'p mut Vec<Diagnostic>,
 }
 
 impl Parser<'_, '_> {
@@ -102,8 +101,7 @@ impl Parser<'_, '_> {
         self.cursor.skip_blank();
         let start = self.cursor.position;
         let mut values: Vec<f64> = Vec::with_capacity(count);
-        if let Err(bad) = number::list(&mut self.cursor, &mut values, count) {
-            self.bad_number(&bad);
+        if !self.numbers_into(&mut values, true, count) {
             return false;
         }
         let span = self.span(&(start..self.cursor.position));
@@ -205,18 +203,23 @@ impl Parser<'_, '_> {
 
     fn param(&mut self, declared: &str, span: Span) -> Option<Param> {
         let mut words = declared.split_ascii_whitespace();
-        let (Some(keyword), Some(name), None) = (words.next(), words.next(), words.next()) else {
+        let (Some(keyword), Some(name)) = (words.next(), words.next()) else {
             self.error(format!("`{declared}` is not a type and a name, as in \"float radius\""), span);
             self.skip_value();
             return None;
         };
+        if words.next().is_some() {
+            let text = format!("`{declared}`: what follows the name `{name}` is ignored");
+            self.problems.push(Diagnostic::warning(text, Some(span)));
+        }
         let kind = ParamType::of_keyword(keyword).filter(|kind| *kind != ParamType::Xyz);
         let Some(kind) = kind.or_else(|| self.old.param_type(keyword, span)) else {
             let problem = Diagnostic::error(format!("unknown parameter type `{keyword}`"), Some(span));
-            self.problems.push(problem.suggest_or(keyword, ParamType::keywords(), || {
+            let problem = problem.suggest_or(keyword, ParamType::keywords(), || {
                 let all: Vec<_> = ParamType::keywords().collect();
                 format!("known: {}", all.join(", "))
-            }));
+            });
+            self.old.slipped(problem, "the parameter is ignored");
             self.skip_value();
             return None;
         };

@@ -2,27 +2,19 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use super::depths::Depths;
 use super::directive::{Directive, Param, Value};
 use super::params::Params;
-use super::state::{Ctm, Graphics, Saved, Scope};
+use super::policy::{Fault, Policy, of_type};
+use super::space::ColorSpace;
+use super::state::{Ctm, Graphics, Named, Names, Saved};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::files::Files;
-use crate::ir::{
-    Arena, Bsdf, ColorInput, FloatInput, HideEmitters, Id, Origin, Scene, ShapeGroup, SpectrumRule, Transform,
-};
+use crate::ir::{Arena, Bsdf, HideEmitters, Id, Origin, Scene, ShapeGroup, SpectrumRule, Transform};
 use crate::missing::{find, not_found};
 use crate::plugin::{self, Plugin, Status};
-use crate::read::ReadOptions;
-
-/// Something named that may be used before it is defined.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Named<T> {
-    pub id: Id<T>,
-    pub defined: Option<Span>,
-    pub used: Option<Span>,
-}
 
 /// Directives from before WorldBegin; they are read there, when all of them are known.
 #[derive(Debug, Default)]
@@ -44,16 +36,18 @@ pub(super) struct Reader<'a> {
     pub head: Head,
     pub files: &'a dyn Files,
     pub folders: &'a [PathBuf],
-    pub options: &'a ReadOptions,
+    pub policy: Policy,
     pub saved: Vec<Saved>,
     pub world: Option<Span>,
     pub systems: HashMap<String, Ctm>,
-    pub float_textures: HashMap<String, (FloatInput, Span)>,
-    pub color_textures: HashMap<String, (ColorInput, Span)>,
+    pub names: Rc<Names>,
     pub depths: Depths,
-    pub materials: HashMap<String, Named<Bsdf>>,
     pub default_material: Option<Id<Bsdf>>,
     pub media: HashMap<String, Span>,
+    /// The media that are used, each once.
+    pub used_media: Vec<(String, Span)>,
+    /// Files are missing: what they define is not known.
+    pub incomplete: bool,
     pub groups: HashMap<String, Named<ShapeGroup>>,
     /// The object being defined; its shapes go there.
     pub open_group: Option<Id<ShapeGroup>>,
@@ -65,7 +59,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub fn new(files: &'a dyn Files, folders: &'a [PathBuf], options: &'a ReadOptions, start: Span) -> Self {
+    pub fn new(files: &'a dyn Files, folders: &'a [PathBuf], policy: Policy, start: Span) -> Self {
         let scene = Scene {
             origin: Origin(Some(start)),
             spectrum_rule: SpectrumRule::Pbrt,
@@ -86,16 +80,16 @@ impl<'a> Reader<'a> {
             head: Head::default(),
             files,
             folders,
-            options,
+            policy,
             saved: Vec::new(),
             world: None,
             systems: HashMap::new(),
-            float_textures: HashMap::new(),
-            color_textures: HashMap::new(),
+            names: Rc::default(),
             depths: Depths::default(),
-            materials: HashMap::new(),
             default_material: None,
             media: HashMap::new(),
+            used_media: Vec::new(),
+            incomplete: false,
             groups: HashMap::new(),
             open_group: None,
             subdivided: 0,
@@ -111,13 +105,7 @@ impl<'a> Reader<'a> {
             self.last = directive.span;
             self.directive(directive);
         }
-        while let Some(saved) = self.saved.pop() {
-            let (begin, end) = match saved.scope {
-                Scope::Attribute => ("AttributeBegin", "AttributeEnd"),
-                Scope::Object => ("ObjectBegin", "ObjectEnd"),
-            };
-            self.error(format!("{begin} has no {end}"), saved.span);
-        }
+        self.close_all();
         if self.world.is_none() {
             let last = self.last;
             self.problems.push(
@@ -146,7 +134,7 @@ impl<'a> Reader<'a> {
         target: Option<&'static str>,
     ) -> Params {
         let last = d.arguments.len() - 1;
-        let mut p = Params::new(class, text(d, last), d.arguments[last].span, params, self.state.space);
+        let mut p = Params::new(class, text(d, last), d.arguments[last].span, params, self.common());
         if let Some(inherited) = target.and_then(|target| self.state.attributes.get(target)) {
             p.inherit(inherited);
         }
@@ -173,32 +161,43 @@ impl<'a> Reader<'a> {
 
     /// The reader of an entity's type, or `None` after reporting that there is none and what happens instead.
     pub fn plugin<F: Copy>(&mut self, table: &[Plugin<F>], p: &mut Params, instead: &str) -> Option<F> {
+        let fault = of_type(p.class);
         match plugin::find(table, &p.kind) {
-            Some(Status::Read(reader)) => Some(reader),
-            Some(Status::Unsupported(_)) => {
+            Some(Status::Read(reader)) => return Some(reader),
+            Some(Status::Unsupported(_)) if fault == Fault::Light => {
                 let what = p.what();
                 self.unsupported(&what, instead, p.span);
-                p.ignore_rest();
-                None
+            }
+            Some(Status::Unsupported(_)) => {
+                let text = format!("{} is not rendered", p.what());
+                self.problems.push(self.policy.report(fault, &text, p.span, instead));
             }
             None => {
-                self.problems.push(plugin::unknown(table, &format!("{} type", p.class), &p.kind, p.span));
-                p.ignore_rest();
-                None
+                let problem = plugin::unknown(table, &format!("{} type", p.class), &p.kind, p.span);
+                self.problems.push(self.policy.judge(fault, problem, instead));
             }
         }
+        p.ignore_rest();
+        None
     }
 
-    /// Reports something of pbrt that is not supported.
+    /// Reports something of pbrt that is not supported and that the light depends on.
     pub fn unsupported(&mut self, what: &str, instead: &str, span: Span) {
         let text = format!("{what} is not supported yet");
-        let problem = if self.options.lenient {
-            Diagnostic::warning(format!("{text}: {instead}"), Some(span))
-        } else {
-            let help = format!("--lenient renders without it: {instead}");
-            Diagnostic::error(text, Some(span)).help(help)
-        };
-        self.problems.push(problem.unsupported());
+        let problem = self.policy.report(Fault::Light, &text, span, instead);
+        let help =
+            self.policy.stops(Fault::Light).then(|| format!("--lenient renders without it: {instead}"));
+        self.problems.push(Diagnostic { help: help.into_iter().collect(), ..problem.unsupported() });
+    }
+
+    /// Reports a fault: an error, or a warning that says what happens `instead`.
+    pub fn fault(&mut self, fault: Fault, text: &str, span: Span, instead: &str) {
+        self.problems.push(self.policy.report(fault, text, span, instead));
+    }
+
+    /// What the parameters of every entity share.
+    pub fn common(&self) -> (ColorSpace, Policy) {
+        (self.state.space, self.policy)
     }
 
     /// The file a parameter names; `None` after reporting that it is missing.
@@ -208,9 +207,14 @@ impl<'a> Reader<'a> {
             p.problems.push(Diagnostic::error(text, Some(p.span)));
         }
         let (file, span) = p.optional_string(name)?;
-        let found = find(self.files, &file, self.folders);
+        self.located(p, what, &file, span)
+    }
+
+    /// A file by its name; `None` after reporting that it is missing.
+    pub fn located(&self, p: &mut Params, what: &str, file: &str, span: Span) -> Option<PathBuf> {
+        let found = find(self.files, file, self.folders);
         if found.is_none() {
-            p.problems.push(not_found(self.files, what, &file, span, self.folders));
+            p.problems.push(not_found(self.files, what, file, span, self.folders));
         }
         found
     }

@@ -13,6 +13,9 @@ pub(super) const CAMERAS: &[Plugin<ReadCamera>] = &[
     read("orthographic", |_| Projection::Orthographic),
     unsupported("spherical"),
     unsupported("realistic"),
+    // ISET3d's cameras of several lenses and of ray transfer functions.
+    unsupported("omni"),
+    unsupported("rtf"),
 ];
 
 type ReadSampler = fn(&mut Params) -> u32;
@@ -35,17 +38,19 @@ impl Reader<'_> {
     /// Reads what stood before WorldBegin.
     pub fn sensor(&mut self, world: Span) {
         let (camera, place) = self.head.camera.take().unwrap_or_else(|| {
-            let p = Params::new("camera", "perspective", world, Vec::new(), self.state.space);
+            let p = Params::new("camera", "perspective", world, Vec::new(), self.common());
             (p, Transform::IDENTITY)
         });
         let mut p = camera;
         let reader = self.plugin(CAMERAS, &mut p, "a perspective camera is used").unwrap_or(perspective);
         let open = p.float("shutteropen", 0.0);
         let close = p.float("shutterclose", 1.0);
-        if close <= open {
+        // The shutter of pbrt-v3 decides how far things move, never how bright the picture is.
+        let old = self.policy.is_three();
+        if close <= open && !old {
             p.complain("shutterclose", format!("the shutter must close after it opens, {open}"));
         }
-        let film = self.film(world, (close - open).max(0.0));
+        let film = self.film(world, if old { 1.0 } else { (close - open).max(0.0) });
         let aspect = f64::from(film.width) / f64::from(film.height);
         let projection = reader(&mut p);
         let screen_window = window(&mut p, aspect);
@@ -77,12 +82,12 @@ impl Reader<'_> {
     }
 
     fn sampler(&mut self, world: Span) -> Sampler {
-        let space = self.state.space;
+        let common = self.common();
         let mut p = self
             .head
             .sampler
             .take()
-            .unwrap_or_else(|| Params::new("sampler", "zsobol", world, Vec::new(), space));
+            .unwrap_or_else(|| Params::new("sampler", "zsobol", world, Vec::new(), common));
         let reader = self.plugin(SAMPLERS, &mut p, "16 samples a pixel are taken");
         let sample_count = reader.map_or(16, |reader| reader(&mut p));
         let seed = p.optional_integer("seed").unwrap_or(self.head.seed);
@@ -105,7 +110,8 @@ fn perspective(p: &mut Params) -> Projection {
 /// `None` where the film's own shape gives the window.
 fn window(p: &mut Params, film_aspect: f64) -> Option<[f64; 4]> {
     let aspect = p.optional_float("frameaspectratio").filter(|aspect| *aspect > 0.0);
-    if let Some(window) = p.floats::<4>("screenwindow") {
+    // Any other count is as good as none in pbrt.
+    if let Some(window) = p.floats_or_warn::<4>("screenwindow") {
         if window[0] == window[1] || window[2] == window[3] {
             p.complain("screenwindow", "`screenwindow` is empty");
             return None;

@@ -7,7 +7,7 @@ use super::directive::Param;
 use super::params::Params;
 use super::space::ColorSpace;
 use crate::diagnostic::Span;
-use crate::ir::{Bsdf, Id, Transform};
+use crate::ir::{Bsdf, ColorInput, FloatInput, Id, Transform};
 
 /// The two transforms of a moving scene.
 pub(super) type Ctm = [Transform; 2];
@@ -24,6 +24,8 @@ pub(super) struct Graphics {
     pub reverse: bool,
     /// `None`: diffuse gray, pbrt's default.
     pub material: Option<Id<Bsdf>>,
+    /// What it was made of, in pbrt-v3: a shape may change that.
+    pub material_params: Option<Rc<Params>>,
     pub area_light: Option<Rc<Params>>,
     pub space: ColorSpace,
     /// Parameters given by `Attribute`, by target.
@@ -38,6 +40,7 @@ impl Default for Graphics {
             active: [true; 2],
             reverse: false,
             material: None,
+            material_params: None,
             area_light: None,
             space: ColorSpace::Srgb,
             attributes: HashMap::new(),
@@ -71,10 +74,30 @@ impl Graphics {
     }
 }
 
+/// Something named that may be used before it is defined.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Named<T> {
+    pub id: Id<T>,
+    pub defined: Option<Span>,
+    pub used: Option<Span>,
+}
+
+/// What names stand for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Names {
+    pub float_textures: HashMap<String, (FloatInput, Span)>,
+    pub color_textures: HashMap<String, (ColorInput, Span)>,
+    pub materials: HashMap<String, Named<Bsdf>>,
+    /// What they were made of, in pbrt-v3.
+    pub material_params: HashMap<String, Rc<Params>>,
+}
+
 /// What opened a scope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
     Attribute,
+    /// Of pbrt-v3: the transforms only.
+    Transform,
     Object,
 }
 
@@ -83,5 +106,7 @@ pub(super) enum Scope {
 pub(super) struct Saved {
     pub scope: Scope,
     pub graphics: Graphics,
+    /// Of pbrt-v3, where names end with their scope.
+    pub names: Option<Rc<Names>>,
     pub span: Span,
 }

@@ -1,9 +1,12 @@
 //! Textures. A `constant` one is its value; the others enter the scene.
 
+use std::rc::Rc;
+
 use super::color::Use;
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param, ParamType};
 use super::params::Params;
+use super::policy::Fault;
 use super::reader::{Reader, text};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
@@ -83,7 +86,7 @@ impl Reader<'_> {
         if self.state.moves() {
             self.warn("a texture moves: its transform at the start time is used", d.span);
         }
-        let mut p = Params::new("texture", text(d, 2), d.arguments[2].span, params, self.state.space);
+        let mut p = Params::new("texture", text(d, 2), d.arguments[2].span, params, self.common());
         if let Some(inherited) = self.state.attributes.get("texture") {
             p.inherit(inherited);
         }
@@ -105,6 +108,7 @@ impl Reader<'_> {
             }
             None => ColorInput::Color(Color::Gray(0.5)),
         };
+        let names = Rc::make_mut(&mut self.names);
         let earlier = match kind {
             TextureType::Float => {
                 let input = match input {
@@ -112,10 +116,10 @@ impl Reader<'_> {
                     ColorInput::Color(_) => FloatInput::Value(0.5),
                     ColorInput::Texture(id) => FloatInput::Texture(id),
                 };
-                self.float_textures.insert(name.clone(), (input, name_span)).map(|(_, span)| span)
+                names.float_textures.insert(name.clone(), (input, name_span)).map(|(_, span)| span)
             }
             TextureType::Spectrum => {
-                self.color_textures.insert(name.clone(), (input, name_span)).map(|(_, span)| span)
+                names.color_textures.insert(name.clone(), (input, name_span)).map(|(_, span)| span)
             }
         };
         self.redefined("texture", &name, name_span, earlier);
@@ -125,7 +129,8 @@ impl Reader<'_> {
     pub fn redefined(&mut self, what: &str, name: &str, span: Span, earlier: Option<Span>) {
         if let Some(earlier) = earlier {
             let problem = Diagnostic::error(format!("{what} `{name}` is defined twice"), Some(span));
-            self.problems.push(problem.label(earlier, "first here"));
+            let problem = problem.label(earlier, "first here");
+            self.problems.push(self.policy.judge(Fault::Mistake, problem, "this one is meant from here on"));
         }
     }
 
@@ -207,6 +212,10 @@ pub(super) fn upside_down(mapping: Mapping) -> Mapping {
 }
 
 fn scale(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option<Made> {
+    if r.policy.is_three() && !p.has("tex") && !p.has("scale") {
+        let (value, factor) = (r.operand(p, "tex1", kind, 1.0), r.operand(p, "tex2", kind, 1.0));
+        return Some(made(TextureKind::Scale { value, factor }));
+    }
     let value = r.operand(p, "tex", kind, 1.0);
     let factor = as_color(r.float_input(p, "scale", 1.0));
     Some(made(TextureKind::Scale { value, factor }))

@@ -2,12 +2,17 @@
 
 use thiserror::Error;
 
+use crate::misnamed;
+
 /// Why a spectrum file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SpdError {
     /// Not UTF-8.
     #[error("the spectrum file is not text")]
     NotText,
+    /// Not a spectrum file at all.
+    #[error("it is {0}")]
+    Other(&'static str),
     /// A line that is not a wavelength and a value.
     #[error("line {line}: expected a wavelength and a value, found \"{found}\"")]
     BadLine {
@@ -23,6 +28,9 @@ pub enum SpdError {
 /// # Errors
 /// When the bytes are not text or a line is not a wavelength and a value.
 pub fn parse_spd(bytes: &[u8]) -> Result<Vec<[f64; 2]>, SpdError> {
+    if let Some(what) = misnamed::named(bytes) {
+        return Err(SpdError::Other(what));
+    }
     let text = std::str::from_utf8(bytes).map_err(|_| SpdError::NotText)?;
     let mut samples = Vec::new();
     for (index, line) in text.lines().enumerate() {

@@ -7,14 +7,14 @@ use super::image::{Pixels, from_square};
 use super::mesh::{cross, tessellate};
 use super::{Output, WriteError};
 use crate::ir::{
-    AreaEmission, ColorInput, ColorSlot, InlineMesh, LightImage, PartialQuadric, Shape, ShapeKind,
+    AreaEmission, ColorInput, ColorSlot, InlineMesh, LightImage, PartialQuadric, Shape, ShapeKind, Transform,
 };
 use crate::mesh::Mesh;
 use crate::spectrum::luminance;
 
 /// How far behind a lamp its other side lies, in parts of what tells places apart: of the largest coordinate, and of
 /// the distance to the camera. Single precision tells 6e-8 apart.
-const BEHIND: f64 = 1e-5;
+const BEHIND: f64 = 3e-6;
 
 /// A lamp is not thinner than this, in parts of its radius.
 const THICKEST: f64 = 0.01;
@@ -95,6 +95,12 @@ impl Output<'_> {
                 z_max: *radius,
                 phi_max: 360.0,
             }),
+            ShapeKind::Disk => curved(&UNIT_DISK),
+            // It stays round.
+            ShapeKind::Cylinder { p0, p1, radius } => {
+                let length = (0..3).map(|i| (p1[i] - p0[i]).powi(2)).sum::<f64>().sqrt();
+                2.0 * PI * radius * length * shape.to_world.determinant3().abs().powf(2.0 / 3.0)
+            }
             _ => return Ok(None),
         }))
     }
@@ -108,9 +114,21 @@ impl Output<'_> {
         let inwards = shape.flip_normals == (shape.to_world.determinant3() < 0.0);
         let towards = if inwards { -distance } else { distance };
         let smaller = |radius: f64| radius + towards;
+        if let ShapeKind::Disk = shape.kind {
+            // Its front is where its third axis points to, mirrored or not.
+            let axis = shape.to_world.vector([0.0, 0.0, 1.0]);
+            let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let along = distance * scale / length * if shape.flip_normals { 1.0 } else { -1.0 };
+            let to_world = shape.to_world.after(&Transform::translate([0.0, 0.0, along]));
+            let flip_normals = !shape.flip_normals;
+            return Ok(Some(Shape { name: None, to_world, flip_normals, ..shape.clone() }));
+        }
         let kind = match &shape.kind {
             ShapeKind::Sphere { center, radius } if distance < THICKEST * radius => {
                 ShapeKind::Sphere { center: *center, radius: smaller(*radius) }
+            }
+            ShapeKind::Cylinder { p0, p1, radius } if distance < THICKEST * radius => {
+                ShapeKind::Cylinder { p0: *p0, p1: *p1, radius: smaller(*radius) }
             }
             ShapeKind::Partial(PartialQuadric::Sphere { radius, z_min, z_max, phi_max })
                 if distance < THICKEST * radius =>
@@ -174,10 +192,18 @@ impl Output<'_> {
                 let corners = [-1.0, 1.0].map(|s| center.map(|c| (c + s * radius) as f32));
                 largest(&corners)
             }
+            ShapeKind::Disk => largest(&tessellate(&UNIT_DISK).positions),
+            ShapeKind::Cylinder { p0, p1, radius } => {
+                let ends = [p0, p1].map(|p| [-1.0, 1.0].map(|s| p.map(|c| (c + s * radius) as f32)));
+                largest(ends.as_flattened())
+            }
             _ => 0.0,
         })
     }
 }
+
+const UNIT_DISK: PartialQuadric =
+    PartialQuadric::Disk { height: 0.0, radius: 1.0, inner_radius: 0.0, phi_max: 360.0 };
 
 /// A mesh moved along its normals, each vertex by the mean of its faces.
 fn behind(mesh: Mesh, distance: f64) -> ShapeKind {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::{Content, WriteError, Written};
-use crate::files::Files;
+use crate::files::{Files, plain};
 use crate::image::Staged;
 
 impl Written {
@@ -52,7 +52,7 @@ impl Written {
 }
 
 fn io(path: &Path, error: std::io::Error) -> WriteError {
-    WriteError::Io { path: path.to_path_buf(), error }
+    WriteError::Io { path: path.to_path_buf(), error: plain(error) }
 }
 
 fn is_there(target: &Path, bytes: &[u8]) -> bool {

@@ -27,20 +27,17 @@ impl Cone {
         Self { cutoff: cutoff.to_radians(), beam: beam.min(cutoff).to_radians(), falloff }
     }
 
-    /// Its light with the other falloff, in parts of its own, less one.
-    pub fn change(&self) -> f64 {
+    /// Its light with another falloff, in parts of its own, less one.
+    pub fn change(&self, other: SpotFalloff) -> f64 {
         let (b, c) = (self.beam, self.cutoff);
         let flux = |falloff| {
             let rim = match falloff {
                 SpotFalloff::Linear if c > b => b.cos() - (c.sin() - b.sin()) / (c - b),
                 SpotFalloff::Linear => 0.0,
                 SpotFalloff::Smoothstep => 0.5 * (b.cos() - c.cos()),
+                SpotFalloff::Quartic => 0.2 * (b.cos() - c.cos()),
             };
             1.0 - b.cos() + rim
-        };
-        let other = match self.falloff {
-            SpotFalloff::Linear => SpotFalloff::Smoothstep,
-            SpotFalloff::Smoothstep => SpotFalloff::Linear,
         };
         flux(other) / flux(self.falloff) - 1.0
     }
@@ -53,9 +50,10 @@ impl Cone {
         match self.falloff {
             _ if angle <= self.beam => 1.0,
             SpotFalloff::Linear => (self.cutoff - angle) / (self.cutoff - self.beam),
-            SpotFalloff::Smoothstep => {
+            SpotFalloff::Smoothstep | SpotFalloff::Quartic => {
                 let x = (angle.cos() - self.cutoff.cos()) / (self.beam.cos() - self.cutoff.cos());
-                x * x * (3.0 - 2.0 * x)
+                let end = if self.falloff == SpotFalloff::Quartic { x * x } else { 3.0 - 2.0 * x };
+                x * x * end
             }
         }
     }
@@ -150,11 +148,13 @@ mod tests {
         let sum = |cone: &Cone| -> f64 {
             (0..10_000).map(|i| (f64::from(i) + 0.5) / 10_000.0).map(|a| a.sin() * cone.share(a)).sum()
         };
-        let (linear, smooth) = (cone(SpotFalloff::Linear), cone(SpotFalloff::Smoothstep));
-        let right = sum(&smooth) / sum(&linear) - 1.0;
-        assert!((linear.change() - right).abs() < 1e-6, "{} {right}", linear.change());
-        assert!((smooth.change() - (1.0 / (1.0 + right) - 1.0)).abs() < 1e-6);
-        assert!(right > 0.05, "{right}");
+        let all = [SpotFalloff::Linear, SpotFalloff::Smoothstep, SpotFalloff::Quartic];
+        for (from, to) in all.into_iter().flat_map(|from| all.map(|to| (from, to))) {
+            let right = sum(&cone(to)) / sum(&cone(from)) - 1.0;
+            let change = cone(from).change(to);
+            assert!((change - right).abs() < 1e-6, "{from:?} to {to:?}: {change} {right}");
+            assert!(from == to || right.abs() > 0.05, "{right}");
+        }
     }
 
     /// Two pixels, 0 and 1: at the left border, a hair inside, the left one is mixed half and half with

@@ -5,6 +5,7 @@ mod language;
 mod lights;
 mod messages;
 mod plugins;
+mod policy;
 mod robust;
 mod versions;
 

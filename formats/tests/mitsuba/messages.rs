@@ -13,6 +13,7 @@ fn unknown_plugin() {
     2 │   <shape type='spher'/>
       │                ^^^^^
       │
+      = help: --lenient renders without it: it is skipped
       = help: did you mean `sphere`?
     "#);
 }
@@ -28,8 +29,8 @@ fn misspelt_parameter() {
       │
       = help: did you mean `radius`?
     "#);
-    assert_snapshot!(failure("<scene version='0.6.0'>\n  <integrator type='path'>\n    <integer name='maxDepht' value='2'/>\n  </integrator>\n</scene>"), @r#"
-    error: unknown parameter `maxDepht` of path
+    assert_snapshot!(warnings("<scene version='0.6.0'>\n  <integrator type='path'>\n    <integer name='maxDepht' value='2'/>\n  </integrator>\n</scene>", false), @r#"
+    warning: unknown parameter `maxDepht` of path is ignored
       ┌─ scene.xml:3:20
       │
     3 │     <integer name='maxDepht' value='2'/>
@@ -205,7 +206,27 @@ fn undefined_parameter() {
     4 │     <integer name='max_depth' value='$deth'/>
       │                                      ^^^^^
       │
-      = help: did you mean `$depth`?
+      = help: --lenient renders without it: every place has its default
+      = help: did you mean `$depth` by `$deth`?
+    "#);
+    assert_snapshot!(failure_with(
+        "<scene version='3.0.0'>\n  <integrator type='$kind'>\n    <integer name='max_depth' value='$depth'/>\n    <integer name='rr_depth' value='$depth'/>\n  </integrator>\n  <bsdf type='$kind$what' id='$id'/>\n</scene>",
+        &[],
+        &[("what", "two words")],
+    ), @r#"
+    error: undefined parameters `$kind`, `$depth`, `$id`
+      ┌─ scene.xml:2:21
+      │
+    2 │   <integrator type='$kind'>
+      │                     ^^^^^
+    3 │     <integer name='max_depth' value='$depth'/>
+      │                                      ------ `$depth`
+      ·
+    6 │   <bsdf type='$kind$what' id='$id'/>
+      │                               --- `$id`
+      │
+      = help: --lenient renders without it: every place has its default
+      = help: give a value: caustica render scene.xml -D 'what=two words' -D kind=... -D depth=... -D id=...
     "#);
 }
 
@@ -286,7 +307,7 @@ fn unsupported_plugin() {
       │                 ^^^^
     "#);
     assert_snapshot!(warnings("<scene version='3.0.0'>\n  <bsdf type='hair' id='a'/>\n</scene>", false), @r#"
-    warning: bsdf plugin `hair` is not supported yet, but nothing uses it
+    warning: bsdf plugin `hair` is not rendered: nothing uses it
       ┌─ scene.xml:2:15
       │
     2 │   <bsdf type='hair' id='a'/>
@@ -295,9 +316,9 @@ fn unsupported_plugin() {
 }
 
 #[test]
-fn unknown_integrators_become_path() {
-    assert_snapshot!(failure("<scene version='3.0.0'>\n  <integrator type='photonmaper'/>\n</scene>"), @r#"
-    error: unknown integrator plugin `photonmaper`
+fn unknown_integrators_become_photon_mapping() {
+    assert_snapshot!(warnings("<scene version='3.0.0'>\n  <integrator type='photonmaper'/>\n</scene>", false), @r#"
+    warning: unknown integrator plugin `photonmaper`: photon mapping renders the scene
       ┌─ scene.xml:2:21
       │
     2 │   <integrator type='photonmaper'/>
@@ -306,7 +327,7 @@ fn unknown_integrators_become_path() {
       = help: did you mean `photonmapper`?
     "#);
     assert_snapshot!(warnings("<scene version='2.0.0'>\n  <integrator type='path_sms_ss'/>\n</scene>", false), @r#"
-    warning: unknown integrator plugin `path_sms_ss`: `path` is used
+    warning: unknown integrator plugin `path_sms_ss`: photon mapping renders the scene
       ┌─ scene.xml:2:21
       │
     2 │   <integrator type='path_sms_ss'/>
@@ -358,7 +379,7 @@ fn several_problems_in_source_order() {
     11 │     <boolean name='flip' value='yes'/>
        │                    ^^^^
        │
-       = help: it takes: caustic_bouncer, caustic_caster_multi, caustic_caster_single, caustic_receiver, center, flip_normals, radius, silhouette_sampling_weight, to_world
+       = help: it takes: caustic_bouncer, caustic_caster_multi, caustic_caster_single, caustic_receiver, center, flip_normals, glinty, radius, silhouette_sampling_weight, to_world
 
     error: `yes` is not a boolean; write `true` or `false`
        ┌─ scene.xml:11:33
@@ -372,6 +393,6 @@ fn several_problems_in_source_order() {
     13 │   <teapot/>
        │    ^^^^^^
        │
-       = help: remove it; --lenient skips unknown elements
+       = help: --lenient renders without it: it is skipped
     "#);
 }

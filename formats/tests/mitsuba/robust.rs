@@ -116,3 +116,31 @@ fn what_multiplies_is_refused() {
     let first = &failure.diagnostics[0].message;
     assert!(first.contains("files included again and again add up to more than"), "{first}");
 }
+
+/// Depth and size are limited, not the number.
+#[test]
+fn twenty_thousand_includes_are_read() {
+    let scene = format!("<scene version='3.0.0'>{}</scene>", "<include filename='part.xml'/>".repeat(20_000));
+    let part = b"<shape type='sphere'/>".to_vec();
+    let memory = Memory([("scene.xml".into(), scene.into_bytes()), ("part.xml".into(), part)].into());
+    let read = read_scene(&memory, Path::new("scene.xml"), &ReadOptions::default()).unwrap();
+    assert_eq!(read.scene.shapes.len(), 20_000);
+}
+
+/// Ten files that include the next one ten times each.
+#[test]
+fn includes_that_multiply_are_refused_once() {
+    let text = |i: usize| {
+        format!("<scene version='3.0.0'>{}</scene>", format!("<include filename='{i}.xml'/>").repeat(10))
+    };
+    let files = (0..10).map(|i| (format!("{i}.xml").into(), text(i + 1).into_bytes()));
+    let ends =
+        [("scene.xml".into(), text(0).into_bytes()), ("10.xml".into(), b"<scene version='3.0.0'/>".to_vec())];
+    let memory = Memory(files.chain(ends).collect());
+    let failure = read_scene(&memory, Path::new("scene.xml"), &ReadOptions::default()).unwrap_err();
+    let told: Vec<&str> = failure.diagnostics.iter().map(|d| d.message.as_str()).collect();
+    assert!(
+        matches!(told[..], [only] if only.contains("files included again and again add up to more than")),
+        "{told:?}"
+    );
+}

@@ -3,7 +3,9 @@
 
 mod messages;
 mod plugins;
+mod policy;
 mod robust;
+mod version3;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -11,7 +11,7 @@ use caustica_formats::{Loss, Read, ReadOptions, WriteError, Written, ir, read_sc
 
 use super::failure::Failure;
 use super::report;
-use crate::session::check_place;
+use crate::session::{self, Error, Options, check_place};
 
 pub use args::ConvertArgs;
 
@@ -23,7 +23,11 @@ pub fn run(args: &ConvertArgs) -> Result<u8, Failure> {
     let options =
         ReadOptions { defines: args.define.clone(), lenient: args.lenient, search: args.allow_path.clone() };
     let files = Confined::new(&args.input, &args.allow_path);
-    let mut read = read_scene(&files, &args.input, &options).map_err(|failure| failure.to_string())?;
+    let mut read = read_scene(&files, &args.input, &options).map_err(Error::from)?;
+    // What is not fit for rendering is not converted either: `inspect`, `render` and `convert` agree.
+    let rendering =
+        Options { spectrum_rule: args.spectral_to_rgb.rule(), lenient: args.lenient, ..Options::default() };
+    session::check(&read, &files, &args.input, &rendering)?;
     warn(&read);
     if let Some(rule) = args.spectral_to_rgb.rule() {
         read.scene.spectrum_rule = rule;

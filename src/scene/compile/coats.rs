@@ -40,7 +40,7 @@ impl Compiler<'_> {
         };
         let specular = self.param(specular, ColorSlot::Reflectance, origin);
         if self.materials.coats == MAX_COATS {
-            self.error(format!("more than {MAX_COATS} coats over each other cannot be rendered"), origin);
+            self.refuse(format!("a material under more than {MAX_COATS} coats"), origin);
             return DiffuseModel { reflectance: BLACK }.into();
         }
         self.materials.coats += 1;
@@ -53,7 +53,8 @@ impl Compiler<'_> {
 
     fn coating(&mut self, coat: Coat, nested: Node, origin: ir::Origin) -> Node {
         if nested.nature().transmits {
-            self.error("only materials that let no light through can be coated", origin);
+            self.unsupported("a coat over a material that lets light through", "the material alone", origin);
+            return nested;
         }
         let Coat { eta, absorption, specular, rough, interreflection } = coat;
         let rough = rough.map(|r| (r, self.transmittance(&r, eta)));

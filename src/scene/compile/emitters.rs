@@ -50,6 +50,7 @@ pub fn build(b: &mut Compiler<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>
                     falloff: match falloff {
                         ir::SpotFalloff::Linear => Falloff::Linear,
                         ir::SpotFalloff::Smoothstep => Falloff::Smoothstep,
+                        ir::SpotFalloff::Quartic => Falloff::Quartic,
                     },
                     texture,
                 })

@@ -31,11 +31,14 @@ impl Compiler<'_> {
         };
         let radiance = self.cut(radiance, alpha);
         if e.collimated {
-            let Surface::Mesh { triangles, .. } = surface else {
-                self.error("only a lamp of flat faces can shine along its normals", e.origin);
-                return None;
-            };
-            return Some(Emitter::Collimated(Box::new(Collimated::new(triangles, radiance, lift))));
+            if let Surface::Mesh { triangles, .. } = surface {
+                return Some(Emitter::Collimated(Box::new(Collimated::new(triangles, radiance, lift))));
+            }
+            self.unsupported(
+                "light along the normals of a curved surface",
+                "light in all directions",
+                e.origin,
+            );
         }
         Some(Emitter::Area(Area::new(surface, radiance, sides, lift, self.textures_of(radiance))))
     }

@@ -88,11 +88,11 @@ impl Compiler<'_> {
         let node = self.node(id);
         if self.materials.parts > MAX_PARTS {
             let origin = self.ir.bsdfs[id].origin;
-            self.error(format!("the material consists of more than {MAX_PARTS} BSDFs"), origin);
+            self.refuse(format!("a material of more than {MAX_PARTS} BSDFs"), origin);
         }
         if node.tilts_twice() {
             let origin = self.ir.bsdfs[id].origin;
-            self.error("a bump or normal map inside another one cannot be rendered", origin);
+            self.refuse("a bump or normal map inside another one", origin);
         }
         let index = self.materials.push(Material::new(node));
         self.materials.known.insert(id.index(), index);

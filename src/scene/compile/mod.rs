@@ -17,6 +17,8 @@ mod sensor;
 mod shapes;
 mod textures;
 
+use std::fmt::Display;
+
 use caustica_formats::diagnostic::{Diagnostic, Severity};
 use caustica_formats::files::Files;
 use caustica_formats::ir;
@@ -77,12 +79,18 @@ impl Compiler<'_> {
         self.diagnostics.push(Diagnostic::warning(message, origin.0));
     }
 
+    /// An error about something known that has no substitute.
+    fn refuse(&mut self, what: impl Display, origin: ir::Origin) {
+        let problem = Diagnostic::error(format!("{what} is not supported"), origin.0);
+        self.diagnostics.push(problem.unsupported());
+    }
+
     /// An error, or with `--lenient` a warning that names the substitute.
     fn unsupported(&mut self, what: &str, substitute: &str, origin: ir::Origin) {
         let problem = if self.options.lenient {
-            Diagnostic::warning(format!("{what} is not rendered yet; {substitute} instead"), origin.0)
+            Diagnostic::warning(format!("{what} is not supported yet; {substitute} instead"), origin.0)
         } else {
-            Diagnostic::error(format!("{what} is not rendered yet"), origin.0)
+            Diagnostic::error(format!("{what} is not supported yet"), origin.0)
                 .help(format!("--lenient renders {substitute} instead"))
         };
         self.diagnostics.push(problem.unsupported());

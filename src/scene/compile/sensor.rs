@@ -111,7 +111,7 @@ pub const MAX_PIXELS: u64 = 1 << 30;
 
 fn film_size(b: &mut Compiler<'_>, f: &ir::Film) -> FilmSize {
     if f.width == 0 || f.height == 0 || u64::from(f.width) * u64::from(f.height) > MAX_PIXELS {
-        b.error(format!("a film of {}×{} pixels cannot be rendered", f.width, f.height), f.origin);
+        b.refuse(format!("a film of {}×{} pixels", f.width, f.height), f.origin);
         return FilmSize::full(1, 1);
     }
     let mut size = FilmSize::full(f.width, f.height);

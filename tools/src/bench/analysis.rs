@@ -6,6 +6,7 @@ use super::statistics::{
     Curve, PowerLaw, Ratio, Reach, Spread, common_error, medians, power_law, time_ratio, time_to_error,
 };
 use serde::Serialize;
+use std::fmt;
 use std::path::PathBuf;
 
 /// All seeds of one budget.
@@ -37,6 +38,8 @@ pub struct Row {
     pub reach: Option<Reach>,
     /// That time divided by the first configuration's.
     pub ratio: Option<Ratio>,
+    /// Renders that took too long.
+    pub stopped: Vec<Stopped>,
     #[serde(skip)]
     pub records: Vec<Record>,
 }
@@ -61,12 +64,37 @@ pub struct Skipped {
     pub reason: String,
 }
 
+/// A render that was stopped.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stopped {
+    #[serde(skip)]
+    pub config: String,
+    pub budget: Budget,
+    /// When a process of it was stopped.
+    pub seconds: f64,
+}
+
+impl fmt::Display for Stopped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "stopped after {} s", self.seconds)
+    }
+}
+
+/// What a scene was measured to.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    pub records: Vec<Record>,
+    pub stopped: Vec<Stopped>,
+}
+
 /// Everything a run found.
 #[derive(Clone, Debug, Serialize)]
 pub struct Analysis {
     pub machine: Machine,
     pub scenes: Vec<SceneResult>,
     pub skipped: Vec<Skipped>,
+    /// In what renders were made otherwise than asked.
+    pub notes: Vec<String>,
 }
 
 impl SceneResult {
@@ -77,16 +105,20 @@ impl SceneResult {
         size: [usize; 2],
         configs: &[String],
         budgets: &[Budget],
-        records: &[Record],
+        Measured { records, stopped }: &Measured,
         target: Option<f64>,
     ) -> Self {
         let of = |config: &String| -> Vec<Record> {
             records.iter().filter(|r| r.config == *config).cloned().collect()
         };
-        let mut rows: Vec<Row> =
-            configs.iter().map(|c| Row::new(c, budgets, of(c))).filter(|r| !r.points.is_empty()).collect();
-        let curves: Vec<Curve> = rows.iter().map(|r| r.curve(budgets)).collect();
-        let target_rmse = target.or_else(|| common_error(&curves.iter().map(medians).collect::<Vec<_>>()));
+        let mut rows: Vec<Row> = configs.iter().map(|c| Row::new(c, budgets, of(c))).collect();
+        for row in &mut rows {
+            row.stopped = stopped.iter().filter(|s| s.config == row.config).cloned().collect();
+        }
+        rows.retain(|row| !row.points.is_empty() || !row.stopped.is_empty());
+        let curves: Vec<Curve> = rows.iter().map(Row::curve).collect();
+        let measured = curves.iter().filter(|curve| !curve.is_empty());
+        let target_rmse = target.or_else(|| common_error(&measured.map(medians).collect::<Vec<_>>()));
         if let Some(error) = target_rmse {
             for (row, curve) in rows.iter_mut().zip(&curves) {
                 row.reach = time_to_error(&medians(curve), error);
@@ -103,7 +135,9 @@ impl SceneResult {
 
 impl Row {
     fn new(config: &str, budgets: &[Budget], records: Vec<Record>) -> Self {
-        let points = budgets.iter().filter_map(|b| Point::new(*b, &records)).collect();
+        let mut points: Vec<Point> = budgets.iter().filter_map(|b| Point::new(*b, &records)).collect();
+        // Where a pass takes longer than two budgets, both give the same picture.
+        points.dedup_by(|b, a| matches!(b.budget, Budget::Seconds(_)) && a.passes.median == b.passes.median);
         let law =
             |f: fn(&Record) -> f64| power_law(&records.iter().map(|r| (r.seconds, f(r))).collect::<Vec<_>>());
         Self {
@@ -113,15 +147,24 @@ impl Row {
             flip_slope: law(|r| r.flip),
             reach: None,
             ratio: None,
+            stopped: Vec::new(),
             records,
         }
     }
 
-    fn curve(&self, budgets: &[Budget]) -> Curve {
-        let of = |b: &Budget| {
-            self.records.iter().filter(|r| r.budget == *b).map(|r| (r.seconds, r.rmse)).collect()
+    fn curve(&self) -> Curve {
+        let of = |p: &Point| {
+            self.records.iter().filter(|r| r.budget == p.budget).map(|r| (r.seconds, r.rmse)).collect()
         };
-        budgets.iter().map(of).collect()
+        self.points.iter().map(of).collect()
+    }
+
+    /// The configuration, and what it did not do.
+    pub fn title(&self) -> String {
+        match self.stopped.first() {
+            Some(stopped) => format!("{} ({}: {stopped})", self.config, stopped.budget),
+            None => self.config.clone(),
+        }
     }
 }
 
@@ -162,11 +205,30 @@ mod tests {
         }
         let budgets = [1.0, 4.0, 16.0].map(Budget::Seconds);
         let names = ["a".to_owned(), "none".to_owned(), "b".to_owned()];
-        let result = SceneResult::new("box", PathBuf::new(), [4, 4], &names, &budgets, &records, None);
+        let stopped =
+            vec![Stopped { config: "none".to_owned(), budget: Budget::Seconds(4.0), seconds: 100.0 }];
+        let measured = Measured { records, stopped };
+        let result = SceneResult::new("box", PathBuf::new(), [4, 4], &names, &budgets, &measured, None);
+        assert_eq!(result.rows[1].title(), "none (4 s: stopped after 100 s)");
+        let measured = Measured { stopped: Vec::new(), ..measured };
+        let result = SceneResult::new("box", PathBuf::new(), [4, 4], &names, &budgets, &measured, None);
         assert_eq!(result.rows.len(), 2);
         assert_eq!(result.rows[0].ratio, None);
         let ratio = result.rows[1].ratio.unwrap();
         assert!((ratio.value - 4.0).abs() < 1e-6 && !ratio.bound, "{ratio:?}");
         assert!((result.rows[1].rmse_slope.unwrap().slope + 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn budgets_shorter_than_a_pass_are_one_point() {
+        let records: Vec<Record> = [(1.0, 1), (2.0, 1), (8.0, 3)]
+            .map(|(budget, passes)| Record { passes, ..record("a", budget, 0, 2.5 * passes as f64, 0.5) })
+            .to_vec();
+        let measured = Measured { records, ..Measured::default() };
+        let budgets = [1.0, 2.0, 8.0].map(Budget::Seconds);
+        let names = ["a".to_owned()];
+        let result = SceneResult::new("box", PathBuf::new(), [4, 4], &names, &budgets, &measured, None);
+        let points: Vec<Budget> = result.rows[0].points.iter().map(|p| p.budget).collect();
+        assert_eq!(points, [Budget::Seconds(1.0), Budget::Seconds(8.0)]);
     }
 }

@@ -6,10 +6,11 @@ use super::record::Budget;
 use clap::Args;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Arguments of `caustica bench`.
 ///
-/// Exit status: 0 if the benchmark was made, 1 otherwise.
+/// Exit status: 0 if the benchmark was made, 2 if the command line is wrong, 1 otherwise.
 #[derive(Clone, Debug, Args)]
 pub struct BenchArgs {
     /// Scenes, or one JSON file with the fields scenes, references, configs, budgets or passes, seeds,
@@ -36,6 +37,10 @@ pub struct BenchArgs {
     /// Folder for measurements, pictures, tables and the page; an interrupted run continues there
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
+    /// Stop a process that runs longer than this [default: 60 plus ten times the largest budget; 1800 with
+    /// --passes]
+    #[arg(long, value_name = "SECONDS")]
+    pub limit: Option<f64>,
     /// Compare the times to this RMSE [default: one that all configurations reach]
     #[arg(long, value_name = "E")]
     pub target_error: Option<f64>,
@@ -71,6 +76,7 @@ struct BenchFile {
     passes: Vec<u32>,
     seeds: Option<u64>,
     output: Option<PathBuf>,
+    limit: Option<f64>,
     target_error: Option<f64>,
     max_depth: Option<i64>,
     threads: Option<usize>,
@@ -90,10 +96,10 @@ impl BenchArgs {
             self.take(&file)?;
         }
         if self.scenes.len() != self.references.len() {
+            let (scenes, references) = (self.scenes.len(), self.references.len());
             return Err(BenchError::Usage(format!(
-                "{} scenes but {} references: give --reference REF.exr for each scene",
-                self.scenes.len(),
-                self.references.len()
+                "every scene needs a reference; scenes: {scenes}, references: {references}; give --reference REF.exr \
+                 for each scene, in their order"
             )));
         }
         if self.configs.is_empty() {
@@ -104,6 +110,9 @@ impl BenchArgs {
         }
         if self.budgets.iter().any(|b| !(b.is_finite() && *b > 0.0)) || self.passes.contains(&0) {
             return Err(BenchError::Usage("budgets and passes must be positive".to_owned()));
+        }
+        if self.limit.is_some_and(|limit| !(limit > 0.0 && Duration::try_from_secs_f64(limit).is_ok())) {
+            return Err(BenchError::Usage("--limit must be a positive number of seconds".to_owned()));
         }
         Ok(self)
     }
@@ -126,11 +135,21 @@ impl BenchArgs {
         if let Some(output) = file.output.filter(|_| self.output == Path::new("bench")) {
             self.output = output;
         }
+        self.limit = self.limit.or(file.limit);
         self.target_error = self.target_error.or(file.target_error);
         self.max_depth = self.max_depth.or(file.max_depth);
         self.threads = self.threads.or(file.threads);
         self.python = self.python.take().or(file.python);
         Ok(())
+    }
+
+    /// After which a process is stopped. Measuring how many samples fit into a budget takes a multiple of it, and
+    /// studies take their time.
+    pub(super) fn process_limit(&self) -> Option<Duration> {
+        let largest = self.budgets.iter().copied().fold(0.0, f64::max);
+        let default = if self.budgets.is_empty() { 1800.0 } else { 60.0 + 10.0 * largest };
+        let default = self.study.is_none().then_some(default);
+        self.limit.or(default).and_then(|limit| Duration::try_from_secs_f64(limit).ok())
     }
 
     /// The points of a curve.
@@ -158,10 +177,15 @@ mod tests {
     #[test]
     fn every_scene_has_a_reference() {
         let args = parse(&["a.xml", "b.xml", "--reference", "a.exr"]).resolve();
-        assert!(args.unwrap_err().to_string().contains("2 scenes but 1 references"));
+        assert!(args.unwrap_err().to_string().contains("scenes: 2, references: 1"));
         let args = parse(&["a.xml", "--reference", "a.exr", "--passes", "1,4"]).resolve().unwrap();
         assert_eq!(args.points(), [Budget::Passes(1), Budget::Passes(4)]);
         assert_eq!(args.configs, ["caustica"]);
+        assert_eq!(args.process_limit(), Some(Duration::from_secs(1800)));
+        let args = parse(&["a.xml", "--reference", "a.exr", "--budgets", "2,20"]).resolve().unwrap();
+        assert_eq!(args.process_limit(), Some(Duration::from_secs(260)));
+        let args = parse(&["a.xml", "--reference", "a.exr", "--limit", "0"]).resolve();
+        assert_eq!(args.unwrap_err().status(), 2);
     }
 
     #[test]

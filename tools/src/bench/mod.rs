@@ -24,11 +24,9 @@ pub use args::BenchArgs;
 use std::io::Write;
 use std::path::Path;
 
-/// Exit status of a run that failed.
-const FAILED: u8 = 1;
-
 /// Runs the benchmark or the studies that the arguments ask for, with `caustica` as the program to measure.
-/// Progress, tables and errors go to `out`. Returns the exit status of the process: 0, or 1 after an error.
+/// Progress, tables and errors go to `out`. Returns the exit status of the process: 0, 1 after an error, or 2 if
+/// the arguments are wrong.
 pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> u8 {
     let result = match &args.study {
         Some(name) => study::run(name, args, caustica, out),
@@ -39,7 +37,7 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> u8 {
         Err(e) => {
             // If the output is closed, nobody can be told.
             let _closed = writeln!(out, "error: {e}");
-            FAILED
+            e.status()
         }
     }
 }

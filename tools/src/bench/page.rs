@@ -50,6 +50,9 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
         html += &points_table(scene);
         html += &pictures(scene, truth, folder)?;
     }
+    for note in &analysis.notes {
+        html += &format!("<p>{}.</p>\n", escape(note));
+    }
     if !analysis.skipped.is_empty() {
         html += "<h2>Skipped</h2>\n<ul>\n";
         for s in &analysis.skipped {
@@ -80,7 +83,7 @@ fn plot(scene: &SceneResult, title: &str, f: Metric, (time, axis, x): Abscissa) 
         let mut line: Vec<(f64, f64)> = row.points.iter().map(median).collect();
         line.sort_by(|a, b| a.0.total_cmp(&b.0));
         Series {
-            name: row.config.clone(),
+            name: row.title(),
             line,
             dots: row.records.iter().map(|r| (x(r), f(r))).collect(),
             smooth: false,
@@ -136,6 +139,13 @@ fn points_table(scene: &SceneResult) -> String {
                 p.relmse.median,
                 100.0 * p.bias.median,
                 p.flip.median
+            );
+        }
+        for stopped in &row.stopped {
+            html += &format!(
+                "<tr><td>{}</td><td>{}</td><td colspan=\"10\">{stopped}</td></tr>\n",
+                escape(&row.config),
+                stopped.budget
             );
         }
     }

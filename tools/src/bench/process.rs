@@ -1,7 +1,7 @@
 //! Runs a program and measures its cost.
 
 use super::error::BenchError;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Cost of a process, including loading.
@@ -20,11 +20,11 @@ const INTERVAL: Duration = Duration::from_millis(5);
 /// Clock ticks per second in /proc: 100 on every Linux, as seen by programs.
 const TICKS: f64 = 100.0;
 
-/// Runs `command` without showing its output.
+/// Runs `command` without showing its output. After `limit` it is stopped with all processes it has started.
 ///
 /// # Errors
-/// It cannot be started, or its exit status is not 0; the error then has the end of its stderr.
-pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
+/// It cannot be started, was stopped, or its exit status is not 0; the error then has the end of its stderr.
+pub fn run(command: &mut Command, limit: Option<Duration>) -> Result<Cost, BenchError> {
     let program = command.get_program().to_string_lossy().into_owned();
     let shown = || {
         let args = command.get_args().map(|a| a.to_string_lossy().into_owned());
@@ -50,6 +50,10 @@ pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
         }
         let status = std::fs::read_to_string(&memory).ok();
         peak_memory_bytes = status.as_deref().and_then(parse_peak).or(peak_memory_bytes);
+        if let Some(limit) = limit.filter(|limit| started.elapsed() > *limit) {
+            stop(&mut child)?;
+            return Err(BenchError::Stopped { command: shown, seconds: limit.as_secs_f64() });
+        }
         std::thread::sleep(INTERVAL);
     }
     let seconds = started.elapsed().as_secs_f64();
@@ -58,6 +62,41 @@ pub fn run(command: &mut Command) -> Result<Cost, BenchError> {
         return Err(BenchError::Render { command: shown, message: tail(errors, &status.to_string()) });
     }
     Ok(Cost { seconds, cpu_seconds, peak_memory_bytes })
+}
+
+/// Ends a process and its descendants. They are in the group of this program, so that Ctrl-C reaches them too, and
+/// are therefore looked up one by one.
+fn stop(child: &mut Child) -> Result<(), BenchError> {
+    let mut family = vec![child.id()];
+    let parents = parents();
+    // Every process is started after its parent, but numbers may wrap around.
+    while let Some((process, _)) =
+        parents.iter().find(|(process, parent)| family.contains(parent) && !family.contains(process))
+    {
+        family.push(*process);
+    }
+    // Without parents the others would be handed over to the system, so all of them at once.
+    let numbers: Vec<String> = family.iter().map(u32::to_string).collect();
+    let _gone = Command::new("sh")
+        .args(["-c", "kill -KILL \"$@\"", "sh"])
+        .args(numbers)
+        .stderr(Stdio::null())
+        .status();
+    child.kill()?;
+    child.wait()?;
+    Ok(())
+}
+
+/// Every process of the system and its parent, where /proc tells.
+fn parents() -> Vec<(u32, u32)> {
+    let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    let parent = |entry: std::fs::DirEntry| {
+        let process = entry.file_name().to_str()?.parse().ok()?;
+        let text = std::fs::read_to_string(entry.path().join("stat")).ok()?;
+        let parent = text.rsplit_once(')')?.1.split_whitespace().nth(1)?.parse().ok()?;
+        Some((process, parent))
+    };
+    entries.filter_map(parent).collect()
 }
 
 /// Whether the process has ended, and its CPU seconds, from /proc/PID/stat.
@@ -103,11 +142,28 @@ mod tests {
 
     #[test]
     fn failures_say_what_the_program_said() {
-        let failed = run(Command::new("sh").args(["-c", "echo no such lamp >&2; exit 3"]));
+        let failed = run(Command::new("sh").args(["-c", "echo no such lamp >&2; exit 3"]), None);
         assert!(failed.unwrap_err().to_string().ends_with("no such lamp"));
-        assert!(matches!(run(&mut Command::new("/no/such/program")), Err(BenchError::Start { .. })));
+        assert!(matches!(run(&mut Command::new("/no/such/program"), None), Err(BenchError::Start { .. })));
         let cost =
-            run(Command::new("sh").args(["-c", "i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done"])).unwrap();
+            run(Command::new("sh").args(["-c", "i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done"]), None)
+                .unwrap();
         assert!(cost.seconds > 0.0 && cost.cpu_seconds.is_none_or(|c| c < 60.0));
+    }
+
+    /// A shell that waits for another one, which would go on for ever.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_process_beyond_its_limit_is_stopped_with_its_children() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("child");
+        let script = "sh -c 'echo $$ > \"$0\"; while :; do sleep 1; done' \"$0\" & wait";
+        let mut command = Command::new("sh");
+        command.args(["-c", script]).arg(&file);
+        let stopped = run(&mut command, Some(Duration::from_millis(500))).unwrap_err();
+        assert!(stopped.to_string().ends_with("was stopped after 0.5 s"), "{stopped}");
+        let child = std::fs::read_to_string(&file).unwrap();
+        let state = std::fs::read_to_string(format!("/proc/{}/stat", child.trim()));
+        assert!(state.ok().as_deref().and_then(parse_stat).is_none_or(|(ended, _)| ended), "{child} goes on");
     }
 }

@@ -1,7 +1,7 @@
 //! `caustica bench SCENE...`: measures every point that is not in the folder yet, then writes tables and the
 //! page.
 
-use super::analysis::{Analysis, SceneResult, Skipped};
+use super::analysis::{Analysis, Measured, SceneResult, Skipped, Stopped};
 use super::args::BenchArgs;
 use super::config::Config;
 use super::error::BenchError;
@@ -24,7 +24,7 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
     let mut programs = Programs::new(args, caustica);
     files::make_folder(&args.output.join("images"))?;
     let (configs, skipped) = available(args, &mut programs, out)?;
-    let mut analysis = Analysis { machine, scenes: Vec::new(), skipped };
+    let mut analysis = Analysis { machine, scenes: Vec::new(), skipped, notes: Vec::new() };
     let mut all = Vec::new();
     let mut truths = Vec::new();
     for (scene, reference) in args.scenes.iter().zip(&args.references) {
@@ -35,15 +35,15 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
         }
         let run =
             SceneRun { args, programs: &programs, scene, reference, truth: &truth, mask: mask.as_ref() };
-        let records = run.measure(&configs, &mut analysis.skipped, out)?;
+        let measured = run.measure(&configs, &mut analysis, out)?;
         let name = run.name();
         let (size, budgets) = ([truth.width, truth.height], args.points());
         let names = &args.configs;
         let result =
-            SceneResult::new(&name, reference.clone(), size, names, &budgets, &records, args.target_error);
+            SceneResult::new(&name, reference.clone(), size, names, &budgets, &measured, args.target_error);
         let left_out = mask.as_ref().map_or(0, Mask::left_out);
         analysis.scenes.push(SceneResult { left_out, ..result });
-        all.extend(records);
+        all.extend(measured.records);
         truths.push(truth);
     }
     write(&analysis, &all, &truths, &args.output, out)?;
@@ -113,17 +113,17 @@ impl SceneRun<'_> {
     }
 
     /// The records of all points, from the folder or measured now. After a failure, the rest of a
-    /// configuration is skipped.
+    /// configuration is skipped; after a render that took too long, the same and longer ones.
     fn measure(
         &self,
         configs: &[Config],
-        skipped: &mut Vec<Skipped>,
+        analysis: &mut Analysis,
         out: &mut dyn Write,
-    ) -> Result<Vec<Record>, BenchError> {
+    ) -> Result<Measured, BenchError> {
         let (name, identity) = (self.name(), self.identity()?);
         let log = self.args.output.join("points.jsonl");
         let known = record::read(&log)?;
-        let mut records = Vec::new();
+        let Measured { mut records, mut stopped } = Measured::default();
         let mut failed: Vec<&str> = Vec::new();
         for (seed, budget, config) in self.points(configs) {
             let point = (name.as_str(), config.name.as_str(), budget, seed, identity.as_str());
@@ -131,11 +131,15 @@ impl SceneRun<'_> {
                 records.push(done.clone());
                 continue;
             }
-            if failed.contains(&config.name.as_str()) {
+            let too_long = stopped.iter().any(|s: &Stopped| s.config == config.name && s.budget <= budget);
+            if too_long || failed.contains(&config.name.as_str()) {
                 continue;
             }
             match self.point(config, budget, seed, &identity) {
-                Ok(record) => {
+                Ok((record, note)) => {
+                    if let Some(note) = note.filter(|note| !analysis.notes.contains(note)) {
+                        analysis.notes.push(note);
+                    }
                     writeln!(
                         out,
                         "{name} {} {budget} seed {seed}: {:.2} s, RMSE {:.5}, FLIP {:.4}",
@@ -145,16 +149,25 @@ impl SceneRun<'_> {
                     record::append(&log, &record)?;
                     records.push(record);
                 }
+                Err(BenchError::Stopped { command, seconds }) => {
+                    writeln!(
+                        out,
+                        "{name} {} {budget} seed {seed}: stopped after {seconds} s: {command}",
+                        config.name
+                    )?;
+                    out.flush()?;
+                    stopped.push(Stopped { config: config.name.clone(), budget, seconds });
+                }
                 Err(e @ (BenchError::Render { .. } | BenchError::Start { .. })) => {
                     writeln!(out, "{name} {}: {e}", config.name)?;
                     failed.push(&config.name);
                     let config = format!("{} on {name}", config.name);
-                    skipped.push(Skipped { config, reason: e.to_string() });
+                    analysis.skipped.push(Skipped { config, reason: e.to_string() });
                 }
                 Err(other) => return Err(other),
             }
         }
-        Ok(records)
+        Ok(Measured { records, stopped })
     }
 
     /// All points in the order in which they are measured: seeds outermost and configurations innermost, so
@@ -171,7 +184,7 @@ impl SceneRun<'_> {
         budget: Budget,
         seed: u64,
         identity: &str,
-    ) -> Result<Record, BenchError> {
+    ) -> Result<(Record, Option<String>), BenchError> {
         let size = [self.truth.width, self.truth.height];
         let label = record::fingerprint([
             self.name().as_bytes(),
@@ -182,13 +195,14 @@ impl SceneRun<'_> {
         let image = PathBuf::from("images").join(format!("{label}-{seed}.exr"));
         let path = self.args.output.join(&image);
         let job = Job { scene: self.scene, size, budget, seed, image: &path };
-        let Made { seconds, cpu_seconds, peak_memory_bytes, passes } = self.programs.render(config, &job)?;
+        let Made { seconds, cpu_seconds, peak_memory_bytes, passes, note } =
+            self.programs.render(config, &job)?;
         let mut pixels = load_sized(&path, self.reference, size)?;
         if let Some(mask) = self.mask {
             mask.apply(&mut pixels);
         }
         let Judged { rmse, relmse, bias, flip } = judge(&pixels, self.truth);
-        Ok(Record {
+        let record = Record {
             scene: self.name(),
             config: config.name.clone(),
             budget,
@@ -203,6 +217,7 @@ impl SceneRun<'_> {
             bias,
             flip,
             image,
-        })
+        };
+        Ok((record, note))
     }
 }

@@ -55,6 +55,9 @@ pub fn write(analysis: &Analysis, out: &mut dyn Write) -> io::Result<()> {
                     p.flip.median,
                 )?;
             }
+            for stopped in &row.stopped {
+                writeln!(out, "{:<wide$}{:>11}   {stopped}", row.config, stopped.budget.to_string())?;
+            }
         }
         if let Some(error) = scene.target_rmse {
             writeln!(
@@ -72,6 +75,9 @@ pub fn write(analysis: &Analysis, out: &mut dyn Write) -> io::Result<()> {
                 )?;
             }
         }
+    }
+    for note in &analysis.notes {
+        writeln!(out, "\nnote: {note}")?;
     }
     for s in &analysis.skipped {
         writeln!(out, "\nskipped {}: {}", s.config, s.reason)?;

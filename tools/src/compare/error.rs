@@ -1,4 +1,4 @@
-use caustica_formats::image::ImageError;
+use caustica_formats::image::{ImageError, words};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -14,7 +14,7 @@ pub enum CompareError {
         source: ImageError,
     },
     /// A file could not be read or written.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {}", path.display(), words(source))]
     Io {
         /// The file.
         path: PathBuf,

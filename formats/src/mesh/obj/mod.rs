@@ -6,6 +6,7 @@
 mod mend;
 mod mtl;
 mod parts;
+mod plain;
 
 use std::borrow::Cow;
 
@@ -14,6 +15,7 @@ use tobj::{LoadError, LoadOptions};
 use super::{Mesh, MeshError, MeshOptions, finish};
 use crate::encoding::to_utf8;
 use mend::{Mended, Task};
+use plain::Plain;
 
 pub use mtl::{ObjMaterial, read_mtl};
 pub use parts::{ObjParts, obj_parts};
@@ -45,12 +47,9 @@ pub fn read_obj_part(bytes: &[u8], index: u32, options: &MeshOptions) -> Result<
 
 fn read(bytes: &[u8], material: Option<&str>) -> Result<Mesh, MeshError> {
     let bytes = to_utf8(bytes);
-    let text = String::from_utf8_lossy(&bytes);
-    let mut task = Task::new(material);
-    let mut models = load(&text, &mut task)?;
-    if task.fill() {
-        models = load(&text, &mut task)?;
-    }
+    let text = text(&bytes);
+    let unmended = if material.is_none() { plain(&text) } else { None };
+    let models = unmended.map_or_else(|| mended(&text, material), Ok)?;
     let mut mesh = Mesh::default();
     for model in models {
         join(&mut mesh, model.mesh);
@@ -58,11 +57,31 @@ fn read(bytes: &[u8], material: Option<&str>) -> Result<Mesh, MeshError> {
     Ok(mesh)
 }
 
+/// The text without a copy if all of it is readable.
+fn text(bytes: &[u8]) -> Cow<'_, str> {
+    std::str::from_utf8(bytes).map_or_else(|_| String::from_utf8_lossy(bytes), Cow::Borrowed)
+}
+
+const OPTIONS: LoadOptions =
+    LoadOptions { triangulate: true, single_index: true, ignore_points: false, ignore_lines: false };
+
+/// `None` where something may need mending.
+fn plain(text: &str) -> Option<Vec<tobj::Model>> {
+    let mut plain = Plain::new(text);
+    let (models, _) = tobj::load_obj_buf(&mut plain, &OPTIONS, |_| Err(LoadError::GenericFailure)).ok()?;
+    plain.checked(models)
+}
+
+fn mended(text: &str, material: Option<&str>) -> Result<Vec<tobj::Model>, MeshError> {
+    let mut task = Task::new(material);
+    let models = load(text, &mut task)?;
+    if task.fill() { load(text, &mut task) } else { Ok(models) }
+}
+
 /// One run of `tobj` over the mended statements; what it finds out about the faces is kept in `task`.
 fn load(text: &str, task: &mut Task<'_>) -> Result<Vec<tobj::Model>, MeshError> {
-    let options = LoadOptions { triangulate: true, single_index: true, ..LoadOptions::default() };
     let mut mended = Mended::new(text, task);
-    let loaded = tobj::load_obj_buf(&mut mended, &options, |_| Err(LoadError::GenericFailure));
+    let loaded = tobj::load_obj_buf(&mut mended, &OPTIONS, |_| Err(LoadError::GenericFailure));
     Ok(mended.checked(loaded)?.0)
 }
 
@@ -80,14 +99,6 @@ fn join(mesh: &mut Mesh, part: tobj::Mesh) {
     mesh.uvs.extend_from_slice(part.texcoords.as_chunks::<2>().0);
     mesh.normals.extend_from_slice(part.normals.as_chunks::<3>().0);
     mesh.triangles.extend(part.indices.as_chunks::<3>().0.iter().map(|t| t.map(|i| i + before)));
-}
-
-/// A text without marks and with every letter readable.
-fn readable(bytes: &[u8]) -> String {
-    match to_utf8(bytes) {
-        Cow::Borrowed(bytes) => String::from_utf8_lossy(bytes).into_owned(),
-        Cow::Owned(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
-    }
 }
 
 /// Cuts one statement off `rest`: up to a line end that no `\` precedes. Also the number of lines.

@@ -1,7 +1,8 @@
 //! Material libraries of OBJ files, read with `tobj`.
 
 use super::parts::name;
-use super::{Words, readable, take_statement};
+use super::{Words, take_statement, text};
+use crate::encoding::to_utf8;
 
 /// A material as Mitsuba 0.6 takes it from a library; colours are encoded as sRGB.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,8 +31,9 @@ pub struct ObjMaterial {
 
 /// Reads a material library. Statements that Mitsuba 0.6 does not know or that are malformed say nothing.
 pub fn read_mtl(bytes: &[u8]) -> Vec<ObjMaterial> {
-    let text = readable(bytes);
-    let (mut rest, mut mended) = (text.as_str(), String::new());
+    let bytes = to_utf8(bytes);
+    let text = text(&bytes);
+    let (mut rest, mut mended) = (&*text, String::new());
     while !rest.is_empty() {
         let (statement, _) = take_statement(&mut rest);
         if let Some(line) = mend(statement) {

@@ -1,6 +1,7 @@
 //! The materials of an OBJ file, by the names its faces use.
 
-use super::{Words, readable, take_statement};
+use super::{Words, take_statement, text};
+use crate::encoding::to_utf8;
 
 /// What an OBJ file says of its materials.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -14,10 +15,13 @@ pub struct ObjParts {
 
 /// Finds the materials of an OBJ file without reading its geometry.
 pub fn obj_parts(bytes: &[u8]) -> ObjParts {
-    let text = readable(bytes);
+    let bytes = to_utf8(bytes);
+    let text = text(&bytes);
     let mut parts = ObjParts::default();
-    let (mut rest, mut current, mut seen) = (text.as_str(), String::new(), false);
-    while !rest.is_empty() {
+    let (mut rest, mut current, mut seen) = (&*text, String::new(), false);
+    // Most files name no materials; after their first face there is nothing to find.
+    let names = text.contains("mtl");
+    while !rest.is_empty() && (names || !seen) {
         let (statement, _) = take_statement(&mut rest);
         let mut words = Words::new(statement);
         match words.next() {

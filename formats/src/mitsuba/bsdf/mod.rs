@@ -9,9 +9,11 @@ use super::object::{Class, ObjectIndex};
 use super::props::Props;
 use super::reader::Reader;
 use crate::ir::{Bsdf, BsdfKind, Color, ColorInput, ColorSlot, Id};
-use crate::plugin::{Plugin, read, unsupported};
+use crate::plugin::{Plugin, approximated, read, unsupported};
 
 type ReadBsdf = for<'a> fn(&mut Reader<'a>, &mut Props<'a>) -> Option<BsdfKind>;
+
+const AS_PRINCIPLED: &str = "as `principled`";
 
 pub(super) const BSDFS: &[Plugin<ReadBsdf>] = &[
     read("diffuse", basic::diffuse),
@@ -30,9 +32,14 @@ pub(super) const BSDFS: &[Plugin<ReadBsdf>] = &[
     read("blendbsdf", wrappers::blend),
     read("principled", principled::principled),
     read("principledthin", principled::thin),
+    approximated("disneybsdf", principled::disney, AS_PRINCIPLED),
+    approximated("disneydiffuse", principled::disney, AS_PRINCIPLED),
+    approximated("disneymetal", principled::disney, AS_PRINCIPLED),
+    approximated("disneyglass", principled::disney, AS_PRINCIPLED),
     unsupported("hair"),
     unsupported("measured"),
     unsupported("measured_polarized"),
+    unsupported("measuredbtf"),
     unsupported("polarizer"),
     unsupported("retarder"),
     unsupported("circular"),

@@ -86,8 +86,12 @@ pub(super) fn bump_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Op
     Some(BsdfKind::BumpMap { height, scale, shading, nested: reader.bsdf(nested.index) })
 }
 
+/// How a renderer that came from Mitsuba samples glints and specular chains of a normal map.
+const GLINTS: &[&str] = &["use_slopes", "lean_fallback", "lean_fallback_alpha"];
+
 pub(super) fn normal_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<BsdfKind> {
     let shading = perturbed(reader, props);
+    props.ignore(GLINTS);
     // By name in Mitsuba 3, by its kind in 0.6.
     let (texture, nested) = (props.only_texture(), props.only_child(Class::Bsdf));
     let Some(nested) = nested else {
@@ -111,10 +115,10 @@ pub(super) fn normal_map<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> 
 /// The normals of a fork (specular manifold sampling): a file of the BSDF itself, repeated.
 fn own_picture<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Id<Texture>> {
     let origin = props.origin();
-    let path = reader.asset(props, "texture")?;
+    let path = reader.asset(props, "texture");
     let tiles = props.positive("tiles", 1.0);
     let mapping = Mapping::Uv(Transform::scale([tiles; 3]));
-    let kind = TextureKind::Bitmap(Bitmap::raw(path, mapping));
+    let kind = TextureKind::Bitmap(Bitmap::raw(path?, mapping));
     Some(reader.scene.textures.push(Texture { name: None, origin, kind }))
 }
 

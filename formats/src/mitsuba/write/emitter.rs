@@ -20,9 +20,13 @@ impl Writer<'_, '_> {
                 .triple("point", "position", *position)
                 .child(self.light("intensity", intensity, 1.0, origin)),
             EmitterKind::Spot { to_world, intensity, cutoff_angle, beam_width, falloff, texture } => {
-                if *falloff == SpotFalloff::Smoothstep {
-                    let what = "a spot with smoothstep falloff in the cosine";
-                    let size = Cone::new(*cutoff_angle, *beam_width, *falloff).change();
+                let what = match falloff {
+                    SpotFalloff::Linear => None,
+                    SpotFalloff::Smoothstep => Some("a spot with smoothstep falloff in the cosine"),
+                    SpotFalloff::Quartic => Some("a spot that falls with the fourth power of the cosine"),
+                };
+                if let Some(what) = what {
+                    let size = Cone::new(*cutoff_angle, *beam_width, *falloff).change(SpotFalloff::Linear);
                     self.out.lose_light(origin, what, "linear falloff in the angle", size);
                 }
                 let (intensity, texture) = self.spot_texture(intensity, *texture, origin)?;

@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use super::directive::{Directive, ParamType};
 use super::params::Params;
-use super::reader::{Named, Reader, text};
-use super::state::Graphics;
+use super::policy::Fault;
+use super::reader::{Reader, text};
+use super::state::{Graphics, Named};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup, ShapeKind,
@@ -42,6 +43,27 @@ const MAX_LEVELS: u32 = 8;
 /// Most triangles of all subdivided meshes of a scene together: about 5 GB while they are made.
 const MAX_TRIANGLES: u64 = 1 << 24;
 
+/// Parameters of materials of pbrt-v3, which shapes may give as well.
+const OF_MATERIALS: &[&str] = &[
+    "Kd",
+    "Ks",
+    "Kr",
+    "Kt",
+    "sigma",
+    "roughness",
+    "uroughness",
+    "vroughness",
+    "remaproughness",
+    "opacity",
+    "eta",
+    "index",
+    "k",
+    "amount",
+    "reflect",
+    "transmit",
+    "bumpmap",
+];
+
 fn inline(mesh: InlineMesh) -> ShapeKind {
     ShapeKind::Inline(Arc::new(mesh))
 }
@@ -57,9 +79,14 @@ impl Reader<'_> {
             p.problems.push(Diagnostic::error(text, Some(p.span)));
         }
         let origin = p.origin();
+        // In pbrt-v3 they are the material's.
+        let others = if self.policy.is_three() { p.take_unread(OF_MATERIALS) } else { Vec::new() };
         self.done(p);
         let Some(kind) = kind else { return };
-        let bsdf = Some(self.current_material(origin));
+        let bsdf = Some(match others.is_empty() {
+            true => self.current_material(origin),
+            false => self.changed_material(others, origin),
+        });
         let mut emission = self.area_emission();
         if self.open_group.is_some()
             && let Some(dark) = emission.take()
@@ -85,7 +112,18 @@ impl Reader<'_> {
     }
 
     fn alpha(&mut self, p: &mut Params) -> Option<FloatInput> {
-        self.optional_float_input(p, "alpha").filter(|alpha| *alpha != FloatInput::Value(1.0))
+        let alpha = self.optional_float_input(p, "alpha");
+        if !self.policy.is_three() {
+            return alpha.filter(|alpha| *alpha != FloatInput::Value(1.0));
+        }
+        // What is not 0 is opaque.
+        let alpha = alpha.filter(|alpha| !matches!(alpha, FloatInput::Value(v) if *v != 0.0));
+        let shadow = self.optional_float_input(p, "shadowalpha");
+        let shadow = shadow.filter(|alpha| !matches!(alpha, FloatInput::Value(v) if *v != 0.0));
+        if p.has("shadowalpha") && shadow != alpha {
+            p.warn("shadowalpha", "`shadowalpha` is ignored: shadows are those of what is seen");
+        }
+        alpha
     }
 
     pub fn object_begin(&mut self, d: &Directive) {
@@ -94,11 +132,16 @@ impl Reader<'_> {
         }
         let (name, span) = (text(d, 0).to_owned(), d.arguments[0].span);
         self.open_object(d.span);
+        let earlier = self.groups.get(&name).and_then(|named| named.defined);
+        if earlier.is_some() {
+            // Instances so far are of the earlier one.
+            self.groups.remove(&name);
+        }
         let id = self.group(&name, span);
         if let Some(named) = self.groups.get_mut(&name) {
-            let earlier = named.defined.replace(span);
-            self.redefined("object", &name, span, earlier);
+            named.defined = Some(span);
         }
+        self.redefined("object", &name, span, earlier);
         self.open_group = Some(id);
     }
 
@@ -115,9 +158,13 @@ impl Reader<'_> {
 
     pub fn object_instance(&mut self, d: &Directive) {
         if self.open_group.is_some() {
-            return self.error("an object may not contain instances", d.span);
+            return self.fault(Fault::Mistake, "an object may not contain instances", d.span, LEFT_OUT);
         }
         let (name, span) = (text(d, 0), d.arguments[0].span);
+        // In pbrt-v3 an object is defined before it is used.
+        if self.policy.is_three() && !self.groups.contains_key(name) {
+            return self.undefined_object(name, span);
+        }
         let group = self.group(name, span);
         if let Some(named) = self.groups.get_mut(name) {
             named.used.get_or_insert(span);
@@ -141,16 +188,29 @@ impl Reader<'_> {
 
     /// Reports names that were used and never defined.
     pub fn check_objects(&mut self) {
-        for (name, named) in &self.groups {
-            let (Some(span), None) = (named.used, named.defined) else { continue };
-            let defined = self.groups.iter().filter(|(_, named)| named.defined.is_some());
-            let problem = Diagnostic::error(format!("no object named `{name}`"), Some(span));
-            self.problems.push(problem.suggest_or(name, defined.map(|(name, _)| name.as_str()), || {
-                "ObjectBegin defines one".to_owned()
-            }));
+        let used = self.groups.iter().filter(|(_, named)| named.defined.is_none());
+        let missing: Vec<(String, Span)> =
+            used.filter_map(|(name, named)| named.used.map(|span| (name.clone(), span))).collect();
+        for (name, span) in missing {
+            self.undefined_object(&name, span);
         }
     }
+
+    fn undefined_object(&mut self, name: &str, span: Span) {
+        if self.incomplete {
+            return;
+        }
+        let defined = self.groups.iter().filter(|(_, named)| named.defined.is_some());
+        let problem = Diagnostic::error(format!("no object named `{name}`"), Some(span));
+        let problem = problem.suggest_or(name, defined.map(|(name, _)| name.as_str()), || {
+            "ObjectBegin defines one".to_owned()
+        });
+        self.problems.push(self.policy.judge(Fault::Mistake, problem, LEFT_OUT));
+    }
 }
+
+/// What becomes of an instance that cannot be made.
+const LEFT_OUT: &str = "it is left out";
 
 fn ply(r: &mut Reader<'_>, p: &mut Params) -> Option<ShapeKind> {
     let path = r.asset(p, "filename", "mesh");

@@ -1,35 +1,41 @@
-//! pbrt-v3 to v4: what a v3 scene says becomes what v4 says for it.
+//! pbrt-v3 to v4: the names of a v3 scene become those of v4. What v4 has no words for is left to the readers, which
+//! know the version of the scene.
 
-mod lights;
 mod table;
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 use super::directive::{Directive, Param, ParamType, Value, Values};
+use super::policy::{Fault, Policy, Version};
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use table::{Change, Row};
 
-/// One construct of pbrt-v3 and where it stands.
+/// Something of one version only, and where it stands first.
 #[derive(Debug)]
-struct Found {
+struct Mark {
     what: String,
-    now: String,
-    first: Span,
-    more: usize,
+    span: Span,
 }
 
-/// Collects the old constructs of a scene.
+/// What pbrt-v3 forgives and v4 does not.
+#[derive(Debug)]
+struct Slip {
+    problem: Diagnostic,
+    /// What happens; empty where pbrt-v3 is silent.
+    instead: String,
+}
+
+/// Collects what tells the version of a scene, and what depends on it while files are read.
 #[derive(Debug, Default)]
 pub(super) struct Old {
-    found: Vec<Found>,
-    index: HashMap<String, usize>,
-    problems: Vec<Diagnostic>,
-    /// Spots with an edge, which are v3's if anything is.
-    spots: Vec<Span>,
+    /// Of pbrt-v3 and before.
+    three: Vec<Mark>,
+    known: HashSet<String>,
+    /// The first of pbrt-v4.
+    four: Option<Mark>,
+    slips: Vec<Slip>,
+    losses: Vec<Diagnostic>,
 }
-
-/// In place of the new spelling, where pbrt-v4 has none.
-const NOTHING: &str = "no equivalent";
 
 /// Type keywords of pbrt-v3.
 const TYPES: &[(&str, ParamType)] = &[
@@ -40,76 +46,115 @@ const TYPES: &[(&str, ParamType)] = &[
 ];
 
 impl Old {
-    /// Records that pbrt-v4 writes `now` for `what`.
-    pub fn found(&mut self, span: Span, what: &str, now: &str) {
-        if let Some(&known) = self.index.get(what) {
-            self.found[known].more += 1;
-            return;
+    /// Records something that only pbrt-v3 and older versions have.
+    pub fn found(&mut self, span: Span, what: &str) {
+        if self.known.insert(what.to_owned()) {
+            self.three.push(Mark { what: what.to_owned(), span });
         }
-        self.index.insert(what.to_owned(), self.found.len());
-        self.found.push(Found { what: what.to_owned(), now: now.to_owned(), first: span, more: 0 });
+    }
+
+    /// Records a mistake that pbrt-v4 stops at, and what older versions do (nothing to say where they are silent).
+    pub fn slip(&mut self, span: Span, text: impl Into<String>, instead: impl Into<String>) {
+        self.slipped(Diagnostic::error(text, Some(span)), instead);
+    }
+
+    /// As [`Self::slip`].
+    pub fn slipped(&mut self, problem: Diagnostic, instead: impl Into<String>) {
+        self.slips.push(Slip { problem, instead: instead.into() });
     }
 
     /// The type an old keyword stands for.
     pub fn param_type(&mut self, keyword: &str, span: Span) -> Option<ParamType> {
         let kind = TYPES.iter().find(|row| row.0 == keyword)?.1;
-        let now = if kind == ParamType::Xyz { "rgb" } else { kind.keyword() };
-        self.found(span, &format!("the parameter type `{keyword}`"), &format!("`{now}`"));
+        self.found(span, &format!("the parameter type `{keyword}`"));
         Some(kind)
     }
 
-    /// One note that the scene is of pbrt-v3, and the losses of what was upgraded.
-    pub fn finish(mut self) -> Vec<Diagnostic> {
-        if !self.found.is_empty() {
-            for span in std::mem::take(&mut self.spots) {
-                let text = "the edge of a spot of pbrt-v3 falls with the fourth power of its cosine's share of the way; \
-                            here it falls smoothly, and is brighter";
-                self.lost(span, text.to_owned());
+    /// The version of what was read: v4 where anything is of v4, v3 where anything else is of v3.
+    pub fn version(&self) -> Version {
+        if self.four.is_none() && !self.three.is_empty() { Version::Three } else { Version::Four }
+    }
+
+    /// What is to be said now that the version is known.
+    pub fn finish(mut self, policy: Policy) -> Vec<Diagnostic> {
+        // Parameters were read before the directives around them.
+        self.three.sort_by_key(|mark| (mark.span.file, mark.span.start));
+        let mut problems = self.losses;
+        for Slip { problem, instead } in self.slips {
+            if policy.stops(Fault::Mistake) || !instead.is_empty() {
+                problems.push(policy.judge(Fault::Mistake, problem, &instead));
             }
         }
-        let mut problems = self.problems;
-        if let Some(first) = self.found.first() {
-            let text = format!("this is a pbrt-v3 scene ({}): it is read as pbrt-v3 means it", first.what);
-            problems.push(Diagnostic::new(Severity::Note, text, Some(first.first)));
+        match (self.four, self.three.first()) {
+            (None, Some(Mark { what, span })) => {
+                let text =
+                    format!("a scene of pbrt-v3 or before ({what}), which is read by the rules of pbrt-v3");
+                problems.push(Diagnostic::new(Severity::Note, text, Some(*span)));
+            }
+            (Some(four), _) => problems.extend(self.three.iter().map(|old| {
+                let text = format!("{} is of pbrt-v3; pbrt-v4 does not read it", old.what);
+                Diagnostic::warning(text, Some(old.span))
+                    .label(four.span, format!("{} makes this a scene of pbrt-v4", four.what))
+            })),
+            (None, None) => {}
         }
         problems
     }
 
     fn lost(&mut self, span: Span, text: String) {
-        self.problems.push(Diagnostic::warning(text, Some(span)));
+        self.losses.push(Diagnostic::warning(text, Some(span)));
+    }
+
+    /// Notes what the type of an entity, or the name of a directive, says about the version.
+    fn date(&mut self, d: &Directive, class: &str, kind: &str) {
+        let has = |table: &[(&str, &[&str])]| {
+            table.iter().any(|(of, kinds)| *of == class && (kinds.is_empty() || kinds.contains(&kind)))
+        };
+        let what = || {
+            let class = class.to_ascii_lowercase();
+            if kind.is_empty() { format!("`{}`", d.name) } else { format!("{class} `{kind}`") }
+        };
+        if has(table::ONLY_THREE) {
+            self.found(kind_span(d), &what());
+        } else if self.four.is_none() && has(table::ONLY_FOUR) {
+            self.four = Some(Mark { what: what(), span: kind_span(d) });
+        }
     }
 
     /// Converts a directive to pbrt-v4; `false` when nothing remains of it.
     pub fn directive(&mut self, d: &mut Directive) -> bool {
         match d.name.as_str() {
             "WorldEnd" => {
-                self.found(d.span, "`WorldEnd`", "nothing: the world ends with the file");
+                self.found(d.span, "`WorldEnd`");
                 return false;
             }
-            "Renderer" | "VolumeIntegrator" | "Volume" => {
-                self.found(d.span, &format!("`{}`", d.name), NOTHING);
-                self.lost(d.span, format!("`{}` of older versions is left out", d.name));
+            "Renderer" | "VolumeIntegrator" => {
+                let what = format!("`{}`", d.name);
+                self.found(d.span, &what);
+                self.lost(d.span, format!("{what} of older versions is ignored"));
                 return false;
             }
             "SurfaceIntegrator" => {
-                self.found(d.span, "`SurfaceIntegrator`", "`Integrator`");
+                self.found(d.span, "`SurfaceIntegrator`");
                 d.name = "Integrator".to_owned();
             }
             "Texture" => {
                 if let Some(kind) = d.arguments.get_mut(1)
                     && kind.value == Value::Text("color".to_owned())
                 {
-                    self.found(kind.span, "a texture of kind `color`", "`spectrum`");
+                    self.found(kind.span, "a texture of kind `color`");
                     kind.value = Value::Text("spectrum".to_owned());
                 }
             }
             _ => {}
         }
         d.params.iter_mut().for_each(from_xyz);
-        self.blackbodies(d);
-        self.light(d);
-        let class = if d.name == "MakeNamedMaterial" { "Material" } else { d.name.as_str() };
+        for p in d.params.iter().filter(|p| p.kind == ParamType::Blackbody && p.values.len() == 2) {
+            self.found(p.value_span, "a blackbody with a scale");
+        }
+        let class = if d.name == "MakeNamedMaterial" { "Material".to_owned() } else { d.name.clone() };
         let kind = kind(d);
+        self.date(d, &class, &kind);
         let general: Vec<&Row> = table::ROWS
             .iter()
             .filter(|row| row.class == class && (row.from.is_empty() || row.from == kind))
@@ -124,7 +169,7 @@ impl Old {
         let place = kind_span(d);
         if row.to != row.from {
             let what = format!("{} `{}`", row.noun, row.from);
-            self.found(place, &what, &format!("`{}`", row.to));
+            self.found(place, &what);
             set_kind(d, row.to);
             if !row.loss.is_empty() {
                 self.lost(place, format!("{what} of pbrt-v3 is approximated by `{}`: {}", row.to, row.loss));
@@ -132,29 +177,20 @@ impl Old {
         }
         for (name, change) in row.params {
             let Some(index) = d.params.iter().rposition(|p| p.name == *name) else { continue };
-            if !change.concerns(&d.params[index], d) {
+            if !change.concerns(&d.params[index]) {
                 continue;
             }
             let span = d.params[index].span;
             let what = format!("the parameter `{name}` of {}", row.noun);
+            self.found(span, &what);
             match change {
-                Change::Rename(now) => {
-                    self.found(span, &what, &format!("`{now}`"));
-                    (*now).clone_into(&mut d.params[index].name);
-                }
-                Change::Drop => {
-                    self.found(span, &what, NOTHING);
-                    d.params.retain(|p| p.name != *name);
-                }
+                Change::Rename(now) => (*now).clone_into(&mut d.params[index].name),
+                Change::Drop => d.params.retain(|p| p.name != *name),
                 Change::Lose(loss) => {
-                    self.found(span, &what, NOTHING);
                     self.lost(span, format!("`{name}` is left out: {loss}"));
                     d.params.retain(|p| p.name != *name);
                 }
-                Change::With(now, convert) => {
-                    self.found(span, &what, now);
-                    convert(d, index);
-                }
+                Change::With(convert) => convert(d, index),
             }
         }
         for (name, values) in row.defaults {

@@ -22,18 +22,14 @@ pub(super) enum Change {
     Drop,
     /// It changes the image; the text says what is lost.
     Lose(&'static str),
-    /// How v4 says it, and the conversion of the parameter at an index.
-    With(&'static str, fn(&mut Directive, usize)),
+    /// The conversion of the parameter at an index.
+    With(fn(&mut Directive, usize)),
 }
 
 impl Change {
-    /// `uv` and `amount` are old under another type, or in old company.
-    pub fn concerns(&self, param: &Param, d: &Directive) -> bool {
-        match param.name.as_str() {
-            "uv" => param.kind == ParamType::Float,
-            "amount" => d.params.iter().any(|p| p.name == "namedmaterial1"),
-            _ => true,
-        }
+    /// `uv` is old under another type only.
+    pub fn concerns(&self, param: &Param) -> bool {
+        param.name != "uv" || param.kind == ParamType::Float
     }
 }
 
@@ -53,7 +49,59 @@ const fn becomes(class: &'static str, noun: &'static str, from: &'static str, to
 }
 
 const NO_GLOSS: &str = "its gloss is that of a clear layer";
-const BLACK: &str = "the material is not tinted by it";
+
+/// Directives, with the types that only pbrt-v3 and older versions have; none: the directive itself.
+pub(super) const ONLY_THREE: &[(&str, &[&str])] = &[
+    (
+        "Material",
+        &[
+            "matte",
+            "metal",
+            "glass",
+            "mirror",
+            "plastic",
+            "substrate",
+            "uber",
+            "translucent",
+            "kdsubsurface",
+            "disney",
+            "fourier",
+            "shinymetal",
+            "brushedmetal",
+            "bluepaint",
+            "clay",
+            "felt",
+            "primer",
+            "skin",
+        ],
+    ),
+    ("Film", &["image"]),
+    ("Volume", &[]),
+];
+
+/// The same for pbrt-v4.
+pub(super) const ONLY_FOUR: &[(&str, &[&str])] = &[
+    (
+        "Material",
+        &[
+            "diffuse",
+            "coateddiffuse",
+            "conductor",
+            "coatedconductor",
+            "dielectric",
+            "thindielectric",
+            "diffusetransmission",
+            "interface",
+        ],
+    ),
+    ("Film", &["rgb", "gbuffer", "spectral"]),
+    ("Sampler", &["zsobol", "paddedsobol", "pmj02bn", "independent"]),
+    ("Integrator", &["simplepath", "simplevolpath", "lightpath", "randomwalk"]),
+    ("Attribute", &[]),
+    ("ColorSpace", &[]),
+    ("Option", &[]),
+    ("Import", &[]),
+];
 
 pub(super) const ROWS: &[Row] = &[
     // Materials.
@@ -87,26 +135,12 @@ pub(super) const ROWS: &[Row] = &[
         ..becomes("Material", "material", "uber", "coateddiffuse")
     },
     Row {
-        params: &[],
-        defaults: &[("roughness", &[0.01])],
-        ..becomes("Material", "material", "metal", "conductor")
-    },
-    Row {
-        params: &[("Kr", Lose(BLACK)), ("Kt", Lose(BLACK)), ("index", Rename("eta"))],
-        ..becomes("Material", "material", "glass", "dielectric")
-    },
-    Row {
-        params: &[("Kr", Rename("reflectance"))],
-        defaults: &[("reflectance", &[0.9; 3])],
-        ..becomes("Material", "material", "mirror", "conductor")
-    },
-    Row {
         loss: "it has no gloss",
         params: &[
             ("Ks", Lose("it has no gloss")),
             ("roughness", Drop),
             ("remaproughness", Drop),
-            ("Kd", With("`reflectance` and `transmittance`", translucent)),
+            ("Kd", With(translucent)),
             ("reflect", Lose("half is reflected")),
             ("transmit", Lose("half is transmitted")),
         ],
@@ -116,55 +150,31 @@ pub(super) const ROWS: &[Row] = &[
         params: &[("Kd", Rename("reflectance")), ("Kr", Drop), ("Kt", Drop)],
         ..becomes("Material", "material", "kdsubsurface", "subsurface")
     },
-    same(
-        "Material",
-        "material",
-        "mix",
-        &[
-            ("amount", With("the weight of the second material", second_weight)),
-            ("namedmaterial1", With("\"string materials\"", mix_names)),
-        ],
-    ),
-    same("Material", "material", "", &[("bumpmap", Rename("displacement"))]),
     // Textures.
     same(
         "Texture",
         "texture",
         "imagemap",
-        &[("trilinear", Drop), ("noFiltering", Drop), ("gamma", With("`encoding`", gamma))],
+        &[("trilinear", Drop), ("noFiltering", Drop), ("gamma", With(gamma))],
     ),
     same("Texture", "texture", "checkerboard", &[("aamode", Drop)]),
-    same("Texture", "texture", "scale", &[("tex1", With("`tex` and `scale`", scale_operands))]),
     // Lights.
     same("LightSource", "light", "", &[("nsamples", Drop), ("samples", Drop)]),
-    same(
-        "LightSource",
-        "light",
-        "goniometric",
-        &[("mapname", Lose("its picture is of latitude and longitude; the light shines evenly"))],
-    ),
-    same("LightSource", "light", "projection", &[("mapname", Rename("filename"))]),
-    same(
-        "LightSource",
-        "light",
-        "infinite",
-        &[("mapname", With("`filename`, of a square equal-area image", |_, _| {}))],
-    ),
     becomes("LightSource", "light", "exinfinite", "infinite"),
     becomes("AreaLightSource", "area light", "area", "diffuse"),
     same("AreaLightSource", "area light", "", &[("nsamples", Drop), ("samples", Drop)]),
     // Camera, film, filter, sampler, integrator.
     Row { params: &[], ..becomes("Camera", "camera", "environment", "spherical") },
-    same("Camera", "camera", "perspective", &[("halffov", With("`fov`", half_fov))]),
+    same("Camera", "camera", "perspective", &[("halffov", With(half_fov))]),
     becomes("Film", "film", "image", "rgb"),
     same(
         "Film",
         "film",
         "",
-        &[("scale", With("`iso`", film_scale)), ("maxsampleluminance", Rename("maxcomponentvalue"))],
+        &[("scale", With(film_scale)), ("maxsampleluminance", Rename("maxcomponentvalue"))],
     ),
     same("PixelFilter", "filter", "", &[("xwidth", Rename("xradius")), ("ywidth", Rename("yradius"))]),
-    same("PixelFilter", "filter", "gaussian", &[("alpha", With("`sigma`", gaussian_sigma))]),
+    same("PixelFilter", "filter", "gaussian", &[("alpha", With(gaussian_sigma))]),
     becomes("Sampler", "sampler", "random", "independent"),
     becomes("Sampler", "sampler", "02sequence", "paddedsobol"),
     becomes("Sampler", "sampler", "lowdiscrepancy", "paddedsobol"),
@@ -184,21 +194,10 @@ pub(super) const ROWS: &[Row] = &[
     same("Integrator", "integrator", "path", &[("lightsamplestrategy", Rename("lightsampler"))]),
     same("Integrator", "integrator", "volpath", &[("lightsamplestrategy", Rename("lightsampler"))]),
     same("Integrator", "integrator", "bdpt", &[("lightsamplestrategy", Drop)]),
-    same(
-        "Integrator",
-        "integrator",
-        "sppm",
-        &[("numiterations", Lose("the sampler's count is used")), ("imagewritefrequency", Drop)],
-    ),
+    same("Integrator", "integrator", "sppm", &[("imagewritefrequency", Drop)]),
     same("Integrator", "integrator", "", &[("rrthreshold", Drop), ("pixelbounds", Drop)]),
     // Shapes.
-    same(
-        "Shape",
-        "shape",
-        "trianglemesh",
-        &[("uv", With("`point2 uv`", uv)), ("st", With("`point2 uv`", st)), ("shadowalpha", Drop)],
-    ),
-    same("Shape", "shape", "plymesh", &[("shadowalpha", Drop)]),
+    same("Shape", "shape", "trianglemesh", &[("uv", With(uv)), ("st", With(st))]),
     same("Shape", "shape", "loopsubdiv", &[("nlevels", Rename("levels"))]),
 ];
 
@@ -212,27 +211,6 @@ fn translucent(d: &mut Directive, index: usize) {
     d.params.extend([other, scale]);
 }
 
-/// v3 weighs the first of the two.
-fn second_weight(d: &mut Directive, index: usize) {
-    let param = &mut d.params[index];
-    if let Values::Floats(v) = &mut param.values {
-        *v = vec![1.0 - v.iter().sum::<f64>() / v.len().max(1) as f64];
-        param.kind = ParamType::Float;
-    }
-}
-
-fn mix_names(d: &mut Directive, index: usize) {
-    let second = d.params.iter().position(|p| p.name == "namedmaterial2");
-    let second = second.map(|at| d.params.remove(at));
-    let at =
-        d.params.iter().position(|p| p.name == "namedmaterial1").unwrap_or(index.min(d.params.len() - 1));
-    let param = &mut d.params[at];
-    "materials".clone_into(&mut param.name);
-    if let (Values::Texts(names), Some(Values::Texts(more))) = (&mut param.values, second.map(|p| p.values)) {
-        names.extend(more);
-    }
-}
-
 fn gamma(d: &mut Directive, index: usize) {
     let param = &mut d.params[index];
     let encoding = match &param.values {
@@ -242,27 +220,6 @@ fn gamma(d: &mut Directive, index: usize) {
     };
     "encoding".clone_into(&mut param.name);
     (param.kind, param.values) = (ParamType::String, Values::Texts(vec![encoding]));
-}
-
-/// A texture times a number: the number becomes `scale`.
-fn scale_operands(d: &mut Directive, index: usize) {
-    let first_is_texture = d.params[index].kind == ParamType::Texture;
-    for p in &mut d.params {
-        let is_texture = p.kind == ParamType::Texture;
-        let new = match (p.name.as_str(), first_is_texture, is_texture) {
-            ("tex1", true, _) | ("tex2", false, true) => "tex",
-            ("tex2", true, _) | ("tex1", false, _) => "scale",
-            _ => continue,
-        };
-        new.clone_into(&mut p.name);
-        if new == "scale"
-            && p.kind == ParamType::Rgb
-            && let Values::Floats(v) = &mut p.values
-        {
-            *v = vec![v.iter().sum::<f64>() / v.len().max(1) as f64];
-            p.kind = ParamType::Float;
-        }
-    }
 }
 
 fn single(d: &mut Directive, index: usize, name: &str, convert: impl Fn(f64) -> f64) {

@@ -112,9 +112,15 @@ impl Writer<'_, '_> {
         texture: Option<Id<Texture>>,
         origin: Origin,
     ) -> Result<Params, WriteError> {
-        if falloff == SpotFalloff::Linear {
-            let what = "a spot with linear falloff in the angle";
-            let size = Cone::new(cutoff_angle, beam_width, falloff).change();
+        let what = match falloff {
+            SpotFalloff::Smoothstep => None,
+            SpotFalloff::Linear => Some("a spot with linear falloff in the angle"),
+            SpotFalloff::Quartic => {
+                Some("a spot of pbrt-v3, which falls with the fourth power of the cosine")
+            }
+        };
+        if let Some(what) = what {
+            let size = Cone::new(cutoff_angle, beam_width, falloff).change(SpotFalloff::Smoothstep);
             self.out.lose_light(origin, what, "smoothstep falloff in the cosine", size);
         }
         let mut p = self.color(Params::default(), "I", intensity, ColorSlot::Emission, origin);

@@ -57,7 +57,11 @@ impl Writer<'_, '_> {
         }
         let through = |id| matches!(self.scene.bsdfs[id].kind, BsdfKind::Null);
         if shape.emission.is_some() && shape.bsdf.is_some_and(|id| through(self.unmasked(id).0)) {
-            self.out.lose(shape.origin, "an emitting surface that light passes through", "a light with a black surface");
+            self.out.lose(
+                shape.origin,
+                "an emitting surface that light passes through",
+                "a light with a black surface",
+            );
             return self.shape(&Shape { bsdf: None, ..shape.clone() });
         }
         let (material, mask) = self.shape_material(shape)?;

@@ -151,7 +151,12 @@ impl Writer<'_, '_> {
             TextureKind::Bilerp { corners, mapping } => {
                 let mut p = none;
                 for (name, corner) in ["v00", "v01", "v10", "v11"].into_iter().zip(corners) {
-                    p = self.operand(p, name, &ColorInput::Color(corner.clone()), numbers, origin)?;
+                    // No texture may stand here, and pbrt takes every texture as one of reflectances, too.
+                    if numbers {
+                        p = self.operand(p, name, &ColorInput::Color(corner.clone()), numbers, origin)?;
+                    } else {
+                        p = self.color(p, name, corner, ColorSlot::Reflectance, origin);
+                    }
                 }
                 let (p, space) = self.mapped(p, mapping, origin);
                 Ok(("bilerp", p, space))

@@ -84,7 +84,8 @@ impl World {
                 && !(shape.emission.is_some() && matches!(kind, ShapeKind::Sphere { .. })) =>
             {
                 if let Some(e) = &shape.emission {
-                    b.error("a cylinder that is not scaled evenly cannot emit light", e.origin);
+                    let what = "light from a cylinder that is not scaled evenly";
+                    b.unsupported(what, "a dark cylinder", e.origin);
                 }
                 let mut parts = LevelParts::default();
                 add_shape(b, meshes, shape, &Transform::IDENTITY, &mut parts, &mut self.records, None);

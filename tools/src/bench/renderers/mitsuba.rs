@@ -30,10 +30,13 @@ pub fn render(
     if let Some(n) = programs.threads {
         command.env("MI_DEFAULT_THREADS", n.to_string());
     }
-    process::run(&mut command).map_err(|e| match e {
+    process::run(&mut command, programs.limit).map_err(|e| match e {
         // The command itself is a whole script.
         BenchError::Render { message, .. } => {
             BenchError::Render { command: format!("mitsuba {variant} {integrator}"), message }
+        }
+        BenchError::Stopped { seconds, .. } => {
+            BenchError::Stopped { command: format!("mitsuba {variant} {integrator}"), seconds }
         }
         other => other,
     })?;
@@ -43,5 +46,6 @@ pub fn render(
         cpu_seconds: value["cpu_seconds"].as_f64().unwrap_or(0.0),
         peak_memory_bytes: value["peak_memory_bytes"].as_u64(),
         passes: value["passes"].as_u64().unwrap_or(0),
+        note: None,
     })
 }

@@ -15,6 +15,7 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
 /// One render to make.
 #[derive(Debug)]
@@ -29,12 +30,14 @@ pub struct Job<'a> {
 }
 
 /// The cost of a render, without loading.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Made {
     pub seconds: f64,
     pub cpu_seconds: f64,
     pub peak_memory_bytes: Option<u64>,
     pub passes: u64,
+    /// In what it was rendered otherwise than asked.
+    pub note: Option<String>,
 }
 
 /// The programs a run may start, and what all renders share.
@@ -44,6 +47,8 @@ pub struct Programs {
     python: Python,
     threads: Option<usize>,
     max_depth: Option<i64>,
+    /// Of every process.
+    limit: Option<Duration>,
 }
 
 impl Programs {
@@ -53,6 +58,7 @@ impl Programs {
             python: Python::new(args.python.as_deref()),
             threads: args.threads,
             max_depth: args.max_depth,
+            limit: args.process_limit(),
         }
     }
 
@@ -102,7 +108,9 @@ impl Programs {
         let folder = job.image.with_file_name("converted").join(stem);
         files::make_folder(&folder)?;
         let path = folder.join(stem).with_extension(extension);
-        process::run(Command::new(&self.caustica).arg("convert").arg("--force").arg(job.scene).arg(&path))?;
+        let mut command = Command::new(&self.caustica);
+        command.arg("convert").arg("--force").arg(job.scene).arg(&path);
+        process::run(&mut command, self.limit)?;
         Ok(path)
     }
 }

@@ -27,7 +27,7 @@ pub fn render(programs: &Programs, settings: &[(String, String)], job: &Job<'_>)
     for (key, value) in settings {
         command.args(["--set", &format!("{key}={value}")]);
     }
-    let cost = process::run(&mut command)?;
+    let cost = process::run(&mut command, programs.limit)?;
     let value = take_json(&stats)?;
     let render = &value["render"];
     Ok(Made {
@@ -35,6 +35,7 @@ pub fn render(programs: &Programs, settings: &[(String, String)], job: &Job<'_>)
         cpu_seconds: without_loading(cost, value["load_seconds"].as_f64()),
         peak_memory_bytes: value["peak_memory_bytes"].as_u64(),
         passes: render["passes"].as_u64().unwrap_or(0),
+        note: None,
     })
 }
 

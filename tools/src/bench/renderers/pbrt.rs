@@ -18,7 +18,8 @@ pub fn render(
 ) -> Result<Made, BenchError> {
     let scene = programs.converted(job, "pbrt")?;
     let text = std::fs::read_to_string(&scene).map_err(files::at(&scene))?;
-    let text = adapted(&text, job.size, integrator, parameters, programs.max_depth);
+    let (bounces, note) = bounces(&text, programs.max_depth);
+    let text = adapted(&text, job.size, integrator, parameters, bounces);
     let scene = scene.with_extension(format!("{integrator}.pbrt"));
     files::write(&scene, text.as_bytes())?;
     let run = |spp: u32, seed: u64| start(programs, &scene, spp, seed, job.image);
@@ -45,7 +46,28 @@ pub fn render(
         cpu_seconds: samples(|c| c.cpu_seconds.unwrap_or(0.0)),
         peak_memory_bytes: all.peak_memory_bytes,
         passes: u64::from(spp),
+        note,
     })
+}
+
+/// Most bounces that pbrt is given: its `bdpt` would allot memory for all of them, and never end.
+const MOST_BOUNCES: u64 = 100;
+
+/// How many bounces paths have at most, and whether those are fewer than the scene or the command line asks for.
+/// `max_depth` counts path segments, pbrt's `maxdepth` bounces.
+fn bounces(text: &str, max_depth: Option<i64>) -> (u64, Option<String>) {
+    let integrator = statements(text).into_iter().find(|statement| statement.starts_with("Integrator"));
+    let own = integrator
+        .and_then(|statement| value(statement, "\"integer maxdepth\""))
+        .and_then(|n| n.parse().ok());
+    let asked = match max_depth {
+        Some(n) if n < 0 => u64::MAX,
+        Some(n) => n.unsigned_abs().saturating_sub(1),
+        None => own.unwrap_or(5),
+    };
+    let note =
+        format!("pbrt follows paths for {MOST_BOUNCES} bounces at most, where longer ones are asked for");
+    (asked.min(MOST_BOUNCES), (asked > MOST_BOUNCES).then_some(note))
 }
 
 fn start(programs: &Programs, scene: &Path, spp: u32, seed: u64, image: &Path) -> Result<Cost, BenchError> {
@@ -55,30 +77,24 @@ fn start(programs: &Programs, scene: &Path, spp: u32, seed: u64, image: &Path) -
         command.args(["--nthreads", &n.to_string()]);
     }
     command.arg("--outfile").arg(image).arg(scene);
-    process::run(&mut command)
+    process::run(&mut command, programs.limit)
 }
 
 /// The scene with another film size, a box filter, 32-bit floats and an integrator. The command line sets the
-/// seed. `max_depth` counts path segments, pbrt's `maxdepth` bounces.
+/// seed.
 fn adapted(
     text: &str,
     size: [usize; 2],
     integrator: &str,
     parameters: &[(String, String)],
-    max_depth: Option<i64>,
+    bounces: u64,
 ) -> String {
     let mut out = Vec::new();
     for statement in statements(text) {
         let directive = statement.split_whitespace().next().unwrap_or_default();
         match directive {
             "Integrator" => {
-                let own = value(statement, "\"integer maxdepth\"").unwrap_or("5").to_owned();
-                let depth = match max_depth {
-                    Some(n) if n < 0 => "1000000".to_owned(),
-                    Some(n) => (n - 1).max(0).to_string(),
-                    None => own,
-                };
-                let mut line = format!("Integrator \"{integrator}\" \"integer maxdepth\" {depth}");
+                let mut line = format!("Integrator \"{integrator}\" \"integer maxdepth\" {bounces}");
                 for (key, value) in parameters {
                     let kind = if value.contains('.') { "float" } else { "integer" };
                     line += &format!(" \"{kind} {key}\" {value}");
@@ -140,8 +156,14 @@ mod tests {
                         xresolution\" 32 \t\"integer yresolution\" 24 \"string filename\" \"a.exr\" \"bool savefp16\" false\n\
                         PixelFilter \"box\" \"float xradius\" 0.5 \"float yradius\" 0.5\nSampler \"independent\" \"integer \
                         pixelsamples\" 1\n\nWorldBegin\nAttributeBegin\n\tShape \"sphere\"\nAttributeEnd\n\n";
-        assert_eq!(adapted(text, [32, 24], "sppm", &parameters, None), expected);
-        assert!(adapted(text, [8, 8], "path", &[], Some(2)).contains("\"path\" \"integer maxdepth\" 1\n"));
-        assert!(adapted(text, [8, 8], "path", &[], Some(-1)).contains("\"integer maxdepth\" 1000000\n"));
+        assert_eq!(adapted(text, [32, 24], "sppm", &parameters, bounces(text, None).0), expected);
+        assert_eq!(bounces(text, None), (7, None));
+        assert_eq!(bounces(text, Some(2)), (1, None));
+        for (text, asked) in [(text, Some(-1)), ("Integrator \"path\" \"integer maxdepth\" 1000000\n", None)]
+        {
+            let (bounces, note) = bounces(text, asked);
+            assert_eq!(bounces, 100);
+            assert!(note.is_some_and(|note| note.contains("100 bounces")));
+        }
     }
 }

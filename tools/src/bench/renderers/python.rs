@@ -84,10 +84,10 @@ impl Python {
 pub const SCRIPT: &str = include_str!("mitsuba.py");
 
 fn install(python: &Path, venv: &Path) -> Result<(), BenchError> {
-    process::run(Command::new(python).args(["-m", "venv", "--clear"]).arg(venv))?;
+    process::run(Command::new(python).args(["-m", "venv", "--clear"]).arg(venv), None)?;
     let packages = [format!("mitsuba=={MITSUBA}"), "numpy".to_owned()];
     let mut pip = Command::new(venv.join("bin/python"));
-    process::run(pip.args(["-m", "pip", "install", "--quiet"]).args(packages))?;
+    process::run(pip.args(["-m", "pip", "install", "--quiet"]).args(packages), None)?;
     Ok(())
 }
 
