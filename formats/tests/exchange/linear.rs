@@ -76,17 +76,20 @@ fn every_file_is_read_once() {
     }
 }
 
-/// Nothing is left where a file turns out to be missing, in folders or beside them.
+/// Nothing is left where a file cannot be put in its place, in folders or beside them.
 #[test]
 fn a_scene_is_written_whole_or_not_at_all() {
     let files = scene();
     let read = read_scene(&files, Path::new("/scene/s.xml"), &ReadOptions::default()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let written = write_scene(&read, &files, &folder.path().join("made.xml")).unwrap();
-    let mut fewer = files.files.clone();
-    fewer.0.remove(Path::new("/scene/mesh.obj"));
-    assert!(written.save(&fewer, false).is_err());
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let last = folder.path().join(&written.assets.last().unwrap().path);
+    std::fs::create_dir_all(&last).unwrap();
+    assert!(written.save(&files, true).is_err());
+    assert!(!folder.path().join("made.xml").exists());
+    let beside = std::fs::read_dir(last.parent().unwrap()).unwrap();
+    assert_eq!(beside.count(), 1, "the folder that was in the way");
+    std::fs::remove_dir(&last).unwrap();
     written.save(&files, false).unwrap();
     assert!(folder.path().join("made.xml").is_file());
 }
