@@ -114,6 +114,9 @@ impl Writer<'_, '_> {
         let Bsdf { kind, .. } = &scene.bsdfs[nested];
         let (plugin, p) = self.said(kind, *origin)?;
         let name = self.free(name, "material");
+        if plugin == "interface" {
+            self.interfaces.insert(name.clone());
+        }
         let mut text = String::new();
         self.place(&mut text, "", *origin);
         p.of_type(plugin).write(&mut text, "", "MakeNamedMaterial", &[&name]);

@@ -12,7 +12,7 @@ mod shape;
 mod text;
 mod texture;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
 use text::Params;
@@ -30,6 +30,7 @@ pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
         definitions: String::new(),
         body: String::new(),
         materials: HashMap::new(),
+        interfaces: HashSet::new(),
         textures: HashMap::new(),
         objects: HashMap::new(),
         taken: Names::default(),
@@ -45,6 +46,8 @@ struct Writer<'o, 'a> {
     definitions: String,
     body: String,
     materials: HashMap<Id<Bsdf>, String>,
+    /// Materials that light passes through; their shapes do not emit any.
+    interfaces: HashSet<String>,
     /// By kind: colours, or numbers (`true`).
     textures: HashMap<(Id<Texture>, bool), String>,
     objects: HashMap<Id<ShapeGroup>, String>,

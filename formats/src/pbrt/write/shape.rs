@@ -3,8 +3,8 @@
 use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
-    Bsdf, BsdfKind, FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
-    ShapeGroup, ShapeKind, Transform,
+    FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup, ShapeKind,
+    Transform,
 };
 use crate::mesh::{Mesh, builtin};
 use crate::write::{WriteError, about};
@@ -55,7 +55,8 @@ impl Writer<'_, '_> {
             self.body.push_str(&text);
             return Ok(());
         }
-        if shape.emission.is_some() && shape.bsdf.is_some_and(|id| self.is_interface(id)) {
+        let (material, mask) = self.shape_material(shape)?;
+        if shape.emission.is_some() && self.interfaces.contains(&material) {
             self.out.lose(
                 shape.origin,
                 "an emitting surface that light passes through",
@@ -63,7 +64,6 @@ impl Writer<'_, '_> {
             );
             return self.shape(&Shape { bsdf: None, ..shape.clone() });
         }
-        let (material, mask) = self.shape_material(shape)?;
         Params::default().write(&mut text, "\t", "NamedMaterial", &[&material]);
         if let Some(emission) = &shape.emission {
             let factor = self.despite_mask(mask.as_ref(), emission.origin);
@@ -88,23 +88,6 @@ impl Writer<'_, '_> {
         text.push_str("AttributeEnd\n");
         self.body.push_str(&text);
         Ok(())
-    }
-
-    /// Whether a material is written as `interface`: pbrt's surfaces of it do not emit light.
-    fn is_interface(&self, id: Id<Bsdf>) -> bool {
-        match &self.scene.bsdfs[id].kind {
-            BsdfKind::Null => true,
-            BsdfKind::Mask { nested, .. }
-            | BsdfKind::BumpMap { nested, .. }
-            | BsdfKind::NormalMap { nested, .. }
-            | BsdfKind::Coating { nested, .. }
-            | BsdfKind::TwoSided { front: nested, .. } => self.is_interface(*nested),
-            BsdfKind::Mixture { parts } => parts
-                .iter()
-                .max_by(|a, b| a.0.total_cmp(&b.0))
-                .is_some_and(|(_, heaviest)| self.is_interface(*heaviest)),
-            _ => false,
-        }
     }
 
     fn to_world(&self, text: &mut String, m: &Transform) {
