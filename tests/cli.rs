@@ -189,7 +189,7 @@ fn settings_that_do_not_exist_or_do_not_parse() {
     assert_snapshot!(value.text, @"error: invalid value `round` for setting `kernel`: expected one of constant, cone, epanechnikov, biweight, triweight, tricube, gaussian, logistic, silverman");
     let layer = run(&files, &["render", "scene.xml", "--quiet", "--layers", "direkt"]);
     assert_eq!(layer.status, 2);
-    assert_snapshot!(layer.text, @"error: there is no layer `direkt`; there are emission, direct, caustic, indirect, variance, samples");
+    assert_snapshot!(layer.text, @"error: there is no layer `direkt`; did you mean `direct`?");
 }
 
 /// What is asked for and the scene does not have is wrong on the command line, and nothing else.
@@ -345,7 +345,8 @@ fn layers_are_stored_once_and_by_exr_only() {
     let picture =
         caustica_formats::image::read(&std::fs::read(folder.path().join("out.exr")).unwrap()).unwrap();
     let direct = picture.channels.iter().filter(|name| name.starts_with("direct.")).count();
-    assert_eq!((direct, picture.channels.len()), (3, 3 + 4 * 3 + 2), "{:?}", picture.channels);
+    // The picture, its parts, two statistics, and twelve pictures of surfaces.
+    assert_eq!((direct, picture.channels.len()), (3, 3 + 4 * 3 + 2 + 27), "{:?}", picture.channels);
     // As many passes as would take for ever: the error comes before them.
     for asked in [&["--layers", "direct"][..], &["--half"]] {
         let refused = run(&[&["--spp", "4000000000", "-o", "out.png"], asked].concat());

@@ -6,6 +6,7 @@
 
 mod support;
 
+mod aovs;
 mod bench;
 mod bsdf;
 mod camera;

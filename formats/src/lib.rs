@@ -23,6 +23,7 @@ pub mod confined;
 pub mod diagnostic;
 mod encoding;
 pub mod files;
+pub mod fourier;
 pub mod image;
 pub mod ir;
 pub mod language;
@@ -35,6 +36,7 @@ mod outside;
 mod pbrt;
 mod plugin;
 mod read;
+pub mod sky;
 pub mod spectrum;
 mod write;
 

@@ -8,7 +8,7 @@ use caustica::render::Budget;
 use caustica::session::{Options, Session};
 use caustica_formats::files::Memory;
 use caustica_formats::mesh::{self, MeshOptions};
-use caustica_formats::{ReadOptions, image, ir, read_scene};
+use caustica_formats::{ReadOptions, fourier, image, ir, read_scene};
 
 use super::memory::most_held;
 
@@ -36,6 +36,7 @@ pub const TARGETS: &[Target] = &[
         growth: 4 * 1032,
         run: |data| (0..3).for_each(|index| meshes(ir::MeshFormat::Serialized { index }, data)),
     },
+    Target { name: "bsdf", growth: 16, run: tabulated },
     // The DCT codecs compress up to 64 × 1032 times. For a half float of two bytes their decoder holds blocks of
     // floats for three channels (12 bytes) and copies by channel, by line and as samples (4 × 2 at most), and we
     // hold 4, some of it twice while a buffer grows: at most 38 bytes for two.
@@ -108,6 +109,15 @@ fn meshes(format: ir::MeshFormat, data: &[u8]) {
             assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < count));
             assert!(mesh.positions.iter().flatten().all(|c| c.is_finite()));
         }
+    }
+}
+
+/// What is read holds together.
+fn tabulated(data: &[u8]) {
+    if let Ok(table) = fourier::read(data) {
+        assert_eq!(table.series.len(), table.mu.len() * table.mu.len());
+        let end = |&(first, length): &(u32, u32)| first as usize + length as usize * table.channels;
+        assert!(table.series.iter().all(|series| end(series) <= table.coefficients.len()));
     }
 }
 

@@ -27,6 +27,10 @@ impl Parameters for DiffuseTransmissionModel {
         vec![self.reflectance, self.transmittance]
     }
 
+    fn reflectance(&self) -> Option<Param> {
+        Some(self.reflectance)
+    }
+
     fn nature(&self) -> Nature {
         Nature { smooth: Some(Nature::DIFFUSE), transmits: true, ..Nature::default() }
     }

@@ -15,9 +15,12 @@ mod dielectric;
 mod difftrans;
 mod diffuse;
 mod event;
+mod fourier;
 pub mod fresnel;
+mod fresnelblend;
 mod interreflection;
 mod lobes;
+mod lobesum;
 mod material;
 mod metal;
 pub mod microfacet;
@@ -38,8 +41,11 @@ pub use dielectric::{Dielectric, DielectricModel};
 pub use difftrans::{DiffuseTransmission, DiffuseTransmissionModel};
 pub use diffuse::{Diffuse, DiffuseModel};
 pub use event::{DeltaLobe, Deltas, Event, Range, Sample, SmoothSample, Transport, adjoint_correction};
+pub use fourier::{Fourier, FourierModel, FourierTable};
+pub use fresnelblend::{FresnelBlend, FresnelBlendModel};
 pub use interreflection::{DiffuseBase, RoundTrips, Walk};
 pub use lobes::{Lobe, Lobes};
+pub use lobesum::{LobeSum, LobeSumModel};
 pub use material::{Closure, Material, Node, Perturbation, Relief};
 pub use metal::Metal;
 pub use microfacet::{Roughness, Transmittance};
@@ -152,6 +158,12 @@ closed_enum! {
         fn lambertian(&self) -> Option<Param> {
             None
         }
+
+        /// The parameter that tells the diffuse reflectance, or the nearest that the model has to it: what
+        /// denoisers take for the colour of the surface.
+        fn reflectance(&self) -> Option<Param> {
+            self.lambertian()
+        }
     }
 
     /// Every model, with parameters. To add one, add a row here and one to [`Bxdf`].
@@ -171,6 +183,9 @@ closed_enum! {
         DiffuseTransmission(DiffuseTransmissionModel),
         Phong(PhongModel),
         Ward(WardModel),
+        LobeSum(LobeSumModel),
+        FresnelBlend(FresnelBlendModel),
+        Fourier(FourierModel),
         Coating(CoatingModel),
     }
 }
@@ -238,6 +253,9 @@ closed_enum! {
         DiffuseTransmission(DiffuseTransmission),
         Phong(Phong),
         Ward(Ward),
+        LobeSum(LobeSum),
+        FresnelBlend(FresnelBlend),
+        Fourier(Fourier),
         Coating(Coating),
     }
 }

@@ -30,6 +30,10 @@ impl Parameters for PhongModel {
         vec![self.diffuse, self.specular, self.exponent]
     }
 
+    fn reflectance(&self) -> Option<Param> {
+        Some(self.diffuse)
+    }
+
     fn nature(&self) -> Nature {
         let least = self.exponent.constant().map_or(0.0, |n| roughness(scalar(n).max(0.0)));
         Nature { smooth: Some([least, Range::DIFFUSE]), ..Nature::default() }

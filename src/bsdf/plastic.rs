@@ -42,6 +42,10 @@ impl Parameters for PlasticModel {
         vec![self.diffuse, self.specular]
     }
 
+    fn reflectance(&self) -> Option<Param> {
+        Some(self.diffuse)
+    }
+
     fn nature(&self) -> Nature {
         Nature { delta: true, smooth: Some(Nature::DIFFUSE), ..Nature::default() }
     }

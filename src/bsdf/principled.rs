@@ -80,6 +80,10 @@ impl Parameters for PrincipledModel {
         ]
     }
 
+    fn reflectance(&self) -> Option<Param> {
+        Some(self.base_color)
+    }
+
     fn nature(&self) -> Nature {
         let none = |p: Param| p == Param::gray(0.0);
         let coated = !none(self.clearcoat);

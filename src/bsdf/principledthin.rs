@@ -76,6 +76,10 @@ impl Parameters for PrincipledThinModel {
         ]
     }
 
+    fn reflectance(&self) -> Option<Param> {
+        Some(self.base_color)
+    }
+
     fn nature(&self) -> Nature {
         let [min, max] = bounds(self.roughness, self.anisotropic);
         let least = match (self.spec_trans == Param::gray(0.0), self.eta) {

@@ -28,6 +28,10 @@ impl Parameters for RoughDiffuseModel {
         vec![self.reflectance, self.alpha]
     }
 
+    fn reflectance(&self) -> Option<Param> {
+        Some(self.reflectance)
+    }
+
     fn nature(&self) -> Nature {
         Nature { smooth: Some(Nature::DIFFUSE), ..Nature::default() }
     }

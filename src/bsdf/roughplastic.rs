@@ -52,6 +52,10 @@ impl Parameters for RoughPlasticModel {
         [self.roughness.params(), vec![self.diffuse, self.specular]].concat()
     }
 
+    fn reflectance(&self) -> Option<Param> {
+        Some(self.diffuse)
+    }
+
     fn nature(&self) -> Nature {
         let [min, _] = self.roughness.bounds();
         Nature {

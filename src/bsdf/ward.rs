@@ -47,6 +47,10 @@ impl Parameters for WardModel {
         vec![self.diffuse, self.specular, self.alpha_u, self.alpha_v]
     }
 
+    fn reflectance(&self) -> Option<Param> {
+        Some(self.diffuse)
+    }
+
     fn nature(&self) -> Nature {
         let least = match (self.alpha_u, self.alpha_v) {
             (Param::Constant(u), Param::Constant(v)) => (scalar(u) * scalar(v)).max(0.0).sqrt(),

@@ -12,7 +12,7 @@ use super::scene::SceneArgs;
 use super::{report, summary};
 use crate::math::kernel::KernelKind;
 use crate::render::{Budget, Outcome, Progress, Stop, Sums};
-use crate::session::{Error, Layers, Output, Saver, Session};
+use crate::session::{Error, KNOWN_LAYERS, Layers, Output, Saver, Session};
 use crate::settings::{SETTINGS, Settings};
 
 /// Arguments of `render`.
@@ -32,9 +32,9 @@ pub struct RenderArgs {
     /// Store 16-bit floats
     #[arg(long)]
     half: bool,
-    /// Layers of the EXR: emission, direct, caustic, indirect, variance, samples, all or none [default:
-    /// emission,direct,caustic,indirect]
-    #[arg(long, value_name = "LIST")]
+    #[arg(long, value_name = "LIST",
+        help = format!("Layers of the EXR: {}, all or none [default: emission,direct,caustic,indirect and what the \
+            scene asks for]", KNOWN_LAYERS.join(", ")))]
     layers: Option<String>,
     /// End after this many seconds of rendering
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
@@ -101,10 +101,10 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     // Found before the scene is read, which may take long.
     let layers = args.layers.as_deref().map(str::parse::<Layers>).transpose().map_err(Error::from)?;
     let started = Instant::now();
-    let session = args.scene.open(args.quiet)?;
+    let session = args.scene.open(args.quiet, layers)?;
     let load_seconds = started.elapsed().as_secs_f64();
     session.check_memory()?;
-    let output = args.output(&session, layers);
+    let output = args.output(&session);
     let saver = Saver::new(args.checkpoint_path(&output), &session);
     let saving = args.checkpoint.is_some() || args.resume;
     let checkpoint = saving.then_some(saver.path.as_path());
@@ -113,6 +113,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let _locks = output.lock(checkpoint.as_slice())?;
     let sums = args.begin(&session, &saver)?;
     args.tell(&session);
+    args.tell_lost_layers(&session, &output);
     interrupt.watch();
     let mut saver = saver;
     let outcome = args.render(&session, sums, saving.then_some(&mut saver), interrupt);
@@ -142,7 +143,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
 }
 
 impl RenderArgs {
-    fn output(&self, session: &Session, layers: Option<Layers>) -> Output {
+    fn output(&self, session: &Session) -> Output {
         let main = self.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", session.name())));
         let mut files = vec![main.clone()];
         match &self.png {
@@ -151,7 +152,7 @@ impl RenderArgs {
             None => {}
         }
         let own = Output::new(session, files);
-        Output { layers, half: self.half, exposure: self.exposure + own.exposure, ..own }
+        Output { half: self.half, exposure: self.exposure + own.exposure, ..own }
     }
 
     fn checkpoint_path(&self, output: &Output) -> PathBuf {
@@ -181,6 +182,18 @@ impl RenderArgs {
         if !session.facts.lit {
             let scene = session.path().display();
             report::line(&format!("warning: {scene}: the scene has no light; the picture will be black"));
+        }
+    }
+
+    /// Says that the scene's own layers are lost where no file can hold them.
+    fn tell_lost_layers(&self, session: &Session, output: &Output) {
+        let stored =
+            output.files.iter().any(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")));
+        if !stored && !session.view.aovs.is_empty() && !self.quiet {
+            let scene = session.path().display();
+            report::line(&format!(
+                "warning: {scene}: the layers that it asks for are stored in .exr files only"
+            ));
         }
     }
 

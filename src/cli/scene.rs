@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use super::failure::Failure;
 use super::report;
 use crate::scene::compile::MAX_PIXELS;
-use crate::session::{Error, Inspection, Options, Session};
+use crate::session::{Error, Inspection, Layers, Options, Session};
 
 /// Scene file, parameters, camera, film and settings, for every subcommand that opens a scene.
 #[derive(Debug, Args)]
@@ -143,12 +143,14 @@ impl SceneArgs {
         self.spp.or(self.passes)
     }
 
-    /// Reads and compiles the scene. Warnings are printed unless `quiet`.
+    /// Reads and compiles the scene, whose picture gets these `layers` where they were asked for. Warnings are printed
+    /// unless `quiet`.
     ///
     /// # Errors
     /// When no scene is named, or it cannot be opened.
-    pub fn open(&self, quiet: bool) -> Result<Session, Failure> {
-        let session = Session::open(self.path()?, &self.options()).map_err(|error| match error {
+    pub fn open(&self, quiet: bool, layers: Option<Layers>) -> Result<Session, Failure> {
+        let options = Options { layers, ..self.options() };
+        let session = Session::open(self.path()?, &options).map_err(|error| match error {
             Error::Scene(failure) if quiet => Error::Scene(Box::new(failure.errors_only())),
             error => error,
         })?;
@@ -195,6 +197,7 @@ impl SceneArgs {
             spectrum_rule: self.spectral_to_rgb.rule(),
             lenient: self.lenient,
             settings: rows.chain(self.set.iter().cloned()).collect(),
+            layers: None,
         }
     }
 }

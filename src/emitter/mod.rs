@@ -15,6 +15,7 @@ mod point;
 mod projection;
 mod projector;
 mod spot;
+mod sunsky;
 mod table;
 
 pub use aim::{Aim, EmissionBounds, Entry, EntrySegment};
@@ -30,6 +31,7 @@ pub use point::Point;
 pub use projection::Projection;
 pub use projector::Projector;
 pub use spot::{Falloff, Spot, Stretched};
+pub use sunsky::{Dome, SunDisc, SunSky};
 
 use crate::math::{Color, Vec2, Vec3, closed_enum};
 use crate::sampling::Density;
@@ -63,7 +65,7 @@ fn just_before(lamp: Vec3, d: Vec3) -> Vec3 {
 /// | area | radiance | per area of the lamp | per solid angle |
 /// | point, spot, projector, projection, goniometric | intensity | delta | per solid angle |
 /// | collimated | exitance (W/m²) | per area of the lamp | delta |
-/// | constant, environment | radiance | per area of the disk across `d` | per solid angle |
+/// | constant, environment, sun and sky | radiance | per area of the disk across `d` | per solid angle |
 /// | directional | irradiance (W/m²) | per area of the disk across `d` | delta |
 #[derive(Clone, Copy, Debug)]
 pub struct Emission {
@@ -187,6 +189,8 @@ closed_enum! {
         Constant(Constant),
         /// A picture of the sky.
         Environment(Box<Environment>),
+        /// Sun and sky by a formula.
+        SunSky(Box<SunSky>),
         /// Mitsuba's projector.
         Projector(Projector),
         /// pbrt's projection light.

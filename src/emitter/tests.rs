@@ -109,6 +109,38 @@ fn both_sides_of_a_lamp_are_sampled() {
     }
 }
 
+/// A sky brighter at the horizon and towards +X, below it dark unless `below`, with a sun of 3°.
+#[derive(Debug)]
+struct Plain {
+    below: bool,
+    sun: Vec3,
+}
+
+impl Dome for Plain {
+    fn sky(&self, d: Vec3) -> Color {
+        if d.z < 0.0 && !self.below {
+            return Color::ZERO;
+        }
+        let glow = 0.2 + (-3.0 * d.z.abs()).exp() + (4.0 * (d.dot(self.sun) - 1.0)).exp();
+        rgb([glow, 0.8 * glow, 0.5 + d.x.max(0.0)])
+    }
+
+    fn sun(&self, d: Vec3) -> Color {
+        if d.z < 0.0 { Color::ZERO } else { rgb([300.0, 250.0, 150.0]) }
+    }
+}
+
+/// With the sun that many radians above the horizon.
+pub(super) fn sunny(below: bool, height: f32) -> SunSky {
+    let sun = Vec3::new(-height.cos() * 0.6, height.cos() * 0.8, height.sin());
+    let frame = Frame::from_normal(Vec3::new(0.3, -0.5, 0.7).normalize());
+    let axes = Frame { s: -frame.s, ..frame };
+    let half_angle = 0.026f32;
+    let solid = std::f32::consts::TAU * 2.0 * (0.5 * half_angle).sin().powi(2);
+    let disc = SunDisc { direction: sun, half_angle, irradiance: rgb([300.0, 250.0, 150.0]) * solid };
+    SunSky::new(std::sync::Arc::new(Plain { below, sun }), axes, Some(disc), below)
+}
+
 /// Every kind of emitter that is built without a scene.
 fn every_kind() -> Vec<(&'static str, Emitter)> {
     let sphere = |inward| {
@@ -143,6 +175,7 @@ fn every_kind() -> Vec<(&'static str, Emitter)> {
         ("directional", Directional { direction: Vec3::Z, irradiance: rgb([1.0, 2.0, 3.0]) }.into()),
         ("constant", Constant { radiance: rgb([1.0, 2.0, 3.0]) }.into()),
         ("environment", Box::new(environment).into()),
+        ("sun and sky", Box::new(sunny(false, 0.3)).into()),
         ("projector", Projector { frustum: frustum(), irradiance: radiance }.into()),
         ("projection", Box::new(Projection::new(frustum(), picture(3), None)).into()),
         ("goniometric", Box::new(gonio).into()),
@@ -161,6 +194,7 @@ fn measures(e: &Emitter) -> [Option<f32>; 2] {
         Emitter::Spot(s) => [None, Some(2.0 * PI * (1.0 - s.cutoff.cos()))],
         Emitter::Directional(_) => [disk, None],
         Emitter::Constant(_) | Emitter::Environment(_) => [disk, Some(4.0 * PI)],
+        Emitter::SunSky(_) => [disk, Some(2.0 * PI)],
         Emitter::Projector(_) | Emitter::Projection(_) => {
             [None, Some(frustum().solid_angle(Vec2::ZERO, Vec2::ONE) as f32)]
         }
@@ -208,7 +242,7 @@ fn the_flux_of_emission_is_light_over_density() {
             let Some(s) = sample else { continue };
             let light = match &e {
                 Emitter::Area(_) => e.emitted(&textures, &Site::flat(Vec2::ZERO), true),
-                Emitter::Constant(_) | Emitter::Environment(_) => e.background(-s.d).0,
+                Emitter::Constant(_) | Emitter::Environment(_) | Emitter::SunSky(_) => e.background(-s.d).0,
                 // Light of one direction, which any place in the beam sees.
                 Emitter::Directional(_) => {
                     e.sample_direct(&textures, s.o, u).map_or(Color::ZERO, |d| d.value)

@@ -1,5 +1,6 @@
 //! The film: what is stored per pixel, and reconstruction filters.
 
+mod aov;
 mod doublings;
 pub mod filter;
 mod layer;
@@ -9,6 +10,7 @@ mod response;
 mod splats;
 mod stored;
 
+pub use aov::{AOVS, Aov, Visible};
 pub use doublings::Doublings;
 pub use filter::Filter;
 pub use layer::{LAYERS, Layer, Radiance};

@@ -1,5 +1,6 @@
 //! The sums of a picture over its passes, and what one pass adds to a pixel.
 
+use super::aov::Aov;
 use super::doublings::Doublings;
 use super::layer::{LAYERS, Layer, Radiance};
 use super::rejected::Rejected;
@@ -15,12 +16,41 @@ pub struct Pixels {
     /// Camera samples that every pass took of a pixel.
     pub samples_a_pass: u32,
     doublings: Doublings,
+    /// Sums of the pictures of surfaces, pixel by pixel; empty where none is asked for.
+    aovs: Vec<f64>,
 }
 
 impl Pixels {
     /// Empty sums of `count` pixels.
     pub fn new(count: usize) -> Self {
-        Self { sums: vec![[0.0; STRIDE]; count], samples_a_pass: 1, doublings: Doublings::default() }
+        Self {
+            sums: vec![[0.0; STRIDE]; count],
+            samples_a_pass: 1,
+            doublings: Doublings::default(),
+            aovs: Vec::new(),
+        }
+    }
+
+    /// Makes room for so many sums of AOVs a pixel, unless it is there already.
+    pub fn hold_aovs(&mut self, numbers: usize) {
+        self.aovs.resize(self.sums.len() * numbers, 0.0);
+    }
+
+    /// The sums of AOVs, pixel by pixel.
+    pub fn aovs(&self) -> &[f64] {
+        &self.aovs
+    }
+
+    /// All sums, to add to: those of light, and those of AOVs.
+    pub fn parts_mut(&mut self) -> (&mut [[f64; STRIDE]], &mut [f64]) {
+        (&mut self.sums, &mut self.aovs)
+    }
+
+    /// The channels of one of the AOVs of `list` after `passes`; empty when it is not among them.
+    pub fn aov(&self, pixel: usize, aov: Aov, list: &[Aov], passes: u32) -> Vec<f64> {
+        let Some(place) = aov.place_in(list) else { return Vec::new() };
+        let first = pixel * Aov::numbers_of(list);
+        aov.finish(&self.aovs[first + place.start..first + place.end], passes, self.samples_a_pass)
     }
 
     /// Pixels.

@@ -104,6 +104,10 @@ impl Checkpoint {
             out.extend((numbers.len() as u32).to_le_bytes());
             numbers.iter().for_each(|v| out.extend_from_slice(&v.to_le_bytes()));
         }
+        if !pixels.aovs().is_empty() {
+            out.extend(((pixels.aovs().len() / pixels.len()) as u32).to_le_bytes());
+            pixels.aovs().iter().for_each(|v| out.extend_from_slice(&v.to_le_bytes()));
+        }
         let sum = checksum(&out);
         out.extend(sum.to_le_bytes());
         out
@@ -143,6 +147,16 @@ impl Checkpoint {
             Ok::<_, CheckpointError>(r.numbers(count)?.collect())
         };
         pixels.set_doublings(Doublings::from_parts(list()?, list()?));
+        // Only where the render makes some.
+        if !r.0.is_empty() {
+            let numbers = r.u32()? as usize;
+            let values = r.numbers(count.saturating_mul(numbers))?;
+            if !values.clone().all(f64::is_finite) {
+                return Err(CheckpointError::Invalid("a number in it is not finite"));
+            }
+            pixels.hold_aovs(numbers);
+            pixels.parts_mut().1.iter_mut().zip(values).for_each(|(to, from)| *to = from);
+        }
         Ok(Self { identity, passes, pixels })
     }
 
@@ -186,9 +200,16 @@ mod tests {
 
     #[test]
     fn reads_back_every_bit_and_refuses_damage() {
-        let c = example();
+        survives(&example());
+        let mut with_aovs = example();
+        with_aovs.pixels.hold_aovs(2);
+        with_aovs.pixels.parts_mut().1[3] = 0.7;
+        survives(&with_aovs);
+    }
+
+    fn survives(c: &Checkpoint) {
         let bytes = Checkpoint::encode(&c.identity, c.passes, &c.pixels);
-        assert_eq!(Checkpoint::decode(&bytes).unwrap(), c);
+        assert_eq!(&Checkpoint::decode(&bytes).unwrap(), c);
         for n in 0..bytes.len() {
             assert!(Checkpoint::decode(&bytes[..n]).is_err());
             let mut broken = bytes.clone();

@@ -1,15 +1,14 @@
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::film::{Mean, Pixels, Radiance, Rejected, STRIDE};
-use crate::integrator::{CameraSample, Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task};
+use super::aovs::Eye;
+use super::bands::{Bands, Before};
+use crate::film::{Aov, Pixels, Rejected};
+use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task};
 use crate::math::Vec2;
 use crate::photon::trace::Halt;
-use crate::sampling::{Sampler, mix};
-use crate::scene::View;
 use crate::settings::IntegratorKind;
 
 /// When to end; whichever comes first. The default is never.
@@ -174,10 +173,6 @@ fn overdue(time: Duration) -> Duration {
 /// the camera.
 const FIRST_TRACE: f64 = 0.6;
 
-/// Rows of a block: a unit of parallel work is a band of the picture this high, walked in squares so
-/// that neighbouring lookups share cache lines.
-const BLOCK: usize = 8;
-
 fn run<I: Integrator>(
     task: Task<'_>,
     integrator: &I,
@@ -187,17 +182,13 @@ fn run<I: Integrator>(
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
     let Sums { mut pixels, passes: done } = sums;
-    let mut stats = Statistics {
-        prepare_seconds: start.elapsed().as_secs_f64(),
-        film_bytes: size_of_val(pixels.as_slice()) as u64,
-        scene_bytes: (task.scene.geometry.bytes() + task.scene.textures.bytes()) as u64,
-        ..Statistics::default()
-    };
+    pixels.hold_aovs(Aov::numbers_of(&task.view.aovs));
+    let mut stats = prepared(task, &pixels, start);
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
     pixels.samples_a_pass = integrator.samples_a_pass();
     let halt = budget.halt(start, overdue);
     // The sums before the running pass, so that it can be undone.
-    let mut before = Vec::new();
+    let mut before = Before::default();
     let mut passes = done;
     let mut longest = Duration::ZERO;
     let stop = loop {
@@ -217,7 +208,7 @@ fn run<I: Integrator>(
             break Stop::Error;
         }
         let begun = Instant::now();
-        before.resize(pixels.len(), [0.0; STRIDE]);
+        before.resize(&pixels);
         let (shared, pass) = integrator.begin_pass(passes);
         count(&mut stats, &pass);
         if pass.cut && passes > 0 {
@@ -226,6 +217,7 @@ fn run<I: Integrator>(
         let camera = Instant::now();
         let bands = Bands {
             view: task.view,
+            eye: Eye::new(task.scene, task.view),
             integrator,
             shared: &shared,
             seed: task.settings.seed,
@@ -236,12 +228,12 @@ fn run<I: Integrator>(
             // The first samples of a picture are made however late it is.
             halt: if passes > 0 { halt } else { Halt { deadline: None, ..halt } },
         };
-        let whole = bands.sample(&mut pixels, &mut before, &mut stats);
+        let whole = count_camera(&mut stats, &bands.sample(&mut pixels, &mut before));
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
         if !whole {
             if passes > 0 {
-                pixels.as_mut_slice().copy_from_slice(&before);
+                before.restore(&mut pixels);
             }
             break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
         }
@@ -259,6 +251,17 @@ fn run<I: Integrator>(
     Outcome { pixels, statistics: stats, stop }
 }
 
+/// What is known before the first pass.
+fn prepared(task: Task<'_>, pixels: &Pixels, start: Instant) -> Statistics {
+    let film = size_of_val(pixels.as_slice()) + size_of_val(pixels.aovs());
+    Statistics {
+        prepare_seconds: start.elapsed().as_secs_f64(),
+        film_bytes: film as u64,
+        scene_bytes: (task.scene.geometry.bytes() + task.scene.textures.bytes()) as u64,
+        ..Statistics::default()
+    }
+}
+
 fn count(stats: &mut Statistics, pass: &PassStats) {
     stats.trace_seconds += pass.trace_seconds;
     stats.build_seconds += pass.build_seconds;
@@ -272,117 +275,13 @@ fn count(stats: &mut Statistics, pass: &PassStats) {
     }
 }
 
-/// What all bands of a pass share.
-struct Bands<'a, I: Integrator> {
-    view: &'a View,
-    integrator: &'a I,
-    shared: &'a I::Pass,
-    seed: u64,
-    pass: u32,
-    /// Samples of each pixel.
-    each: u32,
-    /// Of a pixel, as a share of the film.
-    pixel: Vec2,
-    has_aperture: bool,
-    halt: Halt<'a>,
-}
-
-/// Camera samples of a square of pixels, in the order in which they are drawn.
-struct Square {
-    samples: Vec<CameraSample>,
-    /// Of the filter, for each sample.
-    weights: Vec<f32>,
-    /// Pixels of the band; each has as many samples as the integrator takes in a pass.
-    places: Vec<usize>,
-}
-
-impl<I: Integrator> Bands<'_, I> {
-    /// Samples every pixel; false when halted before all were. What the pixels were goes into `before`.
-    fn sample(&self, pixels: &mut Pixels, before: &mut [[f64; STRIDE]], stats: &mut Statistics) -> bool {
-        let band = self.view.film.crop[2] as usize * BLOCK;
-        let counted: Vec<(Scratch, Rejected, bool)> = pixels
-            .as_mut_slice()
-            .par_chunks_mut(band)
-            .zip(before.par_chunks_mut(band))
-            .enumerate()
-            .map(|(b, (sums, before))| {
-                before.copy_from_slice(sums);
-                self.band(b, sums)
-            })
-            .collect();
-        let mut whole = true;
-        for (scratch, rejected, reached) in counted {
-            whole &= reached;
-            stats.rays += scratch.rays;
-            stats.lookups += scratch.gather.lookups;
-            stats.photons_gathered += scratch.gather.photons;
-            stats.rejected.add(&rejected);
-        }
-        whole
+/// Counts what the bands of a pass took; false when one was not sampled whole.
+fn count_camera(stats: &mut Statistics, bands: &[(Scratch, Rejected, bool)]) -> bool {
+    for (scratch, rejected, _) in bands {
+        stats.rays += scratch.rays;
+        stats.lookups += scratch.gather.lookups;
+        stats.photons_gathered += scratch.gather.photons;
+        stats.rejected.add(rejected);
     }
-
-    /// Adds the samples of band `b` to its sums.
-    fn band(&self, b: usize, sums: &mut [[f64; STRIDE]]) -> (Scratch, Rejected, bool) {
-        let [_, _, width, height] = self.view.film.crop.map(|v| v as usize);
-        let each = self.each as usize;
-        let mut scratch = Scratch::default();
-        let mut rejected = Rejected::default();
-        let rows = (height - b * BLOCK).min(BLOCK);
-        let capacity = BLOCK * BLOCK;
-        let mut square = Square {
-            samples: Vec::with_capacity(capacity),
-            weights: Vec::with_capacity(capacity),
-            places: Vec::with_capacity(capacity),
-        };
-        for column in (0..width).step_by(BLOCK) {
-            if self.halt.stopped() || self.halt.late() {
-                return (scratch, rejected, false);
-            }
-            self.draw(b, rows, column, &mut square);
-            self.integrator.sample(self.shared, &mut square.samples, &mut scratch);
-            let pixels = square.samples.chunks_mut(each).zip(square.weights.chunks(each)).zip(&square.places);
-            for ((samples, weights), &at) in pixels {
-                let mut mean = Mean::default();
-                for (sample, weight) in samples.iter_mut().zip(weights) {
-                    self.view.response.apply(&mut sample.out);
-                    mean.add(&sample.out, weight / each as f32, &mut rejected);
-                }
-                mean.add_to(&mut sums[at]);
-            }
-        }
-        (scratch, rejected, true)
-    }
-
-    /// Camera rays of the square of band `b` that begins at `column`.
-    fn draw(&self, b: usize, rows: usize, column: usize, square: &mut Square) {
-        let film = &self.view.film;
-        let [x0, y0, width, _] = film.crop.map(|v| v as usize);
-        square.samples.clear();
-        square.weights.clear();
-        square.places.clear();
-        for row in 0..rows {
-            for x in column..(column + BLOCK).min(width) {
-                self.draw_pixel(x0 + x, y0 + b * BLOCK + row, square);
-                square.places.push(row * width + x);
-            }
-        }
-    }
-
-    #[inline]
-    fn draw_pixel(&self, px: usize, py: usize, square: &mut Square) {
-        let View { sensor, filter, .. } = self.view;
-        // Keyed by the place on the full film: a crop shows the same noise.
-        let pixel = (py as u64) << 32 | px as u64;
-        for number in 0..self.each {
-            let index = self.pass.wrapping_mul(self.each).wrapping_add(number);
-            let mut sampler =
-                Sampler::new(mix(self.seed ^ mix(pixel)), index).stratified(I::STRATIFIED_PAIRS);
-            let (offset, weight) = filter.sample(sampler.next_2d());
-            let place = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * self.pixel;
-            let aperture = if self.has_aperture { sampler.next_2d() } else { Vec2::ZERO };
-            let ray = sensor.ray(place, aperture);
-            square.samples.push(CameraSample { ray, sampler, out: Radiance::default() });
-            square.weights.push(weight);
-        }
-    }
+    bands.iter().all(|(_, _, whole)| *whole)
 }

@@ -1,5 +1,7 @@
 //! The pass driver: runs passes in order, samples every pixel, knows when to stop.
 
+mod aovs;
+mod bands;
 mod checkpoint;
 mod driver;
 

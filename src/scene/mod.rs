@@ -4,12 +4,14 @@ pub mod compile;
 mod facts;
 mod geometry;
 mod lamps;
+mod shown;
 mod surface;
 mod view;
 
 pub use facts::Facts;
 pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
 pub use lamps::LightStart;
+pub use shown::{Numbers, Primitives};
 pub use surface::{PhotonSide, Surface};
 pub use view::View;
 
@@ -31,6 +33,8 @@ pub struct ShapeRecord {
     pub oriented: bool,
     /// Corners as indices into `normals` and `uvs`; empty where both are.
     pub triangles: Vec<[u32; 3]>,
+    /// The author's numbers of the triangles, where some were split; empty where not.
+    pub authored: Vec<u32>,
     /// Unit, in the frame of the level; empty for flat shading.
     pub normals: Vec<[f32; 3]>,
     /// Empty when absent.
@@ -61,4 +65,6 @@ pub struct Scene {
     pub sphere: SceneSphere,
     /// The author's coordinates of (0, 0, 0).
     pub origin: [f64; 3],
+    /// How the author's scene counts its shapes.
+    pub numbers: Numbers,
 }

@@ -229,7 +229,7 @@ fn off_edges(p: Vec3, corners: &[Vec3; 3], weights: [f32; 3], least: f32) -> Vec
 
 /// ∂p/∂u and ∂p/∂v over a triangle; without usable uv, those of the barycentric coordinates.
 #[inline(never)]
-fn triangle_partials(v: &[Vec3; 3], shape: &ShapeRecord, triangle: usize) -> [Vec3; 2] {
+pub(super) fn triangle_partials(v: &[Vec3; 3], shape: &ShapeRecord, triangle: usize) -> [Vec3; 2] {
     let (e1, e2) = (v[1] - v[0], v[2] - v[0]);
     if shape.uvs.is_empty() {
         return [e1, e2];

@@ -1,6 +1,6 @@
 //! How a scene is looked at.
 
-use crate::film::{FilmSize, Filter, Response};
+use crate::film::{Aov, FilmSize, Filter, Response};
 use crate::sensor::Sensor;
 
 /// A camera with its film, beside the [`Scene`](super::Scene) it looks at: another view of the same
@@ -18,4 +18,6 @@ pub struct View {
     /// Camera rays pass through hidden lamps (`hide_emitters` of Mitsuba 3.7 and later) instead of
     /// ending at a surface that does not shine (before 3.7).
     pub hidden_lamps_are_transparent: bool,
+    /// Pictures of the surfaces in sight that are made beside that of light, each once.
+    pub aovs: Vec<Aov>,
 }

@@ -7,7 +7,7 @@ use caustica_formats::files::plain;
 use caustica_formats::image::{atomic_replace, atomic_write};
 
 use super::{Error, Session};
-use crate::film::{FilmSize, Filter, Pixels};
+use crate::film::{Aov, FilmSize, Filter, Pixels};
 use crate::render::{Checkpoint, CheckpointError, Sums};
 
 /// Seconds between flushes to the disk. Between them a checkpoint survives the death of the program,
@@ -22,6 +22,8 @@ pub struct Saver {
     identity: Vec<(String, String)>,
     /// Pixels that a checkpoint must have.
     pixels: usize,
+    /// Sums of AOVs that it must have.
+    aovs: usize,
     flushed: Instant,
     /// Said once; the render goes on, and so do the attempts, each time of a flush.
     failed: bool,
@@ -31,7 +33,8 @@ impl Saver {
     /// A checkpoint of `session` at `path`, which need not exist.
     pub fn new(path: PathBuf, session: &Session) -> Self {
         let pixels = session.view.film.pixel_count();
-        Self { path, identity: identity(session), pixels, flushed: Instant::now(), failed: false }
+        let aovs = pixels * Aov::numbers_of(&session.view.aovs);
+        Self { path, identity: identity(session), pixels, aovs, flushed: Instant::now(), failed: false }
     }
 
     /// The saved sums; `None` when there is no checkpoint yet.
@@ -49,6 +52,9 @@ impl Saver {
         saved.check(&self.identity).map_err(problem)?;
         if saved.pixels.len() != self.pixels {
             return Err(problem(CheckpointError::Invalid("it has another number of pixels")));
+        }
+        if saved.pixels.aovs().len() != self.aovs {
+            return Err(problem(CheckpointError::Invalid("it has other layers (--layers)")));
         }
         Ok(Some(Sums { pixels: saved.pixels, passes: saved.passes }))
     }
@@ -97,6 +103,7 @@ fn identity(session: &Session) -> Vec<(String, String)> {
         ("filter".to_owned(), filter_name(&session.view.filter)),
     ];
     rows.extend(session.choices.iter().cloned());
+    rows.extend(session.view.aovs.iter().map(|aov| (format!("layer {aov:?}"), "rendered".to_owned())));
     rows.extend(session.settings.values().filter(|(n, _)| *n != "passes").map(|(n, v)| (n.to_owned(), v)));
     rows
 }

@@ -6,7 +6,7 @@ use caustica_formats::Failure;
 use caustica_formats::ir::Crop;
 use thiserror::Error as ThisError;
 
-use super::layers::UnknownLayer;
+use super::layers::LayerError;
 use super::units::megabytes;
 use crate::render::CheckpointError;
 use crate::settings::SettingError;
@@ -37,9 +37,9 @@ pub enum Error {
     /// A setting does not exist or cannot have this value.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// A layer was asked for that does not exist.
+    /// The layers asked for are none that can be stored.
     #[error(transparent)]
-    UnknownLayer(#[from] UnknownLayer),
+    Layers(#[from] LayerError),
     /// An output would lose something that was asked for.
     #[error("{what} can be stored in .exr files only, and `{}` is the only output", file.display())]
     NeedsExr {
@@ -112,7 +112,7 @@ impl Error {
             Self::NoSensor { .. }
                 | Self::OutsideFilm { .. }
                 | Self::Setting(_)
-                | Self::UnknownLayer(_)
+                | Self::Layers(_)
                 | Self::NeedsExr { .. }
                 | Self::UnknownFormat { .. }
                 | Self::IsInput(_)

@@ -3,15 +3,15 @@
 use caustica_formats::memory::available;
 
 use super::{Error, Session};
-use crate::film::STRIDE;
+use crate::film::{Aov, STRIDE};
 use crate::integrator::PhotonMapper;
 use crate::photon::trace::{CHUNK, Traced};
 use crate::photon::{Photon, PhotonMap};
 use crate::settings::{Count, IntegratorKind};
 
-/// Bytes a pixel: the sums twice (a cut pass is taken back), and a checkpoint or a picture with all
-/// its layers being written.
-const PIXEL: usize = 3 * size_of::<f64>() * (STRIDE + 1);
+/// Bytes a pixel for each of its sums: the sums twice (a cut pass is taken back), and a checkpoint or a picture
+/// with all its layers being written.
+const SUM: usize = 3 * size_of::<f64>();
 
 /// Bytes of a photon while its map is built: as it was traced, its key in the sort, and its columns once in
 /// parts and once joined, in vectors that are up to twice as long while they grow.
@@ -48,7 +48,9 @@ impl Session {
 
     fn film_memory(&self) -> u128 {
         let [_, _, width, height] = self.view.film.crop;
-        u128::from(width) * u128::from(height) * PIXEL as u128
+        u128::from(width)
+            * u128::from(height)
+            * (SUM * (STRIDE + 1 + Aov::numbers_of(&self.view.aovs))) as u128
     }
 
     /// Refuses a render that would not fit into the memory that is free now.

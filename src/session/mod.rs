@@ -47,7 +47,7 @@ pub use describe::Description;
 pub use error::Error;
 pub use finding::{Finding, Label, Place};
 pub use inspection::Inspection;
-pub use layers::{KNOWN as KNOWN_LAYERS, Layers, UnknownLayer};
+pub use layers::{Content, KNOWN as KNOWN_LAYERS, LayerError, LayerRequest, Layers};
 pub use lock::Lock;
 pub use memory::Memory;
 pub use options::Options;
@@ -71,6 +71,10 @@ pub struct Session {
     pub view: View,
     /// The defaults, changed by the scene, changed by the options.
     pub settings: Settings,
+    /// Of an EXR, beside the picture.
+    layers: Layers,
+    /// The options name them.
+    layers_asked: bool,
     path: PathBuf,
     /// The film as the author wrote it, for what only matters to output.
     film: ir::Film,
@@ -120,7 +124,8 @@ impl Session {
     fn compiled(mut read: Read, files: Hashing<'_>, path: &Path, options: &Options) -> Result<Self, Error> {
         options.check(&read.scene)?;
         options.override_film(&mut read.scene);
-        let compiled = compile_read(&read, &files, path, options)?;
+        let layers = options.layers_of(&read.scene);
+        let mut compiled = compile_read(&read, &files, path, options)?;
         let Read { scene, warnings: mut diagnostics, sources } = read;
         let mut settings = compiled.settings;
         options.override_settings(&mut settings)?;
@@ -128,11 +133,14 @@ impl Session {
         let others: Vec<Diagnostic> = diagnostics.iter().filter(|d| !d.unsupported).cloned().collect();
         let film = scene.sensors[options.sensor.unwrap_or(scene.default_sensor)].film.clone();
         let (hash, inputs) = files.finish();
+        compiled.view.aovs = layers.aovs();
         Ok(Self {
             scene: compiled.scene,
             facts: compiled.facts,
             view: compiled.view,
             settings,
+            layers,
+            layers_asked: options.layers.is_some(),
             path: path.to_path_buf(),
             contents: Contents::of(&scene, options.sensor),
             film,
@@ -172,6 +180,11 @@ impl Session {
     /// What reading and compiling had to say, one by one.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
+    }
+
+    /// What an EXR stores beside the picture.
+    pub fn layers(&self) -> &Layers {
+        &self.layers
     }
 
     /// Whether the scene's film keeps alpha.
@@ -227,7 +240,7 @@ fn compile_read(read: &Read, files: &dyn Files, path: &Path, options: &Options) 
     let placed = |problems: Vec<Diagnostic>| -> Vec<Diagnostic> {
         problems.into_iter().map(|d| Diagnostic { span: d.span.filter(|_| has_places), ..d }).collect()
     };
-    match compile(&read.scene, files, options.compiling()) {
+    match compile(&read.scene, files, options.compiling(&options.layers_of(&read.scene))) {
         Ok(compiled) => Ok(Compiled { warnings: placed(compiled.warnings), ..compiled }),
         Err(problems) => {
             let all = read.warnings.iter().cloned().chain(placed(problems)).collect();

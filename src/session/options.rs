@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use caustica_formats::ReadOptions;
 use caustica_formats::ir::{self, Crop, Filter, SpectrumRule};
 
-use super::Error;
+use super::{Error, Layers};
+use crate::film::Aov;
 use crate::scene::compile::CompileOptions;
 use crate::settings::Settings;
 
@@ -33,6 +34,8 @@ pub struct Options {
     pub lenient: bool,
     /// Names and values from [`SETTINGS`](crate::settings::SETTINGS), applied in order after the scene's own.
     pub settings: Vec<(String, String)>,
+    /// What an EXR stores beside the picture; `None`: the parts of the picture, and what the scene asks for.
+    pub layers: Option<Layers>,
 }
 
 impl Default for Options {
@@ -48,6 +51,7 @@ impl Default for Options {
             spectrum_rule: Some(SpectrumRule::Mitsuba3),
             lenient: false,
             settings: Vec::new(),
+            layers: None,
         }
     }
 }
@@ -57,8 +61,20 @@ impl Options {
         ReadOptions { defines: self.defines.clone(), lenient: self.lenient, search: self.allow_paths.clone() }
     }
 
-    pub(super) fn compiling(&self) -> CompileOptions {
-        CompileOptions { sensor: self.sensor, lenient: self.lenient, spectrum_rule: self.spectrum_rule }
+    /// `layers` are those that will be stored.
+    pub(super) fn compiling(&self, layers: &Layers) -> CompileOptions {
+        CompileOptions {
+            sensor: self.sensor,
+            lenient: self.lenient,
+            spectrum_rule: self.spectrum_rule,
+            keep_uvs: layers.aovs().into_iter().any(Aov::needs_uvs),
+        }
+    }
+
+    /// The layers asked for, or what is stored where none are.
+    pub(super) fn layers_of(&self, scene: &ir::Scene) -> Layers {
+        let film = scene.sensors.get(self.sensor.unwrap_or(scene.default_sensor)).map(|sensor| &sensor.film);
+        self.layers.clone().unwrap_or_else(|| Layers::of(scene, film))
     }
 
     /// Makes sure that the scene has what is asked for.

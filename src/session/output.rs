@@ -6,18 +6,16 @@ use caustica_formats::image::{
     ExrLayer, ExrOptions, ImageError, atomic_write, encode_exr, encode_hdr, encode_pfm, encode_png,
 };
 
+use super::layers::Content;
 use super::lock::Lock;
 use super::place::{check_distinct, check_place, keep_elsewhere, real};
-use super::{Error, Layers, Picture, Session};
-use crate::film::LAYERS;
+use super::{Error, Picture, Session};
 
 /// The files of a picture, and how they are encoded.
 #[derive(Clone, Debug)]
 pub struct Output {
     /// .exr, .png, .hdr or .pfm.
     pub files: Vec<PathBuf>,
-    /// Layers of an EXR; `None` are the parts of the picture where there is an EXR at all.
-    pub layers: Option<Layers>,
     /// 16-bit floats instead of 32-bit ones, EXR only.
     pub half: bool,
     /// Stops, PNG only.
@@ -35,7 +33,6 @@ impl Output {
         let tonemap = session.film.tonemap;
         Self {
             files,
-            layers: None,
             half: false,
             exposure: tonemap.map_or(0.0, |t| t.exposure),
             gamma: tonemap.and_then(|t| t.gamma),
@@ -60,7 +57,7 @@ impl Output {
         {
             let lost = [
                 (self.half, "half floats (--half)"),
-                (self.layers.as_ref().is_some_and(|layers| !layers.is_empty()), "layers (--layers)"),
+                (session.layers_asked && !session.layers.is_empty(), "layers (--layers)"),
             ];
             if let Some((_, what)) = lost.into_iter().find(|(asked, _)| *asked) {
                 return Err(Error::NeedsExr { what, file: first.clone() });
@@ -123,19 +120,14 @@ impl Output {
             }
         }
         let main_channels: &[&str] = if self.alpha { &["R", "G", "B", "A"] } else { &["R", "G", "B"] };
-        let wanted = self.layers.clone().unwrap_or_else(Layers::parts);
-        let extras: Vec<(&str, &[&str], Vec<f32>)> = wanted
-            .iter()
-            .map(|name| match LAYERS.iter().find(|(_, known)| *known == name) {
-                Some((layer, _)) => {
-                    let rgb = (0..pixels.len()).flat_map(|i| pixels.layer(i, *layer, passes));
-                    (name, &["R", "G", "B"][..], rgb.map(|v| v as f32).collect())
-                }
-                None => (name, &["Y"][..], statistic(picture, name)),
-            })
-            .collect();
+        let wanted = &picture.session.layers;
+        let extras: Vec<Vec<f32>> = wanted.iter().map(|layer| channels(picture, layer.content)).collect();
         let mut layers = vec![ExrLayer { name: "", channels: main_channels, data: &main }];
-        layers.extend(extras.iter().map(|(name, channels, data)| ExrLayer { name, channels, data }));
+        layers.extend(wanted.iter().zip(&extras).map(|(layer, data)| ExrLayer {
+            name: &layer.name,
+            channels: layer.channels,
+            data,
+        }));
         let [width, height] = picture.size();
         encode_exr(width, height, &layers, &picture.metadata(), ExrOptions { half: self.half })
     }
@@ -154,14 +146,28 @@ impl Output {
     }
 }
 
-/// Variance or number of samples of every pixel.
-fn statistic(picture: &Picture<'_>, name: &str) -> Vec<f32> {
+/// The numbers of a layer, pixel by pixel.
+fn channels(picture: &Picture<'_>, content: Content) -> Vec<f32> {
     let (pixels, passes) = (picture.pixels, picture.passes);
     let count = pixels.len();
-    if name == "variance" {
-        return (0..count).map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect();
+    let alpha = |i: usize| pixels.alpha(i, passes) as f32;
+    match content {
+        Content::Part(layer) => {
+            (0..count).flat_map(|i| pixels.layer(i, layer, passes)).map(|v| v as f32).collect()
+        }
+        Content::Picture => {
+            let rgb = picture.rgb().enumerate();
+            rgb.flat_map(|(i, [r, g, b])| [r as f32, g as f32, b as f32, alpha(i)]).collect()
+        }
+        Content::Variance => {
+            (0..count).map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect()
+        }
+        Content::Samples => vec![passes as f32 * pixels.samples_a_pass as f32; count],
+        Content::Surface(aov) => {
+            let list = &picture.session.view.aovs;
+            (0..count).flat_map(|i| pixels.aov(i, aov, list, passes)).map(|v| v as f32).collect()
+        }
     }
-    vec![passes as f32 * pixels.samples_a_pass as f32; count]
 }
 
 fn floats(picture: &Picture<'_>) -> Vec<f32> {

@@ -6,6 +6,7 @@ mod coats;
 mod golden;
 mod laws;
 mod specular;
+mod version3;
 
 use caustica::bsdf::{Closure, Point};
 use caustica::math::{Vec2, Vec3};
@@ -230,8 +231,6 @@ fn of_pbrt() -> Vec<(&'static str, Stage)> {
          Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.3"
     );
     let of = |kind: &str, rest: &str| format!("Material \"{kind}\" {rest}");
-    let shape = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \
-                 \"point3 P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0] \"point2 uv\" [0 0 1 0 1 1 0 1]";
     [
         ("pbrt diffuse", of("diffuse", colour)),
         ("pbrt conductor", of("conductor", "\"float uroughness\" 0.1 \"float vroughness\" 0.3")),
@@ -251,8 +250,16 @@ fn of_pbrt() -> Vec<(&'static str, Stage)> {
         ),
         ("pbrt mix", mix),
     ]
-    .map(|(name, material)| (name, pbrt_scene(&format!("{material}\n{shape}"), Vec::new())))
-    .into()
+    .into_iter()
+    .chain(version3::EXAMPLES.iter().map(|(name, material)| (*name, (*material).to_owned())))
+    .map(|(name, material)| (name, of_pbrt_material(&material)))
+    .collect()
+}
+
+fn of_pbrt_material(material: &str) -> Stage {
+    let shape = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \
+                 \"point3 P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0] \"point2 uv\" [0 0 1 0 1 1 0 1]";
+    pbrt_scene(&format!("{material}\n{shape}"), vec![("table.bsdf", version3::TABLE.to_vec())])
 }
 
 /// Degrees from the normal and around it.

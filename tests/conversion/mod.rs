@@ -1,9 +1,11 @@
 //! What is converted shows the same picture: every shape with every use of a texture, in both directions.
 
 mod accepted;
+mod daylight;
 mod extremes;
 mod faults;
 mod table;
+mod version3;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

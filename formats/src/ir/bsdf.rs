@@ -1,11 +1,13 @@
 //! Surface scattering models with their parameters as written.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use super::Origin;
 use super::arena::{Id, Store, Stored};
 use super::interface::{Coat, Conductor, Dielectric, Ior, Microfacet, Plastic};
-use super::table::{kinds, plain, record};
+use super::table::{file, kinds, plain, record};
 use super::texture::{ColorInput, FloatInput};
 
 /// A scattering model of the scene.
@@ -193,6 +195,19 @@ kinds! {
             /// The layer.
             coat: Coat,
         },
+        /// pbrt-v3: lobes that add up (`uber`, `translucent`, `plastic`), on both sides of the surface.
+        "sum of lobes" [Passage::If(transmits_in_part)] => LobeSum(lobes: Box<LobeSum>),
+        /// pbrt-v3: Ashikhmin and Shirley's gloss over a diffuse base (`substrate`).
+        "fresnelblend" [Closed] => FresnelBlend {
+            /// Albedo of the base, before what the gloss takes.
+            diffuse_reflectance: ColorInput,
+            /// Of the gloss at normal incidence.
+            specular_reflectance: ColorInput,
+            /// Distribution of the facets of the gloss; nothing masks them.
+            microfacet: Microfacet,
+        },
+        /// pbrt-v3: tabulated, with splines over the cosines and Fourier series of the azimuth.
+        "fourier" [Open] => Fourier(table: BsdfFile),
         /// pbrt: a dielectric layer over a metal; its index is relative to the air outside.
         "coatedconductor" [Closed] => CoatedConductor {
             /// The metal.
@@ -207,6 +222,10 @@ kinds! {
 
 fn transmits_specularly(kind: &BsdfKind) -> bool {
     matches!(kind, BsdfKind::Principled(p) if p.spec_trans != FloatInput::Value(0.0))
+}
+
+fn transmits_in_part(kind: &BsdfKind) -> bool {
+    matches!(kind, BsdfKind::LobeSum(lobes) if lobes.transmits())
 }
 
 /// What a bump or normal map does where the tilted normal meets the geometry.
@@ -230,6 +249,14 @@ pub enum WardVariant {
 }
 
 plain! { PerturbedShading, WardVariant, PrincipledIndex }
+file! { BsdfFile }
+
+/// A tabulated BSDF.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BsdfFile {
+    /// As found by the resolver.
+    pub path: PathBuf,
+}
 
 record! {
     /// Parameters as Mitsuba 3 names them.
@@ -295,5 +322,38 @@ record! {
         pub flatness: FloatInput,
         /// 0..2: half of it is transmitted.
         pub diff_trans: FloatInput,
+    }
+}
+
+record! {
+    /// Factors of lobes that add up. What glossy and specular lobes reflect and transmit is also that of a dielectric
+    /// interface.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct LobeSum {
+        /// Lambertian, to the side the light comes from.
+        pub diffuse_reflectance: ColorInput,
+        /// Lambertian, to the other side.
+        pub diffuse_transmittance: ColorInput,
+        /// Of the facets.
+        pub glossy_reflectance: ColorInput,
+        /// Of the facets.
+        pub glossy_transmittance: ColorInput,
+        /// Of a smooth interface.
+        pub specular_reflectance: ColorInput,
+        /// Of a smooth interface.
+        pub specular_transmittance: ColorInput,
+        /// Index behind the normal over that before it, of all interfaces.
+        pub eta: FloatInput,
+        /// Distribution of the facets.
+        pub microfacet: Microfacet,
+    }
+}
+
+impl LobeSum {
+    /// Whether light reaches the other side.
+    pub fn transmits(&self) -> bool {
+        [&self.diffuse_transmittance, &self.glossy_transmittance, &self.specular_transmittance]
+            .into_iter()
+            .any(|input| !input.is_black())
     }
 }

@@ -8,6 +8,7 @@ use super::Origin;
 use super::arena::Id;
 use super::color::Color;
 use super::sensor::{Fov, FovAxis};
+use super::sunsky::SunSky;
 use super::table::{file, kinds, plain};
 use super::texture::{ColorInput, Texture, TextureEncoding};
 use super::transform::Transform;
@@ -73,6 +74,8 @@ kinds! {
             /// From directions to the image.
             mapping: EnvironmentMapping,
         },
+        /// Sun and sky of a clear day.
+        "sunsky" [true] => SunSky(light: Box<SunSky>),
         /// An image thrown from a point along local +Z, as a slide projector does.
         "projector" [false] => Projector {
             /// Local → world.

@@ -4,17 +4,20 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::Origin;
+use super::{Aov, Origin};
 
 /// The integrator of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Integrator {
     /// Where it was written.
     pub origin: Origin,
-    /// The plugin as written (`path`, `photonmapper`, `sppm`, …); a wrapping `moment` or `aov` is removed.
+    /// The plugin as written (`path`, `photonmapper`, `sppm`, …); a wrapping `moment` or `aov` is removed, see `aovs`.
     pub plugin: String,
     /// snake_case parameter name → value. The reader has checked names and types against the plugin's row.
     pub settings: BTreeMap<String, Setting>,
+    /// Layers that the scene asks for beside the picture, in order; no two have one name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub aovs: Vec<Aov>,
 }
 
 /// A value of a setting.

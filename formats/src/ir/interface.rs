@@ -141,8 +141,24 @@ pub enum Shadowing {
 pub enum RoughnessRemap {
     /// α = roughness.
     None,
-    /// α = √roughness (pbrt's `remaproughness`).
+    /// α = √roughness (pbrt-v4's `remaproughness`).
     Sqrt,
+    /// α by a polynomial of ln(roughness) (pbrt-v3's `remaproughness`).
+    Polynomial,
+}
+
+impl RoughnessRemap {
+    /// α of a roughness.
+    pub fn alpha(self, roughness: f64) -> f64 {
+        match self {
+            Self::None => roughness,
+            Self::Sqrt => roughness.max(0.0).sqrt(),
+            Self::Polynomial => {
+                let x = roughness.max(1e-3).ln();
+                1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
+            }
+        }
+    }
 }
 
 /// Shapes of microfacet distributions.

@@ -3,6 +3,7 @@
 //! Nothing here knows how a scene is rendered, or which language it was read from beyond the
 //! conventions that change its meaning ([`SpectrumRule`], [`HideEmitters`]).
 
+mod aov;
 mod arena;
 mod bsdf;
 mod color;
@@ -13,15 +14,18 @@ mod query;
 mod references;
 mod sensor;
 mod shape;
+mod sunsky;
 mod table;
 mod texture;
 mod transform;
 
 use serde::{Deserialize, Serialize};
 
+pub use aov::{Aov, AovKind, CoordinateSystem};
 pub use arena::{Arena, Id, Reference, Store, Stored};
 pub use bsdf::{
-    Bsdf, BsdfKind, Passage, PerturbedShading, Principled, PrincipledIndex, PrincipledThin, WardVariant,
+    Bsdf, BsdfFile, BsdfKind, LobeSum, Passage, PerturbedShading, Principled, PrincipledIndex,
+    PrincipledThin, WardVariant,
 };
 pub use color::{Color, ColorSlot, SpectrumRule};
 pub use emitter::{Emitter, EmitterKind, EnvironmentMapping, LightImage, SpotFalloff};
@@ -39,6 +43,7 @@ pub use sensor::{
 pub use shape::{
     AreaEmission, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind,
 };
+pub use sunsky::{Day, Place, SunModel, SunPosition, SunSky};
 pub use table::Part;
 pub use texture::{
     Bitmap, ColorInput, FloatInput, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding, TextureFilter,

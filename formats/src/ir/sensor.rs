@@ -4,7 +4,7 @@ use std::mem::discriminant;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Origin, Transform};
+use super::{CoordinateSystem, Origin, Transform};
 
 /// A camera looking along local +Z with +Y up and +X to the left of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -108,6 +108,9 @@ pub struct Film {
     pub white_balance: Option<f64>,
     /// Tone mapping asked for by an `ldrfilm`; used for the PNG only.
     pub tonemap: Option<Tonemap>,
+    /// The channels of pbrt's `gbuffer` film are stored beside the picture, in these coordinates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gbuffer: Option<CoordinateSystem>,
 }
 
 /// A rectangle of the film, in pixels from the top left.

@@ -21,6 +21,13 @@ kinds! {
     }
 }
 
+impl ColorInput {
+    /// Whether it is black everywhere, as written.
+    pub fn is_black(&self) -> bool {
+        matches!(self, Self::Color(Color::Gray(0.0) | Color::Rgb([0.0, 0.0, 0.0])))
+    }
+}
+
 kinds! {
     /// A scalar parameter: constant or textured.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

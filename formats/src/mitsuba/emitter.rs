@@ -5,7 +5,9 @@ use super::object::{Class, ObjectIndex, Value};
 use super::props::{Nested, Props};
 use super::reader::Reader;
 use super::sensor::{AXES, fov};
+use super::sunsky;
 use super::texture::gamma;
+use super::turned::turned;
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
@@ -24,17 +26,15 @@ pub(super) const EMITTERS: &[Plugin<ReadEmitter>] = &[
     read("constant", constant),
     read("envmap", envmap),
     read("projector", projector),
-    unsupported_but("sunsky", BAKED),
-    unsupported_but("timed_sunsky", BAKED),
-    unsupported_but("sky", BAKED),
-    unsupported_but("sun", "use a `directional` emitter"),
+    read("sunsky", sunsky::sunsky),
+    read("timed_sunsky", sunsky::timed_sunsky),
+    read("sky", sunsky::old_sky),
+    read("sun", sunsky::old_sun),
     unsupported_but("collimated", "use a small rectangle with a `directionalarea` emitter"),
     // In the table for the sake of suggestions; `top_level_emitter` deals with them.
     unsupported("area"),
     unsupported("directionalarea"),
 ];
-
-const BAKED: &str = "render it into a latitude-longitude picture and use an `envmap`";
 
 /// Emitters on the surface of a shape; true for those that emit along the normal only.
 pub(super) const AREA_EMITTERS: &[Plugin<bool>] = &[read("area", false), read("directionalarea", true)];
@@ -250,23 +250,6 @@ fn times(color: Color, factor: f64) -> Color {
         // Decoding is no linear thing; a library has no factor of its own.
         other @ (Color::Srgb(_) | Color::Library(_) | Color::WithLuminance { .. }) => other,
     }
-}
-
-/// `to_world` of an environment, which can only turn and mirror it.
-fn turned(props: &mut Props<'_>) -> Transform {
-    let given = props.transform("to_world");
-    let lengths = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-        .map(|axis| given.vector(axis).iter().map(|x| x * x).sum::<f64>().sqrt());
-    let kept = given.is_similarity() && lengths.iter().all(|length| (length - 1.0).abs() < 1e-3);
-    if kept || !lengths.iter().all(|length| length.is_normal()) {
-        return given;
-    }
-    let text = "`to_world` scales the environment, which can only be turned: the scale is left out";
-    let place = props.entry("to_world").map(|entry| entry.name_span);
-    let help =
-        "Mitsuba looks scaled directions up in one way and samples them in another: its picture is no truth";
-    props.problems.push(Diagnostic::warning(text, place).help(help));
-    given.after(&Transform::scale(lengths.map(|length| 1.0 / length)))
 }
 
 fn projector<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {

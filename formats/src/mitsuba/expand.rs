@@ -4,8 +4,9 @@
 use std::path::{Path, PathBuf};
 
 use super::foreign;
+use super::object::Class;
 use super::parameters::Parameters;
-use super::policy::Policy;
+use super::policy::{Policy, changes_light};
 use super::tree::{Element, MAX_DEPTH};
 use super::version::Version;
 use super::xml;
@@ -49,6 +50,8 @@ pub(super) struct Expander<'a> {
     root_depths: Vec<usize>,
     repeats: Included,
     incomplete: bool,
+    /// Within something that does not change the light.
+    harmless: bool,
 }
 
 impl<'a> Expander<'a> {
@@ -73,6 +76,7 @@ impl<'a> Expander<'a> {
             root_depths: Vec::new(),
             repeats: Included::default(),
             incomplete: false,
+            harmless: false,
         }
     }
 
@@ -208,7 +212,7 @@ impl<'a> Expander<'a> {
             let all = defaults.iter().rev().flatten().filter(|(name, _)| rest.starts_with(name.as_str()));
             all.max_by_key(|(name, _)| name.len()).cloned()
         };
-        self.parameters.substitute(text, span, &later, self.problems)
+        self.parameters.substitute(text, span, self.harmless, &later, self.problems)
     }
 
     fn element(&mut self, mut element: Element, depth: usize, out: &mut Vec<Element>) {
@@ -217,6 +221,8 @@ impl<'a> Expander<'a> {
             self.problems.push(Diagnostic::error(text, Some(element.tag_span)));
             return;
         }
+        let outer = self.harmless;
+        self.harmless |= Class::of_tag(&element.tag).is_some_and(|class| !changes_light(class));
         for attribute in &mut element.attributes {
             match self.substituted(&attribute.value, attribute.value_span) {
                 Ok(Some(value)) => attribute.value = value,
@@ -239,6 +245,7 @@ impl<'a> Expander<'a> {
                 out.push(element);
             }
         }
+        self.harmless = outer;
     }
 
     fn path(&mut self, element: &Element, depth: usize) {
@@ -354,5 +361,5 @@ fn collect_defaults(element: &Element, out: &mut Vec<(String, String)>) {
 }
 
 fn is_object_tag(tag: &str) -> bool {
-    super::object::Class::of_tag(tag).is_some()
+    Class::of_tag(tag).is_some()
 }

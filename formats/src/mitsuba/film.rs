@@ -63,6 +63,7 @@ impl<'a> Reader<'a> {
             imaging_ratio: 1.0,
             white_balance: None,
             tonemap: None,
+            gbuffer: None,
         };
         let Some(index) = index else { return film };
         let tonemap = self.plugin(FILMS, index, "hdrfilm is used");
@@ -153,7 +154,8 @@ fn crop(props: &mut Props<'_>, width: u32, height: u32) -> Option<Crop> {
 
 fn pixel_format(props: &mut Props<'_>) -> PixelFormat {
     if let Some((text, span)) = props.optional_string("pixel_format").filter(|(text, _)| text.contains(',')) {
-        let text = format!("multiple images in one file (`{text}`) are not written; only rgb is");
+        let text =
+            format!("`{text}` is read as rgb: layers of `multichannel` have the channels of what they show");
         props.problems.push(Diagnostic::warning(text, Some(span)));
         return PixelFormat::Rgb;
     }

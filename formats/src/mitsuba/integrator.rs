@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::object::{Class, ObjectIndex, Value};
+use super::object::{ObjectIndex, Value};
 use super::props::Props;
 use super::reader::Reader;
 use crate::diagnostic::{Diagnostic, Severity, Span};
@@ -21,9 +21,13 @@ pub(super) enum Rendering {
     Approximated,
     /// Wraps the integrator that is rendered.
     Wrapper,
+    /// A picture of the surfaces in sight: a layer.
+    Surface,
 }
 
 const AS_PATH: &str = "as `path`";
+
+const A_LAYER: &str = "as a layer of the picture";
 
 pub(super) const INTEGRATORS: &[Plugin<Rendering>] = &[
     read("path", Rendering::Own(INTEGRATOR_SETTINGS)),
@@ -46,19 +50,19 @@ pub(super) const INTEGRATORS: &[Plugin<Rendering>] = &[
     approximated("prb_projective", Rendering::Approximated, AS_PATH),
     approximated("prb_reparam", Rendering::Approximated, AS_PATH),
     approximated("moment", Rendering::Wrapper, "the picture alone"),
-    approximated("aov", Rendering::Wrapper, "the picture alone"),
+    read("aov", Rendering::Wrapper),
+    read("multichannel", Rendering::Wrapper),
+    approximated("depth", Rendering::Surface, A_LAYER),
+    approximated("field", Rendering::Surface, A_LAYER),
     approximated("stokes", Rendering::Wrapper, "the picture alone"),
     approximated("irrcache", Rendering::Wrapper, "as what it wraps"),
     approximated("adaptive", Rendering::Wrapper, "as what it wraps"),
-    unsupported("depth"),
     unsupported("ao"),
-    unsupported("field"),
     unsupported("motion"),
     unsupported("direct_projective"),
     unsupported("direct_reparam"),
     unsupported("emission_reparam"),
     unsupported("volprim_rf_basic"),
-    unsupported("multichannel"),
 ];
 
 /// Every integrator may have these.
@@ -115,7 +119,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn integrator(&mut self, index: ObjectIndex) -> Option<Integrator> {
+    pub fn integrator(&mut self, index: ObjectIndex) -> Option<Integrator> {
         let object = &self.objects[index];
         if object.plugin.is_empty() {
             return None;
@@ -124,8 +128,12 @@ impl<'a> Reader<'a> {
         let integrator = match self.plugin(INTEGRATORS, index, "photon mapping renders the scene") {
             Some(Rendering::Own(own)) => {
                 let settings = self.settings(&mut props, own);
-                let integrator =
-                    Integrator { origin: props.origin(), plugin: object.plugin.clone(), settings };
+                let integrator = Integrator {
+                    origin: props.origin(),
+                    plugin: object.plugin.clone(),
+                    settings,
+                    aovs: Vec::new(),
+                };
                 self.finish(props);
                 integrator
             }
@@ -134,36 +142,14 @@ impl<'a> Reader<'a> {
                 self.problems.push(Diagnostic::warning(text, Some(object.span)));
                 self.as_path(props)
             }
-            Some(Rendering::Wrapper) => return self.unwrapped(props),
+            Some(Rendering::Wrapper | Rendering::Surface) => return self.wrapped(props),
             None => self.as_path(props),
         };
         Some(integrator)
     }
 
-    /// What `moment` and the like are wrapped around.
-    fn unwrapped(&mut self, mut props: Props<'a>) -> Option<Integrator> {
-        let nested = props.child(Class::Integrator);
-        let more = props.child(Class::Integrator);
-        if let (Some(first), Some(second)) = (nested, more) {
-            let text = format!("only the first integrator of `{}` is rendered", props.object.plugin);
-            let problem = Diagnostic::warning(text, Some(second.span));
-            self.problems.push(problem.label(first.span, "this one"));
-        }
-        if props.has("aovs") {
-            let text = "`aovs` is ignored: layers are chosen on the command line";
-            let span = props.entry("aovs").map(|e| e.name_span);
-            self.problems.push(Diagnostic::new(Severity::Note, text, span));
-        }
-        if nested.is_none() {
-            let text = format!("`{}` contains no integrator: `path` is used", props.object.plugin);
-            self.problems.push(Diagnostic::warning(text, Some(props.object.span)));
-            return Some(self.as_path(props));
-        }
-        nested.and_then(|nested| self.integrator(nested.index))
-    }
-
     /// `path` with the settings every integrator has; the others are dropped.
-    fn as_path(&mut self, mut props: Props<'a>) -> Integrator {
+    pub fn as_path(&mut self, mut props: Props<'a>) -> Integrator {
         let mut settings = BTreeMap::new();
         for (name, kind) in &COMMON[..3] {
             let fits = props.object.entries.iter().any(|e| {
@@ -177,7 +163,7 @@ impl<'a> Reader<'a> {
         props.ignore_rest();
         let origin = props.origin();
         self.finish(props);
-        Integrator { origin, plugin: "path".to_owned(), settings }
+        Integrator { origin, plugin: "path".to_owned(), settings, aovs: Vec::new() }
     }
 
     fn settings(&mut self, props: &mut Props<'a>, own: Settings) -> BTreeMap<String, Setting> {

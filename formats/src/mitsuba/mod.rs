@@ -4,6 +4,7 @@
 //! includes; [`upgrade`] old names; [`resolve`] objects with typed entries, ids and references;
 //! [`reader`] objects → IR, one file per concept with its table of plugins.
 
+mod aov;
 mod bsdf;
 mod color;
 mod emitter;
@@ -22,8 +23,10 @@ mod reader;
 mod resolve;
 mod sensor;
 mod shape;
+mod sunsky;
 mod texture;
 mod tree;
+mod turned;
 mod upgrade;
 mod version;
 pub(crate) mod write;

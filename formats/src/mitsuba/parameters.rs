@@ -18,6 +18,16 @@ struct Parameter {
     used: bool,
 }
 
+/// A name without a value.
+#[derive(Clone, Debug)]
+struct Undefined {
+    name: String,
+    /// Where it was first used.
+    span: Span,
+    /// It was used only in what does not change the light.
+    harmless: bool,
+}
+
 /// Values of `$name`, from the command line and from `<default>`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parameters {
@@ -25,8 +35,7 @@ pub(super) struct Parameters {
     items: Vec<Parameter>,
     /// Bytes of all values that were put together.
     bytes: usize,
-    /// Names without a value and where each was first used.
-    undefined: Vec<(String, Span)>,
+    undefined: Vec<Undefined>,
 }
 
 impl Parameters {
@@ -53,11 +62,12 @@ impl Parameters {
     }
 
     /// `text` with every `$name` replaced. `later` finds the value of a `<default>` that comes
-    /// after this place. `Err` when something was undefined, which is kept for [`Self::report_undefined`].
+    /// after this place; `harmless` is said of a place that does not change the light. `Err` when something was undefined, which is kept for [`Self::report_undefined`].
     pub fn substitute(
         &mut self,
         text: &str,
         span: Span,
+        harmless: bool,
         later: &dyn Fn(&str) -> Option<(String, String)>,
         problems: &mut Vec<Diagnostic>,
     ) -> Result<Option<String>, ()> {
@@ -90,7 +100,7 @@ impl Parameters {
                 self.default_value(&name, &value);
             } else {
                 let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
-                self.add_undefined(&rest[..end], span);
+                self.add_undefined(&rest[..end], span, harmless);
                 rest = &rest[end..];
                 complete = false;
             }
@@ -105,9 +115,10 @@ impl Parameters {
         if complete { Ok(Some(out)) } else { Err(()) }
     }
 
-    fn add_undefined(&mut self, name: &str, span: Span) {
-        if self.undefined.iter().all(|(known, _)| known != name) {
-            self.undefined.push((name.to_owned(), span));
+    fn add_undefined(&mut self, name: &str, span: Span, harmless: bool) {
+        match self.undefined.iter_mut().find(|known| known.name == name) {
+            Some(known) => known.harmless &= harmless,
+            None => self.undefined.push(Undefined { name: name.to_owned(), span, harmless }),
         }
     }
 
@@ -123,20 +134,25 @@ impl Parameters {
 
     /// One message about all names without a value, with a command line that gives them one.
     pub fn report_undefined(&self, scene: &Path, policy: Policy) -> Option<Diagnostic> {
-        let [(_, first), others @ ..] = self.undefined.as_slice() else { return None };
-        let names: Vec<String> = self.undefined.iter().map(|(name, _)| format!("`${name}`")).collect();
+        let [first, others @ ..] = self.undefined.as_slice() else { return None };
+        let names: Vec<String> = self.undefined.iter().map(|u| format!("`${}`", u.name)).collect();
         let plural = if others.is_empty() { "" } else { "s" };
         let what = format!("undefined parameter{plural} {}", names.join(", "));
-        let mut problem = policy.judge(&what, "every place has its default", *first);
-        for (name, span) in others {
-            problem = problem.label(*span, format!("`${name}`"));
+        let instead = "every place has its default";
+        let mut problem = if self.undefined.iter().all(|u| u.harmless) {
+            Diagnostic::warning(format!("{what}: {instead}"), Some(first.span))
+        } else {
+            policy.judge(&what, instead, first.span)
+        };
+        for other in others {
+            problem = problem.label(other.span, format!("`${}`", other.name));
         }
         let mut command = format!("caustica render {}", quoted(&scene.display().to_string()));
         for given in self.items.iter().filter(|p| p.given) {
             command.push_str(&format!(" -D {}", quoted(&format!("{}={}", given.name, given.value))));
         }
         let mut missing = false;
-        for (name, _) in &self.undefined {
+        for Undefined { name, .. } in &self.undefined {
             let known = self.items.iter().map(|p| p.name.as_str()).filter(|known| known != name);
             match nearest(name, known) {
                 Some(known) => problem = problem.help(format!("did you mean `${known}` by `${name}`?")),

@@ -5,15 +5,15 @@ use super::reader::Reader;
 use super::sensor::default_film;
 use super::space::ColorSpace;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::ir::{ComponentFormat, Crop, Film, Filter};
+use crate::ir::{ComponentFormat, CoordinateSystem, Crop, Film, Filter};
 use crate::plugin::{Plugin, approximated, read};
 
-type ReadFilm = fn(&mut Params);
+type ReadFilm = fn(&mut Params, &mut Film);
 
 pub(super) const FILMS: &[Plugin<ReadFilm>] = &[
-    read("rgb", |_| {}),
-    approximated("gbuffer", gbuffer, "the picture alone"),
-    approximated("spectral", spectral, "as `rgb`"),
+    read("rgb", |_, _| {}),
+    read("gbuffer", gbuffer),
+    approximated("spectral", |p, _| spectral(p), "as `rgb`"),
 ];
 
 type ReadFilter = fn(&mut Params) -> Filter;
@@ -73,7 +73,7 @@ impl Reader<'_> {
         let mut p = given.unwrap_or_else(|| Params::new("film", "rgb", world, Vec::new(), common));
         film.origin = p.origin();
         if let Some(reader) = self.plugin(FILMS, &mut p, "the rgb film is used") {
-            reader(&mut p);
+            reader(&mut p, &mut film);
         }
         let p_ref = &mut p;
         film.width = side(p_ref, "xresolution", film.width);
@@ -127,12 +127,19 @@ fn side(p: &mut Params, name: &'static str, default: u32) -> u32 {
     side
 }
 
-fn gbuffer(p: &mut Params) {
-    p.ignore(&["coordinatesystem"]);
-    p.problems.push(Diagnostic::warning(
-        "the gbuffer film is read as rgb: layers are chosen on the command line",
-        Some(p.span),
-    ));
+fn gbuffer(p: &mut Params, film: &mut Film) {
+    let systems = [("camera", CoordinateSystem::Camera), ("world", CoordinateSystem::World)];
+    film.gbuffer = Some(CoordinateSystem::Camera);
+    if let Some((name, span)) = p.optional_string("coordinatesystem") {
+        match systems.iter().find(|(word, _)| *word == name) {
+            Some((_, system)) => film.gbuffer = Some(*system),
+            None => {
+                let text = format!("there is no coordinate system `{name}`");
+                let problem = Diagnostic::error(text, Some(span));
+                p.problems.push(problem.help("a gbuffer film has `camera` or `world`"));
+            }
+        }
+    }
 }
 
 fn spectral(p: &mut Params) {

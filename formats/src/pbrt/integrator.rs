@@ -60,7 +60,8 @@ impl Reader<'_> {
         }
         p.ignore(&["lightsampler"]);
         self.done(p);
-        self.scene.integrator = Some(Integrator { origin, plugin: plugin.to_owned(), settings });
+        self.scene.integrator =
+            Some(Integrator { origin, plugin: plugin.to_owned(), settings, aovs: Vec::new() });
     }
 }
 

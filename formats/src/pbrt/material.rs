@@ -5,6 +5,7 @@ use std::rc::Rc;
 use super::color::Use;
 use super::depths::MAX_DEPTH;
 use super::directive::{Directive, Param};
+use super::disney;
 use super::mix;
 use super::older;
 use super::params::Params;
@@ -12,6 +13,7 @@ use super::policy::Fault;
 use super::reader::{Reader, text};
 use super::state::Named;
 use super::texture::upside_down;
+use super::version3;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
@@ -46,8 +48,13 @@ pub(super) const MATERIALS: &[Plugin<ReadMaterial>] = &[
     read("metal", older::metal),
     read("glass", older::glass),
     read("mirror", older::mirror),
-    unsupported("disney"),
-    unsupported("fourier"),
+    read("matte", version3::matte),
+    read("plastic", version3::plastic),
+    read("uber", version3::uber),
+    read("translucent", version3::translucent),
+    read("substrate", version3::substrate),
+    approximated("disney", disney::disney, disney::INSTEAD),
+    read("fourier", version3::fourier),
     // pbrt-v2 and v1.
     approximated("shinymetal", older::shiny_metal, older::ONE_LOBE),
     approximated("brushedmetal", older::brushed_metal, older::ONE_LOBE),
@@ -83,9 +90,17 @@ impl Reader<'_> {
             self.error(format!("materials refer to each other more than {MAX_DEPTH} deep"), p.span);
             kind = BsdfKind::Diffuse { reflectance: GRAY };
         }
-        // The parts of a mix have their own sides.
-        let opaque = !matches!(kind, BsdfKind::Blend { .. }) && matches!(kind.passage(), Passage::Closed);
+        // The parts of a mix have their own sides; lobes that add up are on both.
+        let opaque = !matches!(kind, BsdfKind::Blend { .. } | BsdfKind::LobeSum(_))
+            && matches!(kind.passage(), Passage::Closed);
         let kind = self.perturbed(&mut p, kind);
+        let kind = match if p.kind == "uber" { self.opacity(&mut p) } else { None } {
+            Some(opacity) => {
+                let nested = self.scene.bsdfs.push(Bsdf { name: None, origin, kind });
+                BsdfKind::Mask { opacity, nested }
+            }
+            None => kind,
+        };
         self.done(p);
         let kind = if opaque {
             let front = self.scene.bsdfs.push(Bsdf { name: None, origin, kind });

@@ -7,6 +7,7 @@
 mod color;
 mod depths;
 mod directive;
+mod disney;
 mod dispatch;
 mod film;
 mod finish;
@@ -33,6 +34,7 @@ mod token;
 mod transform;
 mod upgrade;
 mod values;
+mod version3;
 pub(crate) mod write;
 
 use std::path::Path;

@@ -3,6 +3,7 @@
 use super::color::Use;
 use super::params::Params;
 use super::reader::Reader;
+use super::version3::facets;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
     BsdfKind, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput, Ior, Microfacet,
@@ -23,44 +24,12 @@ const MEASURED: &[(&str, [f64; 3])] = &[
     ("skin", [0.428425, 0.301341, 0.331054]),
 ];
 
-/// pbrt-v3's α of a roughness under `remaproughness`.
-fn remapped(roughness: f64) -> f64 {
-    let x = roughness.max(1e-3).ln();
-    1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
-}
-
-impl Reader<'_> {
-    /// Facets of pbrt-v3; `None` where the surface is smooth.
-    fn old_facets(&mut self, p: &mut Params, alpha: [FloatInput; 2]) -> Microfacet {
-        let remap = p.boolean("remaproughness", true);
-        let textured = alpha.iter().any(|a| matches!(a, FloatInput::Texture(_)));
-        if remap && textured {
-            p.warn("roughness", "a roughness texture of pbrt-v3 is remapped as pbrt-v4 does");
-        }
-        let [alpha_u, alpha_v] = match remap {
-            true if !textured => alpha.map(|a| match a {
-                FloatInput::Value(v) => FloatInput::Value(remapped(v)),
-                texture @ FloatInput::Texture(_) => texture,
-            }),
-            _ => alpha,
-        };
-        Microfacet {
-            distribution: MicrofacetDistribution::Ggx,
-            alpha_u,
-            alpha_v,
-            sample_visible: true,
-            shadowing: Shadowing::HeightCorrelated,
-            remap: if remap && textured { RoughnessRemap::Sqrt } else { RoughnessRemap::None },
-        }
-    }
-}
-
 pub(super) fn metal(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
     let conductor = r.metal(p, "eta", "k");
     let both = r.float_input(p, "roughness", 0.01);
     let alpha = ["uroughness", "vroughness"]
         .map(|name| r.optional_float_input(p, name).unwrap_or_else(|| both.clone()));
-    let microfacet = r.old_facets(p, alpha);
+    let microfacet = facets(p, alpha);
     Some(if microfacet.is_smooth() {
         BsdfKind::Conductor(conductor)
     } else {
@@ -84,7 +53,7 @@ pub(super) fn glass(r: &mut Reader<'_>, p: &mut Params) -> Option<BsdfKind> {
         p.ignore(&["remaproughness"]);
         return Some(BsdfKind::Dielectric(interface));
     }
-    let microfacet = r.old_facets(p, alpha);
+    let microfacet = facets(p, alpha);
     Some(BsdfKind::RoughDielectric { interface, microfacet })
 }
 

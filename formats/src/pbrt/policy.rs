@@ -57,9 +57,15 @@ impl Policy {
     }
 }
 
-/// How bad it is that the type of an entity of this class is not known or not supported.
+/// How bad it is that the type of an entity of this class is not supported.
 pub(super) fn of_type(class: &str) -> Fault {
     if is_harmless(class) { Fault::Harmless } else { Fault::Light }
+}
+
+/// How bad it is that the type of an entity of this class is not one of pbrt's. pbrt-v3 says so and goes on with
+/// its default material, or without the shape, light or medium.
+pub(super) fn of_unknown(class: &str) -> Fault {
+    if is_harmless(class) { Fault::Harmless } else { Fault::Mistake }
 }
 
 /// How bad it is that a parameter of an entity of this class is not known, or not as it should be.

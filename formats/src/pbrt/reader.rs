@@ -7,7 +7,7 @@ use std::rc::Rc;
 use super::depths::Depths;
 use super::directive::{Directive, Param, Value};
 use super::params::Params;
-use super::policy::{Fault, Policy, of_type};
+use super::policy::{Fault, Policy, of_type, of_unknown};
 use super::space::ColorSpace;
 use super::state::{Ctm, Graphics, Named, Names, Saved};
 use crate::diagnostic::{Diagnostic, Span};
@@ -174,7 +174,7 @@ impl<'a> Reader<'a> {
             }
             None => {
                 let problem = plugin::unknown(table, &format!("{} type", p.class), &p.kind, p.span);
-                self.problems.push(self.policy.judge(fault, problem, instead));
+                self.problems.push(self.policy.judge(of_unknown(p.class), problem, instead));
             }
         }
         p.ignore_rest();

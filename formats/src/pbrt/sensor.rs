@@ -138,5 +138,6 @@ pub(super) fn default_film() -> Film {
         imaging_ratio: 1.0,
         white_balance: None,
         tonemap: None,
+        gbuffer: None,
     }
 }

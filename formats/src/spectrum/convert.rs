@@ -161,6 +161,11 @@ fn clamp(rgb: [f64; 3], slot: ColorSlot, rule: SpectrumRule) -> [f64; 3] {
     rgb.map(|c| c.clamp(0.0, top))
 }
 
+/// Linear Rec.709 of light of one wavelength in nm whose power is 1, in the units of the observer's curves.
+pub(crate) fn wavelength_rgb(nm: f64) -> [f64; 3] {
+    xyz_to_rgb(cie::observer(nm))
+}
+
 /// XYZ → linear Rec.709 (D65 white), with Mitsuba's rounding of the matrix.
 pub(super) fn xyz_to_rgb([x, y, z]: [f64; 3]) -> [f64; 3] {
     [

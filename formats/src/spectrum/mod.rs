@@ -12,6 +12,7 @@ mod spd;
 mod srgb;
 mod white;
 
+pub(crate) use convert::wavelength_rgb;
 pub use convert::{SpectrumError, luminance, planck, to_linear_rgb};
 pub use ior::{ior, ior_names};
 pub use library::{LibrarySpectrum, library_names, library_spectrum};

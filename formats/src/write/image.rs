@@ -213,7 +213,7 @@ pub(super) fn exr(path: &Path, pixels: &Pixels) -> Result<Vec<u8>, WriteError> {
 /// Samples across a new pixel in each direction.
 const SUBSAMPLES: usize = 4;
 
-fn resample(from: &Pixels, mapping: EnvironmentMapping) -> Pixels {
+pub(super) fn resample(from: &Pixels, mapping: EnvironmentMapping) -> Pixels {
     let side = from.height.max(2);
     let (width, height) = match mapping {
         EnvironmentMapping::LatLong => (2 * side, side),

@@ -7,6 +7,7 @@ mod names;
 mod output;
 mod sample;
 mod save;
+mod sky;
 mod slide;
 mod source;
 

@@ -109,8 +109,7 @@ pub fn scene(language: Language) -> impl Strategy<Value = Scene> {
         // One environment at most.
         let mut seen = false;
         scene.emitters.retain(|emitter| {
-            let infinite =
-                matches!(emitter.kind, EmitterKind::Constant { .. } | EmitterKind::Environment { .. });
+            let infinite = emitter.kind.fills_the_sky();
             !(infinite && std::mem::replace(&mut seen, true))
         });
         if scene.emitters.is_empty() && scene.shapes.iter().all(|shape| shape.emission.is_none()) {
@@ -513,6 +512,7 @@ fn emitter(language: Language) -> BoxedStrategy<EmitterKind> {
         },
         mapping: if pbrt { EnvironmentMapping::EqualArea } else { EnvironmentMapping::LatLong },
     });
+    // Sun and sky become a picture of two million pixels in pbrt: `tests/mitsuba/sunsky.rs` writes and reads them.
     prop_oneof![point, directional, constant, spot, environment].boxed()
 }
 

@@ -14,12 +14,12 @@ fn memory(name: &str, text: &str) -> Memory {
     Memory([(name.into(), text.as_bytes().to_vec())].into_iter().collect())
 }
 
-fn read(name: &str, text: &str) -> Read {
+pub fn read(name: &str, text: &str) -> Read {
     read_scene(&memory(name, text), Path::new(name), &ReadOptions::default()).expect("a valid scene")
 }
 
 /// Into both languages.
-fn written(scene: &Read) -> [Written; 2] {
+pub fn written(scene: &Read) -> [Written; 2] {
     let files = memory("", "");
     ["new.xml", "new.pbrt"]
         .map(|name| write_scene(scene, &files, Path::new(name)).expect("it can be written"))

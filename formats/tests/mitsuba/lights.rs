@@ -57,9 +57,8 @@ fn a_collimated_lamp_is_part_of_a_shape() {
 
 #[test]
 fn what_is_not_rendered_says_what_to_use() {
-    let text = failure("<scene version='0.6.0'><emitter type='sunsky'/><emitter type='sun'/></scene>");
-    assert!(text.contains("latitude-longitude picture and use an `envmap`"), "{text}");
-    assert!(text.contains("use a `directional` emitter"), "{text}");
+    let text = failure("<scene version='0.6.0'><emitter type='collimated'/></scene>");
+    assert!(text.contains("use a small rectangle with a `directionalarea` emitter"), "{text}");
 }
 
 #[test]

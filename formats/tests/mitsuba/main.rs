@@ -7,6 +7,7 @@ mod messages;
 mod plugins;
 mod policy;
 mod robust;
+mod sunsky;
 mod versions;
 
 use std::path::{Path, PathBuf};

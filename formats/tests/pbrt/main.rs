@@ -1,6 +1,7 @@
 //! The pbrt reader through its public interface, with files in memory.
 #![allow(clippy::unwrap_used)]
 
+mod materials3;
 mod messages;
 mod plugins;
 mod policy;

@@ -184,9 +184,9 @@ proptest! {
 /// Whatever was to be read, a pointer or a page in its place is named for what it is.
 #[test]
 fn files_that_are_something_else_are_named() {
+    use caustica_formats::image;
     use caustica_formats::mesh::MeshOptions;
     use caustica_formats::spectrum::parse_spd;
-    use caustica_formats::{image, mesh};
 
     let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
     let page = b"\r\n<!doctype HTML>\n<title>404</title>\n";
@@ -197,7 +197,7 @@ fn files_that_are_something_else_are_named() {
     for (bytes, name) in names {
         use caustica_formats::ir::MeshFormat::{Obj, ObjPart, Ply, Serialized};
         for format in [Obj, ObjPart { index: 0 }, Ply, Serialized { index: 1 }] {
-            let said = mesh::read(format, bytes, &MeshOptions::default()).expect_err("no mesh").to_string();
+            let said = read(format, bytes, &MeshOptions::default()).expect_err("no mesh").to_string();
             assert_eq!(said, name, "{format:?}");
         }
         assert_eq!(image::read(bytes).expect_err("no picture").to_string(), name);

@@ -2,6 +2,7 @@
 
 mod closure;
 mod composite;
+mod shown;
 mod tilt;
 
 pub use closure::Closure;

@@ -5,7 +5,7 @@ mod roughness;
 mod transmittance;
 
 pub(super) use alpha_table::{AlphaTable, cosine_entry};
-pub use roughness::Roughness;
+pub use roughness::{Remap, Roughness};
 pub use transmittance::Transmittance;
 
 use std::f32::consts::{FRAC_2_SQRT_PI, PI};

@@ -3,6 +3,17 @@ use crate::bsdf::{Point, Range};
 use crate::spectrum::scalar;
 use crate::texture::Param;
 
+/// From a parameter to α.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remap {
+    /// α itself.
+    None,
+    /// Its square root (pbrt-v4's `remaproughness`).
+    Sqrt,
+    /// A polynomial of its logarithm (pbrt-v3's `remaproughness`).
+    Polynomial,
+}
+
 /// Parameters of a microfacet distribution.
 #[derive(Clone, Copy, Debug)]
 pub struct Roughness {
@@ -10,17 +21,24 @@ pub struct Roughness {
     pub kind: Distribution,
     /// How masking and shadowing are combined.
     pub shadowing: Shadowing,
-    /// α along s and t, or what its square root is taken of.
+    /// α along s and t, or what `remap` makes it of.
     pub u: Param,
     /// Of the axis t.
     pub v: Param,
-    /// α = √parameter (pbrt's `remaproughness`).
-    pub root: bool,
+    /// What `u` and `v` are.
+    pub remap: Remap,
 }
 
 impl Roughness {
     fn alpha(&self, value: f32) -> f32 {
-        if self.root { value.max(0.0).sqrt() } else { value }
+        match self.remap {
+            Remap::None => value,
+            Remap::Sqrt => value.max(0.0).sqrt(),
+            Remap::Polynomial => {
+                let x = value.max(1e-3).ln();
+                1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
+            }
+        }
     }
 
     pub(in crate::bsdf) fn at(&self, point: &Point<'_>) -> Microfacet {

@@ -1,6 +1,7 @@
 //! Emitters that are not shapes.
 
 mod pictured;
+mod sunsky;
 
 use caustica_formats::ir::{self, ColorSlot, EmitterKind};
 
@@ -73,6 +74,11 @@ pub fn build(b: &mut Compiler<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>
                 let Some(light) = picture_environment(b, to_world, image, *mapping, at) else { continue };
                 environments.push(emitters.len() as u32);
                 Emitter::Environment(Box::new(light))
+            }
+            EmitterKind::SunSky(light) => {
+                let Some(light) = sunsky::build(b, light, at) else { continue };
+                environments.push(emitters.len() as u32);
+                light
             }
             kind => {
                 let position = |m: &ir::Transform| relative(m.point([0.0; 3]));

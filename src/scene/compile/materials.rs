@@ -1,17 +1,19 @@
 //! BSDFs of the IR → materials.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use caustica_formats::fourier;
 use caustica_formats::ir::{self, BsdfKind, ColorSlot};
 
 use super::Compiler;
 use super::textures::DEFAULT_REFLECTANCE;
-use crate::bsdf::microfacet::{Distribution, Shadowing};
+use crate::bsdf::microfacet::{Distribution, Remap, Shadowing};
 use crate::bsdf::{
-    DiffuseModel, DiffuseTransmissionModel, Material, Node, Perturbation, PhongModel, PlasticModel, Relief,
-    RoughDiffuseModel, RoughPlasticModel, Roughness, ThinDielectricModel, Transmittance, WardModel,
-    WardVariant,
+    DiffuseModel, DiffuseTransmissionModel, FourierModel, FourierTable, FresnelBlendModel, LobeSumModel,
+    Material, Node, Perturbation, PhongModel, PlasticModel, Relief, RoughDiffuseModel, RoughPlasticModel,
+    Roughness, ThinDielectricModel, Transmittance, WardModel, WardVariant,
 };
 use crate::math::Color;
 use crate::texture::Param;
@@ -40,6 +42,8 @@ pub struct MaterialTable {
     parts: u32,
     /// Coats around what is being built.
     pub(super) coats: u32,
+    /// Tabulated BSDFs by their files; `None` is one that cannot be read.
+    tables: HashMap<PathBuf, Option<Arc<FourierTable>>>,
     /// By distribution, bits of α (none: any α) and of the relative index.
     transmittances: HashMap<(Distribution, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
 }
@@ -182,10 +186,6 @@ impl Compiler<'_> {
                 let [alpha_u, alpha_v] = [alpha_u, alpha_v].map(|alpha| self.scalar_param(alpha));
                 WardModel { variant: ward_variant(*variant), diffuse, specular, alpha_u, alpha_v }.into()
             }
-            BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
-                let [reflectance, transmittance] = self.reflectances([reflectance, transmittance], origin);
-                DiffuseTransmissionModel { reflectance, transmittance }.into()
-            }
             BsdfKind::Coating {
                 int_ior,
                 ext_ior,
@@ -198,15 +198,76 @@ impl Compiler<'_> {
                 let (specular, rough) = (specular_reflectance, microfacet.as_ref());
                 self.coat(int_ior, ext_ior, *thickness, sigma_a, specular, rough, *nested, origin)
             }
-            BsdfKind::CoatedDiffuse { reflectance, coat } => self.coated_diffuse(reflectance, coat, origin),
-            BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
-                self.coated_conductor(conductor, microfacet, coat, origin)
-            }
+            BsdfKind::DiffuseTransmission { .. }
+            | BsdfKind::CoatedDiffuse { .. }
+            | BsdfKind::CoatedConductor { .. }
+            | BsdfKind::LobeSum(_)
+            | BsdfKind::FresnelBlend { .. }
+            | BsdfKind::Fourier(_) => self.of_pbrt(kind, origin),
         }
     }
 
     fn reflectances(&mut self, inputs: [&ir::ColorInput; 2], origin: ir::Origin) -> [Param; 2] {
         inputs.map(|input| self.param(input, ColorSlot::Reflectance, origin))
+    }
+
+    /// What pbrt has and Mitsuba 3 has not.
+    fn of_pbrt(&mut self, kind: &BsdfKind, origin: ir::Origin) -> Node {
+        match kind {
+            BsdfKind::LobeSum(lobes) => self.lobe_sum(lobes, origin).into(),
+            BsdfKind::FresnelBlend { diffuse_reflectance, specular_reflectance, microfacet } => {
+                let [diffuse, specular] =
+                    self.reflectances([diffuse_reflectance, specular_reflectance], origin);
+                FresnelBlendModel { diffuse, specular, roughness: self.distribution(microfacet) }.into()
+            }
+            BsdfKind::Fourier(file) => self.fourier(file, origin),
+            BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
+                let [reflectance, transmittance] = self.reflectances([reflectance, transmittance], origin);
+                DiffuseTransmissionModel { reflectance, transmittance }.into()
+            }
+            BsdfKind::CoatedDiffuse { reflectance, coat } => self.coated_diffuse(reflectance, coat, origin),
+            BsdfKind::CoatedConductor { conductor, microfacet, coat } => {
+                self.coated_conductor(conductor, microfacet, coat, origin)
+            }
+            other => self.model(other, origin),
+        }
+    }
+
+    fn fourier(&mut self, file: &ir::BsdfFile, origin: ir::Origin) -> Node {
+        let table = match self.materials.tables.get(&file.path) {
+            Some(known) => known.clone(),
+            None => {
+                let read = self.files.read(&file.path).map_err(|e| e.to_string());
+                let read = read.and_then(|bytes| fourier::read(&bytes).map_err(|e| e.to_string()));
+                let table = match read {
+                    Ok(t) => Some(Arc::new(FourierTable::new(
+                        [t.eta, t.alpha],
+                        t.channels,
+                        t.mu,
+                        t.series,
+                        t.coefficients,
+                    ))),
+                    Err(e) => {
+                        self.error(format!("cannot read `{}`: {e}", file.path.display()), origin);
+                        None
+                    }
+                };
+                self.materials.tables.insert(file.path.clone(), table.clone());
+                table
+            }
+        };
+        table
+            .map_or_else(|| diffuse(Param::Constant(DEFAULT_REFLECTANCE)), |table| FourierModel(table).into())
+    }
+
+    fn lobe_sum(&mut self, l: &ir::LobeSum, origin: ir::Origin) -> LobeSumModel {
+        LobeSumModel {
+            diffuse: self.reflectances([&l.diffuse_reflectance, &l.diffuse_transmittance], origin),
+            glossy: self.reflectances([&l.glossy_reflectance, &l.glossy_transmittance], origin),
+            specular: self.reflectances([&l.specular_reflectance, &l.specular_transmittance], origin),
+            eta: self.scalar_param(&l.eta),
+            roughness: self.distribution(&l.microfacet),
+        }
     }
 
     fn two_sided(
@@ -263,7 +324,14 @@ impl Compiler<'_> {
 
     /// `None` is a surface so smooth that pbrt treats it as perfectly specular. Mitsuba never does.
     pub(super) fn roughness(&mut self, m: &ir::Microfacet) -> Option<Roughness> {
-        let roughness = Roughness {
+        let roughness = self.distribution(m);
+        let smooth = roughness.shadowing == Shadowing::HeightCorrelated
+            && roughness.constant().is_some_and(|[u, v]| u.max(v) < PBRT_SMOOTH);
+        (!smooth).then_some(roughness)
+    }
+
+    fn distribution(&mut self, m: &ir::Microfacet) -> Roughness {
+        Roughness {
             kind: match m.distribution {
                 ir::MicrofacetDistribution::Beckmann => Distribution::Beckmann,
                 ir::MicrofacetDistribution::Ggx => Distribution::Ggx,
@@ -275,11 +343,12 @@ impl Compiler<'_> {
             },
             u: self.scalar_param(&m.alpha_u),
             v: self.scalar_param(&m.alpha_v),
-            root: m.remap == ir::RoughnessRemap::Sqrt,
-        };
-        let smooth = roughness.shadowing == Shadowing::HeightCorrelated
-            && roughness.constant().is_some_and(|[u, v]| u.max(v) < PBRT_SMOOTH);
-        (!smooth).then_some(roughness)
+            remap: match m.remap {
+                ir::RoughnessRemap::None => Remap::None,
+                ir::RoughnessRemap::Sqrt => Remap::Sqrt,
+                ir::RoughnessRemap::Polynomial => Remap::Polynomial,
+            },
+        }
     }
 
     pub(super) fn rough_plastic(&mut self, smooth: PlasticModel, roughness: Roughness) -> RoughPlasticModel {

@@ -41,6 +41,8 @@ pub struct CompileOptions {
     pub lenient: bool,
     /// Whose conversion of spectra to RGB; `None` is that of the file's own version.
     pub spectrum_rule: Option<ir::SpectrumRule>,
+    /// Keep texture coordinates that no texture needs.
+    pub keep_uvs: bool,
 }
 
 /// A compiled scene, how it is seen, and what to say about it.
@@ -163,9 +165,10 @@ pub fn compile(
         environments,
         sphere: shapes.sphere,
         origin: shapes.origin,
+        numbers: shapes.numbers,
     };
     let hidden_lamps_are_transparent = ir.hide_emitters == ir::HideEmitters::Surface;
-    let view = View { sensor, film, filter, response, hidden_lamps_are_transparent };
+    let view = View { sensor, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
     let facts = Facts::of(&scene);
     Ok(Compiled { scene, facts, view, settings, warnings: b.diagnostics })
 }

@@ -51,6 +51,7 @@ impl Writer<'_, '_> {
                     .float_unless("scale", scale, 1.0)
                     .transform("to_world", to_world)
             }
+            EmitterKind::SunSky(light) => self.sunsky(light, e.name.as_deref(), origin)?,
             EmitterKind::Projector { to_world, irradiance, scale, fov: angle, fov_axis } => {
                 let texture = match irradiance {
                     ColorInput::Color(color) => self.light("irradiance", color, 1.0, origin),

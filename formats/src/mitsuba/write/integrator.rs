@@ -2,7 +2,7 @@
 
 use super::Writer;
 use super::element::{Element, number};
-use crate::ir::{HideEmitters, Integrator, Scalar, Setting};
+use crate::ir::{Aov, AovKind, CoordinateSystem, Film, HideEmitters, Integrator, Scalar, Setting};
 
 /// Integrators of Mitsuba 3 and their parameters.
 const INTEGRATORS: &[(&str, &[&str])] = &[
@@ -18,7 +18,57 @@ const INTEGRATORS: &[(&str, &[&str])] = &[
 
 const COMMON: &[&str] = &["max_depth", "rr_depth", "hide_emitters", "timeout", "block_size"];
 
+/// What of pbrt's `gbuffer` film Mitsuba's `aov` has.
+const GBUFFER: &str = "Albedo:albedo,P:position,N:geo_normal,Ns:sh_normal,uv:uv";
+
 impl Writer<'_, '_> {
+    /// The scene's integrator, or `path`, which Mitsuba has to be told; within an `aov` where layers are asked for.
+    pub fn integrator(&mut self, i: Option<&Integrator>) -> Element {
+        let aovs = i.map_or(&[][..], |i| &i.aovs);
+        let mut nested = match i {
+            Some(i) => self.plain_integrator(i),
+            None => Element::plugin("integrator", "path"),
+        };
+        let picture = aovs.iter().find(|aov| aov.kind == AovKind::Picture);
+        if let Some(picture) = picture {
+            nested = nested.with("name", &picture.name);
+        }
+        let scene = self.scene;
+        let film = scene.sensors.get(scene.default_sensor).map(|sensor| &sensor.film);
+        let mut pairs: Vec<String> = aovs.iter().filter_map(|aov| self.pair(aov)).collect();
+        pairs.extend(film.and_then(|f| self.gbuffer(f)));
+        if pairs.is_empty() && picture.is_none() {
+            return nested;
+        }
+        Element::plugin("integrator", "aov").string("aovs", &pairs.join(",")).child(nested)
+    }
+
+    /// NAME:TYPE.
+    fn pair(&mut self, aov: &Aov) -> Option<String> {
+        let (kind, same) = aov.kind.mitsuba3()?;
+        let parts = |c: char| matches!(c, ',' | ':') || c.is_whitespace();
+        let name = aov.name.replace(parts, "_");
+        if !same {
+            let what = format!("layer `{}` of a 0.6 `field` integrator", aov.name);
+            self.out.lose(aov.origin, what, format!("`{kind}`"));
+        }
+        if name != aov.name {
+            self.out.lose(aov.origin, format!("the name of layer `{}`", aov.name), format!("`{name}`"));
+        }
+        Some(format!("{name}:{kind}"))
+    }
+
+    fn gbuffer(&mut self, film: &Film) -> Option<String> {
+        let system = film.gbuffer?;
+        let frame = match system {
+            CoordinateSystem::Camera => "the coordinates of the camera, ",
+            CoordinateSystem::World => "",
+        };
+        let what = format!("of the gbuffer film {frame}dzdx, dzdy, and the variances");
+        self.out.lose(film.origin, what, "`aov` with its other channels, in the coordinates of the world");
+        Some(GBUFFER.to_owned())
+    }
+
     /// The value of a setting, within the range that Mitsuba accepts.
     fn accepted(&mut self, i: &Integrator, name: &str, setting: &Setting) -> Scalar {
         let Scalar::Integer(v) = setting.value else { return setting.value.clone() };
@@ -43,7 +93,7 @@ impl Writer<'_, '_> {
         Scalar::Integer(accepted)
     }
 
-    pub fn integrator(&mut self, i: &Integrator) -> Element {
+    fn plain_integrator(&mut self, i: &Integrator) -> Element {
         let row = INTEGRATORS.iter().find(|(name, _)| *name == i.plugin);
         if row.is_none() {
             self.out.lose(i.origin, format!("the integrator `{}`", i.plugin), "`path`");

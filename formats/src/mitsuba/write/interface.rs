@@ -166,10 +166,13 @@ impl Writer<'_, '_> {
     ) -> Result<FloatInput, WriteError> {
         Ok(match (remap, input) {
             (RoughnessRemap::None, input) => input.clone(),
-            (RoughnessRemap::Sqrt, FloatInput::Value(v)) => FloatInput::Value(v.max(0.0).sqrt()),
-            (RoughnessRemap::Sqrt, input) => {
-                let mean = self.one_number(input, "a roughness that is the square of alpha", origin)?;
-                FloatInput::Value(mean.max(0.0).sqrt())
+            (remap, FloatInput::Value(v)) => FloatInput::Value(remap.alpha(*v)),
+            (remap, input) => {
+                let what = match remap {
+                    RoughnessRemap::Polynomial => "a roughness that alpha is a polynomial of",
+                    _ => "a roughness that is the square of alpha",
+                };
+                FloatInput::Value(remap.alpha(self.one_number(input, what, origin)?))
             }
         })
     }

@@ -10,11 +10,13 @@ mod emitter;
 mod film;
 mod integrator;
 mod interface;
+mod lobes;
 mod plain;
 mod relief;
 mod sensor;
 mod shape;
 mod substitute;
+mod sunsky;
 mod texture;
 
 use std::collections::HashMap;
@@ -106,9 +108,8 @@ impl<'a> Writer<'_, 'a> {
         }
         let integrator = scene.integrator.as_ref();
         root = match integrator {
-            Some(i) => root.children(self.commented(i.origin, |w| Ok(Some(w.integrator(i))))?),
-            // Mitsuba asks for one.
-            None => root.child(Element::plugin("integrator", "path")),
+            Some(i) => root.children(self.commented(i.origin, |w| Ok(Some(w.integrator(integrator))))?),
+            None => root.child(self.integrator(None)),
         };
         // The first one renders.
         let first = scene.sensors.get(scene.default_sensor).into_iter();

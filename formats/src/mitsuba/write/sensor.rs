@@ -2,7 +2,7 @@
 
 use super::Writer;
 use super::element::{Element, number};
-use crate::ir::{Fov, FovAxis, Projection, Sampler, Sensor, Transform};
+use crate::ir::{EmitterKind, Fov, FovAxis, Projection, Sampler, Sensor, SunPosition, Transform};
 
 /// Samplers of Mitsuba 3.
 const SAMPLERS: &[&str] = &["independent", "stratified", "multijitter", "orthogonal", "ldsampler"];
@@ -83,8 +83,22 @@ impl Writer<'_, '_> {
                 s.far_clip,
             );
         }
+        if let Some([open, close]) = self.shutter() {
+            element = element.float("shutter_open", open).float("shutter_close", close);
+        }
         let film = self.film(&s.film);
         element.child(film).child(self.sampler(s, &s.sampler))
+    }
+
+    /// When a light that changes with the time is seen, if there is one.
+    fn shutter(&self) -> Option<[f64; 2]> {
+        self.scene.emitters.iter().find_map(|e| match &e.kind {
+            EmitterKind::SunSky(light) => match light.sun {
+                SunPosition::Days { shutter, .. } => Some(shutter),
+                _ => None,
+            },
+            _ => None,
+        })
     }
 
     /// `to_world` without the scale of its axes, which Mitsuba refuses and we leave out.

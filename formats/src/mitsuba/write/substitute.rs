@@ -35,6 +35,10 @@ impl Writer<'_, '_> {
             BsdfKind::Coating { int_ior, ext_ior, specular_reflectance, nested, .. } => {
                 self.coating([int_ior, ext_ior], specular_reflectance, *nested, origin)
             }
+            BsdfKind::LobeSum(lobes) => self.lobe_sum(lobes, origin),
+            BsdfKind::FresnelBlend { diffuse_reflectance, specular_reflectance, microfacet } => {
+                self.fresnel_blend([diffuse_reflectance, specular_reflectance], microfacet, origin)
+            }
             BsdfKind::DiffuseTransmission { reflectance, transmittance } => {
                 self.diffuse_transmission(reflectance, transmittance, origin)
             }
@@ -158,7 +162,7 @@ impl Writer<'_, '_> {
     }
 
     /// `input` / `weight`, at most 1.
-    fn share(
+    pub fn share(
         &mut self,
         name: &str,
         input: &ColorInput,
@@ -174,7 +178,7 @@ impl Writer<'_, '_> {
         }
     }
 
-    fn diffuse_transmission(
+    pub fn diffuse_transmission(
         &mut self,
         reflectance: &ColorInput,
         transmittance: &ColorInput,

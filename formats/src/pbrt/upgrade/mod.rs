@@ -186,10 +186,6 @@ impl Old {
             match change {
                 Change::Rename(now) => (*now).clone_into(&mut d.params[index].name),
                 Change::Drop => d.params.retain(|p| p.name != *name),
-                Change::Lose(loss) => {
-                    self.lost(span, format!("`{name}` is left out: {loss}"));
-                    d.params.retain(|p| p.name != *name);
-                }
                 Change::With(convert) => convert(d, index),
             }
         }

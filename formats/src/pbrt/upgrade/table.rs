@@ -20,8 +20,6 @@ pub(super) enum Change {
     Rename(&'static str),
     /// It does not change the image.
     Drop,
-    /// It changes the image; the text says what is lost.
-    Lose(&'static str),
     /// The conversion of the parameter at an index.
     With(fn(&mut Directive, usize)),
 }
@@ -33,7 +31,7 @@ impl Change {
     }
 }
 
-use Change::{Drop, Lose, Rename, With};
+use Change::{Drop, Rename, With};
 
 const fn same(
     class: &'static str,
@@ -47,8 +45,6 @@ const fn same(
 const fn becomes(class: &'static str, noun: &'static str, from: &'static str, to: &'static str) -> Row {
     Row { class, noun, from, to, loss: "", params: &[], defaults: &[] }
 }
-
-const NO_GLOSS: &str = "its gloss is that of a clear layer";
 
 /// Directives, with the types that only pbrt-v3 and older versions have; none: the directive itself.
 pub(super) const ONLY_THREE: &[(&str, &[&str])] = &[
@@ -106,47 +102,6 @@ pub(super) const ONLY_FOUR: &[(&str, &[&str])] = &[
 pub(super) const ROWS: &[Row] = &[
     // Materials.
     Row {
-        params: &[("Kd", Rename("reflectance")), ("sigma", Lose("the surface is Lambertian"))],
-        ..becomes("Material", "material", "matte", "diffuse")
-    },
-    Row {
-        loss: NO_GLOSS,
-        params: &[("Kd", Rename("reflectance")), ("Ks", Lose(NO_GLOSS))],
-        defaults: &[("reflectance", &[0.25; 3]), ("roughness", &[0.1])],
-        ..becomes("Material", "material", "plastic", "coateddiffuse")
-    },
-    Row {
-        loss: NO_GLOSS,
-        params: &[("Kd", Rename("reflectance")), ("Ks", Lose(NO_GLOSS))],
-        defaults: &[("reflectance", &[0.5; 3]), ("roughness", &[0.1])],
-        ..becomes("Material", "material", "substrate", "coateddiffuse")
-    },
-    Row {
-        loss: NO_GLOSS,
-        params: &[
-            ("Kd", Rename("reflectance")),
-            ("Ks", Lose(NO_GLOSS)),
-            ("Kr", Lose("there is no mirror in it")),
-            ("Kt", Lose("nothing is transmitted")),
-            ("opacity", Lose("the material is opaque")),
-            ("index", Rename("eta")),
-        ],
-        defaults: &[("reflectance", &[0.25; 3]), ("roughness", &[0.1])],
-        ..becomes("Material", "material", "uber", "coateddiffuse")
-    },
-    Row {
-        loss: "it has no gloss",
-        params: &[
-            ("Ks", Lose("it has no gloss")),
-            ("roughness", Drop),
-            ("remaproughness", Drop),
-            ("Kd", With(translucent)),
-            ("reflect", Lose("half is reflected")),
-            ("transmit", Lose("half is transmitted")),
-        ],
-        ..becomes("Material", "material", "translucent", "diffusetransmission")
-    },
-    Row {
         params: &[("Kd", Rename("reflectance")), ("Kr", Drop), ("Kt", Drop)],
         ..becomes("Material", "material", "kdsubsurface", "subsurface")
     },
@@ -200,16 +155,6 @@ pub(super) const ROWS: &[Row] = &[
     same("Shape", "shape", "trianglemesh", &[("uv", With(uv)), ("st", With(st))]),
     same("Shape", "shape", "loopsubdiv", &[("nlevels", Rename("levels"))]),
 ];
-
-fn translucent(d: &mut Directive, index: usize) {
-    "reflectance".clone_into(&mut d.params[index].name);
-    let mut other = d.params[index].clone();
-    "transmittance".clone_into(&mut other.name);
-    let mut scale = other.clone();
-    "scale".clone_into(&mut scale.name);
-    (scale.kind, scale.values) = (ParamType::Float, Values::Floats(vec![0.5]));
-    d.params.extend([other, scale]);
-}
 
 fn gamma(d: &mut Directive, index: usize) {
     let param = &mut d.params[index];

@@ -3,8 +3,8 @@
 use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
-    ComponentFormat, Film, Filter, Fov, FovAxis, HideEmitters, Integrator, Projection, Scalar, Sensor,
-    Transform,
+    ComponentFormat, CoordinateSystem, Film, Filter, Fov, FovAxis, HideEmitters, Integrator, Projection,
+    Scalar, Sensor, Transform,
 };
 use crate::pbrt::integrator::UNLIMITED;
 use crate::write::number;
@@ -95,7 +95,12 @@ impl Writer<'_, '_> {
     }
 
     fn film(&mut self, text: &mut String, f: &Film) {
+        let gbuffer = f.gbuffer.or_else(|| self.layers());
         let extension = match f.file_format.as_str() {
+            "png" | "pfm" if gbuffer.is_some() => {
+                self.out.lose(f.origin, format!("layers in a `{}` file", f.file_format), "openexr");
+                "exr"
+            }
             "png" => "png",
             "pfm" => "pfm",
             _ => "exr",
@@ -110,13 +115,31 @@ impl Writer<'_, '_> {
         p = p.float_unless("iso", 100.0 * f.imaging_ratio, 100.0);
         p = p.float_unless("whitebalance", f.white_balance.unwrap_or(0.0), 0.0);
         p = p.boolean_unless("savefp16", f.component_format != ComponentFormat::Float32, true);
-        p.write(text, "", "Film", &["rgb"]);
+        let name = match gbuffer {
+            None => "rgb",
+            Some(system) => {
+                let world = system == CoordinateSystem::World;
+                p = p.string("coordinatesystem", if world { "world" } else { "camera" });
+                "gbuffer"
+            }
+        };
+        p.write(text, "", "Film", &[name]);
         let filter = FILTERS.iter().find_map(|(name, of)| Some((*name, of(&f.filter)?)));
         let (name, p) = filter.unwrap_or_else(|| {
             self.out.lose(f.origin, "a filter that pbrt does not have", "its gaussian");
             ("gaussian", Params::default())
         });
         p.write(text, "", "PixelFilter", &[name]);
+    }
+
+    /// Where Mitsuba's layers can be: in a `gbuffer` film, which has those of its own.
+    fn layers(&mut self) -> Option<CoordinateSystem> {
+        let integrator = self.scene.integrator.as_ref().filter(|i| !i.aovs.is_empty())?;
+        let names: Vec<String> = integrator.aovs.iter().map(|aov| format!("`{}`", aov.name)).collect();
+        let what = format!("the choice of layers: {}", names.join(", "));
+        let instead = "a gbuffer film with the layers that pbrt has, in the coordinates of the world";
+        self.out.lose(integrator.aovs[0].origin, what, instead);
+        Some(CoordinateSystem::World)
     }
 
     fn integrator(&mut self, text: &mut String, i: &Integrator) {

@@ -8,6 +8,7 @@ use crate::ir::{
     AreaEmission, Color, ColorInput, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, Fov, FovAxis, Id,
     LightImage, Origin, Shape, SpotFalloff, Texture, TextureEncoding, Transform,
 };
+use crate::sky::Picture;
 use crate::spectrum::luminance;
 use crate::write::{Cone, WriteError};
 
@@ -57,6 +58,12 @@ impl Writer<'_, '_> {
                     p = p.float("illuminance", lux);
                 }
                 ("infinite", *to_world, p)
+            }
+            EmitterKind::SunSky(light) => {
+                let what = "the sun and the sky as formulas";
+                self.out.lose(origin, what, "a picture of them with the same light, the sun blurred by 0.4°");
+                let name = self.out.daylight(light, EnvironmentMapping::EqualArea, origin)?;
+                ("infinite", light.to_world.after(&Picture::TO_LOCAL), none.string("filename", &name))
             }
             EmitterKind::Projector { to_world, irradiance, scale, fov, fov_axis } => {
                 let p = self.projector(irradiance, *scale, (*fov, *fov_axis), origin)?;

@@ -106,8 +106,8 @@ impl Writer<'_, '_> {
             }
             _ => (id, true),
         };
-        // A mix has the sides of its parts.
-        let mix = matches!(scene.bsdfs[nested].kind, BsdfKind::Blend { .. });
+        // A mix has the sides of its parts, and lobes that add up are on both.
+        let mix = matches!(scene.bsdfs[nested].kind, BsdfKind::Blend { .. } | BsdfKind::LobeSum(_));
         if one_sided && !mix && self.query.bsdf(&scene.bsdfs, nested).opaque() {
             self.out.lose(*origin, "a surface that is black on its back", "the same material on both sides");
         }
@@ -276,7 +276,7 @@ impl Writer<'_, '_> {
         names: [&str; 3],
         origin: Origin,
     ) -> Result<Params, WriteError> {
-        let smooth = m.alpha_u == FloatInput::Value(0.0) && m.alpha_u == m.alpha_v;
+        let smooth = m.is_smooth() && m.remap != RoughnessRemap::Polynomial;
         if m.distribution != MicrofacetDistribution::Ggx && !smooth {
             self.out.lose(origin, format!("the {:?} distribution of microfacets", m.distribution), "GGX");
         }
@@ -287,11 +287,21 @@ impl Writer<'_, '_> {
                 "pbrt's height-correlated shadowing, brighter by up to 8 % at grazing angles",
             );
         }
+        let textured = [&m.alpha_u, &m.alpha_v].iter().any(|alpha| matches!(alpha, FloatInput::Texture(_)));
+        if m.remap == RoughnessRemap::Polynomial && textured {
+            self.out.lose(origin, "a roughness that alpha is a polynomial of, by a texture", "alpha itself");
+        }
         let p = self.alphas(p, m, names)?;
         Ok(p.boolean_unless("remaproughness", m.remap == RoughnessRemap::Sqrt || smooth, true))
     }
 
     fn alphas(&mut self, p: Params, m: &Microfacet, [both, u, v]: [&str; 3]) -> Result<Params, WriteError> {
+        // pbrt-v4 has no such map; `remaproughness` is off then.
+        let alpha = |input: &FloatInput| match (m.remap, input) {
+            (RoughnessRemap::Polynomial, FloatInput::Value(v)) => FloatInput::Value(m.remap.alpha(*v)),
+            _ => input.clone(),
+        };
+        let m = &Microfacet { alpha_u: alpha(&m.alpha_u), alpha_v: alpha(&m.alpha_v), ..m.clone() };
         if m.alpha_u == m.alpha_v {
             return match &m.alpha_u {
                 FloatInput::Value(0.0) => Ok(p),

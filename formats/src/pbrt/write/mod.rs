@@ -4,6 +4,7 @@
 
 mod film;
 mod light;
+mod lobes;
 mod material;
 mod model;
 mod picture;

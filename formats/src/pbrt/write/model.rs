@@ -64,6 +64,10 @@ impl Writer<'_, '_> {
                 let m = ggx(alpha_u.clone(), alpha_v.clone());
                 self.coated(diffuse_reflectance, 1.5, Some(&m), origin)
             }
+            BsdfKind::LobeSum(lobes) => self.lobe_sum(lobes, origin),
+            BsdfKind::FresnelBlend { diffuse_reflectance, specular_reflectance, microfacet } => {
+                self.fresnel_blend(diffuse_reflectance, specular_reflectance, microfacet, origin)
+            }
             BsdfKind::Coating { int_ior, ext_ior, microfacet, nested, .. } => {
                 let scene = self.scene;
                 if let BsdfKind::Diffuse { reflectance } = &scene.bsdfs[*nested].kind {

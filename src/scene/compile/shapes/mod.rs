@@ -12,8 +12,8 @@ use caustica_formats::ir;
 
 use super::Compiler;
 use crate::emitter::{Emitter, SceneSphere};
-use crate::scene::ShapeRecord;
 use crate::scene::geometry::{Geometry, Primitive};
+use crate::scene::{Numbers, ShapeRecord};
 use crate::shape::Analytic;
 
 pub use meshes::load_meshes;
@@ -28,6 +28,7 @@ pub struct Shapes {
     pub sphere: SceneSphere,
     /// The author's coordinates of our (0, 0, 0).
     pub origin: [f64; 3],
+    pub numbers: Numbers,
 }
 
 /// What a level is built from.

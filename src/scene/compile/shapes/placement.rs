@@ -7,7 +7,8 @@ use super::super::Compiler;
 use super::super::analytic::{self, Quadric};
 use super::super::attributes::with_default_uvs;
 use super::meshes::{Form, Meshes, add_mesh, form, is_authored, oriented_by_author};
-use super::{LevelParts, lamps, split};
+use super::split::{self, Pieces};
+use super::{LevelParts, lamps};
 use crate::emitter::{Emitter, Surface};
 use crate::math::{Bounds, Vec3};
 use crate::scene::ShapeRecord;
@@ -36,6 +37,7 @@ pub fn add_shape(
         flip: shape.flip_normals,
         oriented: b.oriented(material),
         triangles: Vec::new(),
+        authored: Vec::new(),
         normals: Vec::new(),
         uvs: Vec::new(),
     };
@@ -49,12 +51,20 @@ pub fn add_shape(
     let own_uvs = |m: &Mesh| !m.uvs.is_empty() || !varies;
     // Only the world has its origin near the camera; groups do not.
     let pieces = mesh.filter(|m| emitters.is_some() && own_uvs(m)).and_then(|m| split::split(m, to_level));
-    let mesh = pieces.as_ref().or(mesh);
+    let mesh = match pieces {
+        Some(Pieces { ref mesh, authored }) => {
+            record.authored = authored;
+            Some(mesh)
+        }
+        None => mesh,
+    };
     b.attach_attributes(material, mesh, index, shape.origin);
     let surface = match &form {
         Form::Triangles(whole) => {
             let mesh = mesh.unwrap_or(whole);
-            add_triangles(b, shape, mesh, to_level, index, varies, level, &mut record)
+            // Layers may show the texture coordinates of all.
+            let uvs_matter = varies || b.options.keep_uvs;
+            add_triangles(b, shape, mesh, to_level, index, uvs_matter, level, &mut record)
         }
         Form::Quadric(quadric) => add_quadric(b, shape, quadric, to_level, index, level, &mut record),
     };
@@ -79,7 +89,7 @@ fn add_triangles(
     mesh: &Mesh,
     to_level: &Transform,
     index: u32,
-    varies: bool,
+    uvs_matter: bool,
     level: &mut LevelParts,
     record: &mut ShapeRecord,
 ) -> Result<Option<Surface>, Reported> {
@@ -91,7 +101,7 @@ fn add_triangles(
     let oriented;
     let mesh = if is_authored(&shape.kind) {
         let mirrored = to_level.determinant3() < 0.0;
-        oriented = if mesh.uvs.is_empty() && varies {
+        oriented = if mesh.uvs.is_empty() && uvs_matter {
             oriented_by_author(&with_default_uvs(mesh), mirrored)
         } else {
             oriented_by_author(mesh, mirrored)
@@ -100,7 +110,7 @@ fn add_triangles(
     } else {
         mesh
     };
-    add_mesh(mesh, to_level, index, varies || record.oriented, level, record);
+    add_mesh(mesh, to_level, index, uvs_matter || record.oriented, level, record);
     Ok(shape.emission.is_some().then(|| lamps::lamp_mesh(&level.primitives[first..], record)))
 }
 

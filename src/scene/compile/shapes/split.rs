@@ -14,8 +14,16 @@ const SMALLEST: f64 = 1.0 / (1 << 20) as f64;
 /// Largest displacement of the surface by a cut, relative to the length of the edge that is cut.
 const FLAT: f64 = 1e-6;
 
+/// A mesh with triangles that were cut.
+#[derive(Debug)]
+pub struct Pieces {
+    pub mesh: Mesh,
+    /// Which triangle each was before.
+    pub authored: Vec<u32>,
+}
+
 /// The mesh with triangles cut towards the origin of the level, or `None` when all may stay.
-pub fn split(mesh: &Mesh, to_level: &Transform) -> Option<Mesh> {
+pub fn split(mesh: &Mesh, to_level: &Transform) -> Option<Pieces> {
     let place = |p: [f32; 3]| to_level.point(p.map(f64::from));
     let large = |t: &[u32; 3]| {
         let corners = t.map(|i| place(mesh.positions[i as usize]));
@@ -44,7 +52,8 @@ pub fn split(mesh: &Mesh, to_level: &Transform) -> Option<Mesh> {
             a.values = origins.iter().map(|&i| a.values[i]).collect();
         }
     }
-    Some(out)
+    let authored = origins.into_iter().map(|i| i as u32).collect();
+    Some(Pieces { mesh: out, authored })
 }
 
 /// Largest coordinate of a corner.
@@ -133,7 +142,7 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         };
-        let cut = split(&mesh, &Transform::IDENTITY).expect("a plane of 1e6 seen from 4");
+        let cut = split(&mesh, &Transform::IDENTITY).expect("a plane of 1e6 seen from 4").mesh;
         assert!(cut.triangles.len() < 400, "{}", cut.triangles.len());
         assert!((area(&cut) / area(&mesh) - 1.0).abs() < 1e-6);
         for (p, uv) in cut.positions.iter().zip(&cut.uvs) {
@@ -151,7 +160,7 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        let cut = split(&mesh, &Transform::IDENTITY).expect("no distance at all");
+        let cut = split(&mesh, &Transform::IDENTITY).expect("no distance at all").mesh;
         assert!(cut.triangles.len() < 400, "{}", cut.triangles.len());
     }
 }

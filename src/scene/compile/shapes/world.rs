@@ -11,8 +11,8 @@ use super::placement::{add_shape, placement, transform_bounds};
 use super::{LevelParts, Shapes, contact};
 use crate::emitter::{Emitter, SceneSphere};
 use crate::math::{Bounds, Vec3};
-use crate::scene::ShapeRecord;
 use crate::scene::geometry::{Geometry, Instance, Level, Primitive};
+use crate::scene::{Numbers, Primitives, ShapeRecord};
 
 /// Places everything. `camera` is where the view stands, in the author's coordinates.
 pub fn build(b: &mut Compiler<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64; 3]>) -> Shapes {
@@ -24,18 +24,19 @@ pub fn build(b: &mut Compiler<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64
     let to_ours = Transform::translate(origin.map(|x| -x));
     let ir = b.ir;
     let mut authors = vec![ir.origin; world.records.len()];
-    for shape in &ir.shapes {
+    for (number, shape) in (1..).zip(&ir.shapes) {
         world.add(b, &meshes, shape, &to_ours.after(&shape.to_world));
         authors.resize(world.records.len(), shape.origin);
+        world.count(number, shape);
     }
-    let World { mut level, records, emitters, groups, instances, instance_bounds, .. } = world;
+    let World { mut level, records, emitters, groups, instances, instance_bounds, numbers, .. } = world;
     for (shape, gap) in contact::draw_back(&mut level, &records, |r| b.transmits(r.material)) {
         let what = format!("faces of this shape coincide with another's; they are drawn back by {gap:.1e}");
         b.warn(what, authors[shape as usize]);
     }
     let world = Level::new(&level.primitives, level.analytic, &instance_bounds);
     let sphere = sphere(b, &world.bounds);
-    Shapes { geometry: Geometry { world, groups, instances }, records, emitters, sphere, origin }
+    Shapes { geometry: Geometry { world, groups, instances }, records, emitters, sphere, origin, numbers }
 }
 
 /// What has been placed so far.
@@ -51,6 +52,7 @@ struct World {
     instance_bounds: Vec<Bounds>,
     /// Group and place of every instance.
     placed: HashSet<(u32, [[u32; 3]; 4])>,
+    numbers: Numbers,
 }
 
 impl World {
@@ -67,10 +69,23 @@ impl World {
                     continue;
                 }
                 add_shape(b, meshes, shape, &shape.to_world, &mut parts, &mut self.records, None);
+                self.count(0, shape);
             }
             self.groups.push(Level::new(&parts.primitives, parts.analytic, &[]));
             self.opaque.push(!self.records[first..].iter().any(|r| b.transmits(r.material)));
         }
+    }
+
+    /// What was added since the last call is shape `number` of the author.
+    fn count(&mut self, number: u32, shape: &ir::Shape) {
+        let primitives = match shape.kind {
+            ShapeKind::Cube => Primitives::Cube,
+            ShapeKind::Rectangle => Primitives::Rectangle,
+            ShapeKind::Sphere { .. } => Primitives::One,
+            _ => Primitives::Triangles,
+        };
+        self.numbers.records.resize(self.records.len(), (number, primitives));
+        self.numbers.instances.resize(self.instances.len(), number);
     }
 
     /// Adds a shape of the world, or an instance of a group.

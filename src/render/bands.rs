@@ -1,0 +1,179 @@
+//! The camera samples of a pass, in bands of the picture that threads share.
+
+use rayon::prelude::*;
+
+use super::aovs::{Eye, Start};
+use crate::film::{Aov, Mean, Pixels, Radiance, Rejected, STRIDE};
+use crate::integrator::{CameraSample, Integrator, Scratch};
+use crate::math::Vec2;
+use crate::photon::trace::Halt;
+use crate::sampling::{Sampler, mix};
+use crate::scene::View;
+
+/// Rows of a block: a unit of parallel work is a band of the picture this high, walked in squares so
+/// that neighbouring lookups share cache lines.
+const BLOCK: usize = 8;
+
+/// The sums before a pass.
+#[derive(Default)]
+pub(super) struct Before {
+    pub light: Vec<[f64; STRIDE]>,
+    pub aovs: Vec<f64>,
+}
+
+impl Before {
+    /// Makes room for the sums of `pixels`.
+    pub fn resize(&mut self, pixels: &Pixels) {
+        self.light.resize(pixels.len(), [0.0; STRIDE]);
+        self.aovs.resize(pixels.aovs().len(), 0.0);
+    }
+
+    /// Puts them back.
+    pub fn restore(&self, pixels: &mut Pixels) {
+        let (light, aovs) = pixels.parts_mut();
+        light.copy_from_slice(&self.light);
+        aovs.copy_from_slice(&self.aovs);
+    }
+}
+
+/// What all bands of a pass share.
+pub(super) struct Bands<'a, I: Integrator> {
+    pub view: &'a View,
+    pub eye: Option<Eye<'a>>,
+    pub integrator: &'a I,
+    pub shared: &'a I::Pass,
+    pub seed: u64,
+    pub pass: u32,
+    /// Samples of each pixel.
+    pub each: u32,
+    /// Of a pixel, as a share of the film.
+    pub pixel: Vec2,
+    pub has_aperture: bool,
+    pub halt: Halt<'a>,
+}
+
+/// Camera samples of a square of pixels, in the order in which they are drawn.
+struct Square {
+    samples: Vec<CameraSample>,
+    /// Of the filter, for each sample.
+    weights: Vec<f32>,
+    /// Of each ray, where AOVs are made.
+    starts: Vec<Start>,
+    /// Pixels of the band; each has as many samples as the integrator takes in a pass.
+    places: Vec<usize>,
+}
+
+impl<I: Integrator> Bands<'_, I> {
+    /// Samples every pixel, and says of every band what it took, and whether all of it was sampled before a halt.
+    /// What the sums were goes into `before`.
+    pub fn sample(&self, pixels: &mut Pixels, before: &mut Before) -> Vec<(Scratch, Rejected, bool)> {
+        let band = self.view.film.crop[2] as usize * BLOCK;
+        let numbers = Aov::numbers_of(&self.view.aovs);
+        let (light, aovs) = pixels.parts_mut();
+        let bands: Vec<_> = light
+            .chunks_mut(band)
+            .zip(before.light.chunks_mut(band))
+            .zip(chunks(aovs, band * numbers).zip(chunks(&mut before.aovs, band * numbers)))
+            .collect();
+        bands
+            .into_par_iter()
+            .enumerate()
+            .map(|(b, ((light, light_before), (aovs, aovs_before)))| {
+                light_before.copy_from_slice(light);
+                aovs_before.copy_from_slice(aovs);
+                self.band(b, light, aovs)
+            })
+            .collect()
+    }
+
+    /// Adds the samples of band `b` to its sums.
+    fn band(&self, b: usize, sums: &mut [[f64; STRIDE]], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
+        let [_, _, width, height] = self.view.film.crop.map(|v| v as usize);
+        let each = self.each as usize;
+        let mut scratch = Scratch::default();
+        let mut rejected = Rejected::default();
+        let rows = (height - b * BLOCK).min(BLOCK);
+        let capacity = BLOCK * BLOCK;
+        let mut square = Square {
+            samples: Vec::with_capacity(capacity),
+            weights: Vec::with_capacity(capacity),
+            starts: Vec::new(),
+            places: Vec::with_capacity(capacity),
+        };
+        for column in (0..width).step_by(BLOCK) {
+            if self.halt.stopped() || self.halt.late() {
+                return (scratch, rejected, false);
+            }
+            self.draw(b, rows, column, &mut square);
+            self.integrator.sample(self.shared, &mut square.samples, &mut scratch);
+            let pixels = square.samples.chunks_mut(each).zip(square.weights.chunks(each)).zip(&square.places);
+            for ((samples, weights), &at) in pixels {
+                let mut mean = Mean::default();
+                for (sample, weight) in samples.iter_mut().zip(weights) {
+                    self.view.response.apply(&mut sample.out);
+                    mean.add(&sample.out, weight / each as f32, &mut rejected);
+                }
+                mean.add_to(&mut sums[at]);
+            }
+            if let Some(eye) = &self.eye {
+                scratch.rays += self.look(eye, &square, aovs);
+            }
+        }
+        (scratch, rejected, true)
+    }
+
+    /// Adds the samples of a square to the AOVs of the band, and counts the rays.
+    fn look(&self, eye: &Eye<'_>, square: &Square, aovs: &mut [f64]) -> u64 {
+        let (each, numbers) = (self.each as usize, Aov::numbers_of(&self.view.aovs));
+        let mut rays = 0;
+        let samples = square.samples.iter().zip(&square.weights).zip(&square.starts).enumerate();
+        for (i, ((sample, weight), start)) in samples {
+            let at = square.places[i / each] * numbers;
+            rays += eye.add(sample, *start, *weight, 1.0 / each as f64, &mut aovs[at..at + numbers]);
+        }
+        rays
+    }
+
+    /// Camera rays of the square of band `b` that begins at `column`.
+    fn draw(&self, b: usize, rows: usize, column: usize, square: &mut Square) {
+        let film = &self.view.film;
+        let [x0, y0, width, _] = film.crop.map(|v| v as usize);
+        square.samples.clear();
+        square.weights.clear();
+        square.starts.clear();
+        square.places.clear();
+        for row in 0..rows {
+            for x in column..(column + BLOCK).min(width) {
+                self.draw_pixel(x0 + x, y0 + b * BLOCK + row, square);
+                square.places.push(row * width + x);
+            }
+        }
+    }
+
+    #[inline]
+    fn draw_pixel(&self, px: usize, py: usize, square: &mut Square) {
+        let View { sensor, filter, .. } = self.view;
+        // Keyed by the place on the full film: a crop shows the same noise.
+        let pixel = (py as u64) << 32 | px as u64;
+        for number in 0..self.each {
+            let index = self.pass.wrapping_mul(self.each).wrapping_add(number);
+            let mut sampler =
+                Sampler::new(mix(self.seed ^ mix(pixel)), index).stratified(I::STRATIFIED_PAIRS);
+            let (offset, weight) = filter.sample(sampler.next_2d());
+            let place = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * self.pixel;
+            let aperture = if self.has_aperture { sampler.next_2d() } else { Vec2::ZERO };
+            let ray = sensor.ray(place, aperture);
+            square.samples.push(CameraSample { ray, sampler, out: Radiance::default() });
+            square.weights.push(weight);
+            if self.eye.is_some() {
+                square.starts.push(Start { place, aperture });
+            }
+        }
+    }
+}
+
+/// Chunks of `size`; without end and empty where there are no numbers.
+fn chunks(list: &mut [f64], size: usize) -> impl Iterator<Item = &mut [f64]> {
+    let empty = if size == 0 { usize::MAX } else { 0 };
+    list.chunks_mut(size.max(1)).chain(std::iter::repeat_with(Default::default).take(empty))
+}
