@@ -53,6 +53,17 @@ impl Confined {
         self.roots.iter().any(|root| real.starts_with(root)) || is_asset(real) && self.is_declared(real)
     }
 
+    /// The file that a path stands for, when it may be read.
+    fn allowed(&self, path: &Path) -> io::Result<PathBuf> {
+        let real = std::fs::canonicalize(path).map_err(plain)?;
+        if self.allows(&real) {
+            return Ok(real);
+        }
+        self.note_outside(real);
+        let text = "it is outside of the folders that the scene may read";
+        Err(io::Error::new(io::ErrorKind::PermissionDenied, text))
+    }
+
     fn is_declared(&self, real: &Path) -> bool {
         let declared = self.declared.read().unwrap_or_else(PoisonError::into_inner);
         declared.iter().any(|root| real.starts_with(root))
@@ -70,13 +81,11 @@ fn is_asset(path: &Path) -> bool {
 
 impl Files for Confined {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let real = std::fs::canonicalize(path).map_err(plain)?;
-        if self.allows(&real) {
-            return Disk.read(&real);
-        }
-        self.note_outside(real);
-        let text = "it is outside of the folders that the scene may read";
-        Err(io::Error::new(io::ErrorKind::PermissionDenied, text))
+        Disk.read(&self.allowed(path)?)
+    }
+
+    fn check(&self, path: &Path) -> io::Result<()> {
+        Disk.check(&self.allowed(path)?)
     }
 
     /// True outside of the folders too: reading then says what to allow, where "not found" would puzzle.

@@ -14,6 +14,13 @@ pub trait Files: fmt::Debug + Sync {
     /// # Errors
     /// When it is missing, unreadable, or larger than [`MAX_FILE_BYTES`].
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
+    /// Whether [`Files::read`] may open a file; nothing is opened.
+    ///
+    /// # Errors
+    /// When it is missing or must not be read.
+    fn check(&self, path: &Path) -> io::Result<()> {
+        if self.is_file(path) { Ok(()) } else { Err(io::ErrorKind::NotFound.into()) }
+    }
     /// Whether `path` is a file that can be read.
     fn is_file(&self, path: &Path) -> bool;
     /// Names of the entries of a folder, for suggestions only; empty when unknown.
@@ -56,6 +63,11 @@ pub struct Disk;
 
 impl Files for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.check(path)?;
+        std::fs::read(path).map_err(plain)
+    }
+
+    fn check(&self, path: &Path) -> io::Result<()> {
         let about = std::fs::metadata(path).map_err(plain)?;
         // A device or a pipe may never end.
         if !about.is_file() {
@@ -65,7 +77,7 @@ impl Files for Disk {
         if length > MAX_FILE_BYTES {
             return Err(io::Error::other(format!("{length} bytes is over the limit of {MAX_FILE_BYTES}")));
         }
-        std::fs::read(path).map_err(plain)
+        Ok(())
     }
 
     fn is_file(&self, path: &Path) -> bool {

@@ -70,7 +70,8 @@ pub fn read_scene(files: &dyn Files, path: &Path, options: &ReadOptions) -> Resu
 /// below the folder of `path` stay where they are; others are carried along.
 ///
 /// # Errors
-/// When no language has the extension, or when a file that has to be converted cannot be read.
+/// When no language has the extension; when a mesh or picture may not be read, before any is opened; when one that has
+/// to be converted is broken.
 pub fn write_scene(read: &Read, files: &dyn Files, path: &Path) -> Result<Written, WriteError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let written = || LANGUAGES.iter().map(|language| language.extensions[0]);
@@ -83,6 +84,7 @@ pub fn write_scene(read: &Read, files: &dyn Files, path: &Path) -> Result<Writte
         });
     };
     let mut output = Output::new(read, files, path);
+    output.check_files()?;
     let text = (language.write)(&mut output)?;
     Ok(Written::new(path, text, output))
 }

@@ -2,15 +2,19 @@
 //!
 //! Offsets become line and column only when a message is printed.
 
+mod lines;
 mod narrow;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use codespan_reporting::diagnostic::{self as codespan, LabelStyle};
 use codespan_reporting::files::SimpleFiles;
 use codespan_reporting::term;
 use serde::{Deserialize, Serialize};
+
+use lines::Lines;
 
 /// Byte range in a file of a [`SourceMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -163,44 +167,51 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 /// Every text file a scene was read from.
 #[derive(Clone, Debug, Default)]
 pub struct SourceMap {
-    files: Vec<(PathBuf, String)>,
+    files: Vec<SourceFile>,
+}
+
+#[derive(Clone, Debug)]
+struct SourceFile {
+    path: PathBuf,
+    text: String,
+    /// Once a place was asked for: most scenes have no message.
+    lines: OnceLock<Lines>,
 }
 
 impl SourceMap {
     /// Adds a file and returns its index.
     pub fn add(&mut self, path: PathBuf, text: String) -> u32 {
         let id = u32::try_from(self.files.len()).expect("memory holds fewer files");
-        self.files.push((path, text));
+        self.files.push(SourceFile { path, text, lines: OnceLock::new() });
         id
     }
 
     /// Replaces the text of a file that was added before it was read.
     pub(crate) fn set_text(&mut self, file: u32, text: String) {
-        self.files[file as usize].1 = text;
+        let file = &mut self.files[file as usize];
+        (file.text, file.lines) = (text, OnceLock::new());
     }
 
     /// The path of a file as it was opened.
     pub fn path(&self, file: u32) -> &Path {
-        &self.files[file as usize].0
+        &self.files[file as usize].path
     }
 
     /// Of all files, the main one first.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
-        self.files.iter().map(|(path, _)| path.as_path())
+        self.files.iter().map(|file| file.path.as_path())
     }
 
     /// The text of a file.
     pub fn text(&self, file: u32) -> &str {
-        &self.files[file as usize].1
+        &self.files[file as usize].text
     }
 
     /// 1-based line and column (in characters) of the start of `span`.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
-        let text = self.text(span.file);
-        let before = &text[..char_floor(text, span.start as usize)];
-        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
-        let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
-        (line, column)
+        let SourceFile { text, lines, .. } = &self.files[span.file as usize];
+        let offset = char_floor(text, span.start as usize);
+        lines.get_or_init(|| Lines::of(text)).place(text, offset)
     }
 
     /// `path:line:column` of the start of `span`.
@@ -213,7 +224,7 @@ impl SourceMap {
     /// the first [`SHOWN`].
     pub fn render(&self, diagnostics: &[Diagnostic]) -> String {
         let mut files = SimpleFiles::new();
-        for (path, text) in &self.files {
+        for SourceFile { path, text, .. } in &self.files {
             files.add(path.display().to_string(), text.as_str());
         }
         let config = term::Config::default();

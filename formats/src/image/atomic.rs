@@ -1,7 +1,9 @@
 //! Atomic output: a file has either its old or its new content, never a part of it.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempPath;
 
 use crate::files::plain;
 
@@ -23,34 +25,65 @@ pub fn atomic_replace(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
 }
 
 fn write(path: &Path, bytes: &[u8], flush: bool) -> io::Result<()> {
-    let old = std::fs::metadata(path).ok();
-    // Pipes and devices cannot be replaced, only written to.
-    if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
-        return std::fs::File::options().write(true).open(path)?.write_all(bytes);
+    Staged::new(path, bytes, flush)?.commit()
+}
+
+/// The new content of a file, written beside it and not yet in its place. It is removed unless it is committed.
+#[derive(Debug)]
+pub enum Staged {
+    /// The temporary file, and its place.
+    Beside(TempPath, PathBuf),
+    /// For a pipe or device, which cannot be replaced, only written to.
+    Direct(Vec<u8>, PathBuf),
+}
+
+impl Staged {
+    /// Writes `bytes` beside `path`; `flush` waits until they are on the disk.
+    ///
+    /// # Errors
+    /// When `path` is a folder, or its folder cannot be written to.
+    pub fn new(path: &Path, bytes: &[u8], flush: bool) -> io::Result<Self> {
+        let old = std::fs::metadata(path).ok();
+        if old.as_ref().is_some_and(std::fs::Metadata::is_dir) {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        if old.as_ref().is_some_and(|old| !old.is_file()) {
+            return Ok(Self::Direct(bytes.to_vec(), path.to_path_buf()));
+        }
+        // Through a link the file it stands for is replaced, not the link.
+        let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".caustica-");
+        // Temporary files are private by default; an output gets what any new file would.
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            let mode = old.map_or(0o666, |old| old.permissions().mode() & 0o777);
+            builder.permissions(std::fs::Permissions::from_mode(mode));
+        }
+        let mut file = builder.tempfile_in(folder)?;
+        file.write_all(bytes)?;
+        if flush {
+            file.as_file().sync_all()?;
+        }
+        // Thousands may be staged at a time, so none is kept open.
+        Ok(Self::Beside(file.into_temp_path(), path))
     }
-    // Through a link the file it stands for is replaced, not the link.
-    let linked = std::fs::canonicalize(path);
-    let path = linked.as_deref().unwrap_or(path);
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".caustica-");
-    // Temporary files are private by default; an output gets what any new file would.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        let mode = old.map_or(0o666, |old| old.permissions().mode() & 0o777);
-        builder.permissions(std::fs::Permissions::from_mode(mode));
+
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    /// When that is not possible; the old file is then as it was.
+    pub fn commit(self) -> io::Result<()> {
+        match self {
+            Self::Beside(file, path) => file.persist(path).map_err(|failed| failed.error),
+            Self::Direct(bytes, path) => std::fs::File::options().write(true).open(path)?.write_all(&bytes),
+        }
     }
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    if flush {
-        file.as_file().sync_all()?;
-    }
-    file.persist(path).map_err(|failed| failed.error)?;
-    Ok(())
 }
 
 #[cfg(test)]

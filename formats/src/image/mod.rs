@@ -18,7 +18,7 @@ use thiserror::Error;
 use crate::misnamed;
 
 pub use crate::files::words;
-pub use atomic::{atomic_replace, atomic_write};
+pub use atomic::{Staged, atomic_replace, atomic_write};
 pub use exr_write::{ExrLayer, ExrOptions, encode_exr, write_exr};
 pub use hdr::encode_hdr;
 pub use pfm::{encode_pfm, write_pfm};

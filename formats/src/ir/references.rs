@@ -10,8 +10,19 @@ use super::{Scene, shape::Shape};
 /// The scene with its arenas in the order of first use and without what nothing uses: two scenes
 /// that mean the same and were written down in another order become equal.
 pub fn canonical(scene: &Scene) -> Scene {
-    let mut new = Scene { bsdfs: Arena::default(), textures: Arena::default(), ..scene.clone() };
-    new.groups = Arena::default();
+    let mut new = Scene {
+        origin: scene.origin,
+        spectrum_rule: scene.spectrum_rule,
+        hide_emitters: scene.hide_emitters,
+        integrator: scene.integrator.clone(),
+        sensors: scene.sensors.clone(),
+        default_sensor: scene.default_sensor,
+        shapes: Vec::new(),
+        groups: Arena::default(),
+        bsdfs: Arena::default(),
+        textures: Arena::default(),
+        emitters: Vec::new(),
+    };
     let mut moves = Moves {
         old: scene,
         groups: vec![None; scene.groups.len()],

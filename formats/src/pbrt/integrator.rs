@@ -29,6 +29,9 @@ pub(super) const INTEGRATORS: &[Plugin<ReadIntegrator>] = &[
     unsupported("function"),
 ];
 
+/// What stands for unlimited depth: pbrt has no infinity, and no path survives this many bounces.
+pub(super) const UNLIMITED: i64 = 1_000_000;
+
 impl Reader<'_> {
     /// The scene's integrator; nothing where the file names none, so that the command line decides.
     pub fn integrator(&mut self) {
@@ -40,7 +43,8 @@ impl Reader<'_> {
         };
         let plugin = reader(&mut p, &mut settings);
         // pbrt counts bounces, we count the segments of a path.
-        let depth = i64::from(p.count("maxdepth", 5, 0)) + 1;
+        let bounces = i64::from(p.count("maxdepth", 5, 0));
+        let depth = if bounces >= UNLIMITED { -1 } else { bounces + 1 };
         let place = Origin(Some(p.span_of("maxdepth")));
         settings.insert("max_depth".to_owned(), Setting { origin: place, value: Scalar::Integer(depth) });
         // pbrt shoots one photon a pixel where nothing else is asked for.

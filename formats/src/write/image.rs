@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use std::path::Path;
+use std::rc::Rc;
 
 use super::mesh::stem;
 use super::{Output, WriteError};
@@ -86,9 +87,8 @@ fn wrapped(i: i64, n: usize, wrap: WrapMode) -> Result<usize, f64> {
 }
 
 impl Output<'_> {
-    pub(super) fn image(&self, path: &Path) -> Result<Image, WriteError> {
-        let bytes = self.read(path)?;
-        image::read(&bytes).map_err(|e| WriteError::Asset { path: path.to_path_buf(), reason: e.to_string() })
+    pub(super) fn image(&self, path: &Path) -> Result<Rc<Image>, WriteError> {
+        self.files.image(path)
     }
 
     /// Whether a picture shows gray only; false where it cannot be read.

@@ -83,7 +83,7 @@ impl Output<'_> {
             area(&mesh) * quadric_area(quadric) / flat_area(&mesh)
         };
         Ok(Some(match &shape.kind {
-            ShapeKind::Mesh(file) => area(&self.mesh(file)?),
+            ShapeKind::Mesh(file) => area(&*self.mesh(file)?),
             ShapeKind::Inline(mesh) => {
                 let (positions, triangles) = (mesh.positions.clone(), mesh.triangles.clone());
                 area(&Mesh { positions, triangles, ..Mesh::default() })
@@ -166,7 +166,7 @@ impl Output<'_> {
                 behind(whole, if shape.flip_normals { distance } else { -distance })
             }
             ShapeKind::Mesh(file) if file.authored_normals => {
-                behind(self.mesh(file)?, if shape.flip_normals { distance } else { -distance })
+                behind(Mesh::clone(&*self.mesh(file)?), if shape.flip_normals { distance } else { -distance })
             }
             _ => return Ok(None),
         };

@@ -2,22 +2,16 @@
 
 use std::f64::consts::TAU;
 use std::path::Path;
+use std::rc::Rc;
 
 use super::{Output, WriteError};
 use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeKind, Transform};
-use crate::mesh::{self, Mesh, MeshOptions, write_ply};
+use crate::mesh::{Mesh, write_ply};
 
 impl Output<'_> {
     /// The mesh as it is rendered; its normals are absent when it is flat.
-    pub fn mesh(&self, file: &MeshFile) -> Result<Mesh, WriteError> {
-        let options = MeshOptions {
-            face_normals: file.face_normals,
-            authored_normals: file.authored_normals,
-            flip_tex_coords: file.flip_tex_coords,
-            max_smooth_angle: file.max_smooth_angle,
-        };
-        mesh::read(file.format, &self.read(&file.path)?, &options)
-            .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })
+    pub fn mesh(&self, file: &MeshFile) -> Result<Rc<Mesh>, WriteError> {
+        Ok(self.files.mesh(file)?.mesh.clone())
     }
 
     /// Whether a shape that is a mesh has any surface.
@@ -25,7 +19,7 @@ impl Output<'_> {
         let any =
             |mesh: &Mesh| mesh.triangles.iter().any(|t| cross(mesh, *t).iter().any(|v| v.abs() > 1e-30));
         Ok(match &shape.kind {
-            ShapeKind::Mesh(file) => any(&self.mesh(file)?),
+            ShapeKind::Mesh(file) => any(&*self.mesh(file)?),
             ShapeKind::Inline(mesh) => {
                 let (positions, triangles) = (mesh.positions.clone(), mesh.triangles.clone());
                 any(&Mesh { positions, triangles, ..Mesh::default() })
@@ -42,14 +36,12 @@ impl Output<'_> {
             stem = format!("{stem}-{index:03}");
         }
         self.make(&key, "meshes", &stem, "ply", |output| {
-            let mesh = output.mesh(file)?;
-            let skipped = mesh::skipped(file.format, &output.read(&file.path)?)
-                .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })?;
-            for (name, size) in skipped {
+            let loaded = output.files.mesh(file)?;
+            for (name, size) in &loaded.skipped {
                 let what = format!("the attribute `{name}` of a mesh, {size} numbers each");
                 output.lose(origin, what, "a mesh without it");
             }
-            Ok(write_ply(&with_sound_normals(mesh)))
+            Ok(write_ply(&with_sound_normals(Mesh::clone(&loaded.mesh))))
         })
     }
 
@@ -120,18 +112,12 @@ impl Output<'_> {
 
     /// Whether all faces of a PLY file are triangles and all normals directions, so that every reader takes them alike.
     pub fn is_triangle_ply(&self, file: &MeshFile) -> Result<bool, WriteError> {
-        let bytes = self.read(&file.path)?;
-        let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
-        let faces =
-            head.lines().find_map(|line| line.trim().strip_prefix("element face ")?.trim().parse().ok());
-        let mesh = mesh::read(file.format, &bytes, &MeshOptions::default())
-            .map_err(|e| WriteError::Asset { path: file.path.clone(), reason: e.to_string() })?;
-        Ok(faces == Some(mesh.triangles.len()) && mesh.normals.iter().all(|n| sound(*n)))
+        Ok(self.files.mesh(file)?.plain)
     }
 }
 
 /// Whether a normal has a direction.
-fn sound(normal: [f32; 3]) -> bool {
+pub(super) fn sound(normal: [f32; 3]) -> bool {
     let square: f32 = normal.iter().map(|v| v * v).sum();
     square.is_normal()
 }

@@ -3,26 +3,28 @@
 mod image;
 mod light;
 mod mesh;
+mod names;
 mod output;
 mod sample;
+mod save;
 mod sky;
 mod slide;
+mod source;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::Serialize;
 use thiserror::Error;
 
 pub(crate) use image::Tone;
 pub(crate) use mesh::about;
+pub(crate) use names::Names;
 pub(crate) use output::Output;
 pub(crate) use sample::Sampled;
 pub(crate) use slide::Cone;
-
-use crate::files::{Files, plain};
-use crate::image::atomic_write;
 
 /// Something in the scene that the written one cannot express.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -69,6 +71,8 @@ pub struct Written {
     pub losses: Vec<Loss>,
     /// Files the scene was read from, which must survive.
     inputs: HashSet<PathBuf>,
+    /// The bytes of copied files that were read to look at them.
+    read: HashMap<PathBuf, Arc<Vec<u8>>>,
 }
 
 /// Why a scene cannot be written.
@@ -90,6 +94,9 @@ pub enum WriteError {
     /// The target is there, and must not be replaced.
     #[error("{} exists; --force replaces it", .0.display())]
     Exists(PathBuf),
+    /// Meshes or pictures may not be read, or are missing.
+    #[error("{}", .0.iter().map(|(path, error)| format!("{}: {error}", path.display())).collect::<Vec<_>>().join("\n"))]
+    Unreadable(Vec<(PathBuf, io::Error)>),
     /// A file cannot be read or written.
     #[error("{}: {error}", path.display())]
     Io {
@@ -111,42 +118,8 @@ pub enum WriteError {
 impl Written {
     /// The scene of `output` as `text` in the file `path`.
     pub(crate) fn new(path: &Path, text: String, output: Output<'_>) -> Self {
-        let (assets, losses, inputs) = output.finish();
-        Self { path: path.to_path_buf(), text, assets, losses, inputs }
-    }
-
-    /// Writes scene and assets, each in one step. An asset that is there already with the same bytes is left
-    /// alone.
-    ///
-    /// # Errors
-    /// When a target is a file that the scene was read from, or exists and `replace` is false: then nothing is
-    /// written. When a file cannot be read or written.
-    pub fn save(&self, files: &dyn Files, replace: bool) -> Result<(), WriteError> {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let io = |path: &Path| {
-            let path = path.to_path_buf();
-            move |error| WriteError::Io { path, error: plain(error) }
-        };
-        self.check(&self.path, replace)?;
-        let mut changed = Vec::new();
-        for asset in &self.assets {
-            let target = folder.join(&asset.path);
-            let bytes = match &asset.content {
-                Content::Bytes(bytes) => bytes.clone(),
-                Content::Copy(source) => files.read(source).map_err(io(source))?,
-            };
-            if std::fs::read(&target).is_ok_and(|old| old == bytes) {
-                continue;
-            }
-            self.check(&target, replace)?;
-            changed.push((target, bytes));
-        }
-        for (target, bytes) in &changed {
-            let parent = target.parent().unwrap_or(Path::new(""));
-            std::fs::create_dir_all(parent).map_err(io(parent))?;
-            atomic_write(target, bytes).map_err(io(target))?;
-        }
-        atomic_write(&self.path, self.text.as_bytes()).map_err(io(&self.path))
+        let output::Finished { assets, losses, inputs, read } = output.finish();
+        Self { path: path.to_path_buf(), text, assets, losses, inputs, read }
     }
 
     /// Checks that writing to `target` would not replace a file the scene was read from.
@@ -157,14 +130,6 @@ impl Written {
         let linked = || std::fs::canonicalize(target).is_ok_and(|real| self.inputs.contains(&real));
         if self.inputs.contains(&output::normal(target)) || linked() {
             return Err(WriteError::OverInput(target.to_path_buf()));
-        }
-        Ok(())
-    }
-
-    fn check(&self, target: &Path, replace: bool) -> Result<(), WriteError> {
-        self.spare_inputs(target)?;
-        if target.exists() && !replace {
-            return Err(WriteError::Exists(target.to_path_buf()));
         }
         Ok(())
     }

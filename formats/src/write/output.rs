@@ -2,7 +2,10 @@
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
+use super::names::Names;
+use super::source::Sources;
 use super::{Asset, Content, Loss, WriteError};
 use crate::diagnostic::SourceMap;
 use crate::files::Files;
@@ -13,17 +16,20 @@ use crate::spectrum::to_linear_rgb;
 pub(crate) struct Output<'a> {
     pub scene: &'a Scene,
     sources: &'a SourceMap,
-    files: &'a dyn Files,
+    /// Files of the scene that was read.
+    pub(super) files: Sources<'a>,
     /// Of the scene to write.
     folder: PathBuf,
     inputs: HashSet<PathBuf>,
     assets: Vec<Asset>,
     losses: Vec<Loss>,
+    /// Where each loss stands among them.
+    known: HashMap<[String; 3], usize>,
     /// Source → name in the written scene.
     carried: HashMap<PathBuf, String>,
     /// Assets made from others, by a key of the writer's.
     made: HashMap<String, String>,
-    taken: HashSet<String>,
+    taken: Names,
     /// Whether any textured shape has uv outside of 0 to 1, once that was asked.
     pub(super) beyond: Option<bool>,
     /// Folder of the assets, named after the scene's file: scenes beside each other do not share one.
@@ -36,8 +42,11 @@ impl<'a> Output<'a> {
         let mut inputs: HashSet<PathBuf> = read.sources.paths().map(normal).collect();
         inputs.extend(asset_paths(&read.scene).into_iter().map(normal));
         // No new asset may take the name of a file that is read.
-        let below = inputs.iter().filter_map(|path| path.strip_prefix(&folder).ok());
-        let taken = below.map(|path| slashed(path).to_lowercase()).collect();
+        // File systems may not tell upper from lower case.
+        let mut taken = Names::folding_case();
+        for path in inputs.iter().filter_map(|path| path.strip_prefix(&folder).ok()) {
+            taken.take(&slashed(path));
+        }
         // A file has the names of its links, too.
         let linked: Vec<PathBuf> =
             inputs.iter().filter_map(|path| std::fs::canonicalize(path).ok()).collect();
@@ -45,11 +54,12 @@ impl<'a> Output<'a> {
         Self {
             scene: &read.scene,
             sources: &read.sources,
-            files,
+            files: Sources::new(files),
             folder,
             inputs,
             assets: Vec::new(),
             losses: Vec::new(),
+            known: HashMap::new(),
             carried: HashMap::new(),
             made: HashMap::new(),
             taken,
@@ -58,21 +68,34 @@ impl<'a> Output<'a> {
         }
     }
 
-    pub fn finish(self) -> (Vec<Asset>, Vec<Loss>, HashSet<PathBuf>) {
-        (self.assets, self.losses, self.inputs)
+    /// Whether every file of the scene may be read.
+    pub fn check_files(&self) -> Result<(), WriteError> {
+        self.files.check(self.scene)
+    }
+
+    pub(super) fn finish(self) -> Finished {
+        let copied = self.assets.iter().filter_map(|asset| match &asset.content {
+            Content::Copy(path) => Some((path.clone(), self.files.take(path)?)),
+            Content::Bytes(_) => None,
+        });
+        let read = copied.collect();
+        Finished { assets: self.assets, losses: self.losses, inputs: self.inputs, read }
     }
 
     /// Records that `what` cannot be expressed, and what is written instead.
     pub fn lose(&mut self, origin: Origin, what: impl Into<String>, instead: impl Into<String>) {
+        self.loss(origin, what.into(), instead.into());
+    }
+
+    /// Where the loss stands among all: an object that several others refer to may be written more than once.
+    fn loss(&mut self, origin: Origin, what: String, instead: String) -> usize {
         let place = origin.0.map(|span| self.sources.location(span));
-        let loss = Loss { what: what.into(), place, instead: instead.into(), size: None };
-        // An object that several others refer to may be written more than once.
-        let known = |other: &Loss| {
-            (&other.what, &other.place, &other.instead) == (&loss.what, &loss.place, &loss.instead)
-        };
-        if !self.losses.iter().any(known) {
-            self.losses.push(loss);
-        }
+        let key = [what.clone(), place.clone().unwrap_or_default(), instead.clone()];
+        let losses = &mut self.losses;
+        *self.known.entry(key).or_insert_with(|| {
+            losses.push(Loss { what, place, instead, size: None });
+            losses.len() - 1
+        })
     }
 
     /// As `lose`, when the light changes by this part of what there was.
@@ -83,11 +106,8 @@ impl<'a> Output<'a> {
         instead: impl Into<String>,
         size: f64,
     ) {
-        let (what, instead) = (what.into(), instead.into());
-        self.lose(origin, what.clone(), instead);
-        if let Some(loss) = self.losses.iter_mut().rev().find(|loss| loss.what == what) {
-            loss.size = Some(size);
-        }
+        let index = self.loss(origin, what.into(), instead.into());
+        self.losses[index].size = Some(size);
     }
 
     /// The linear triple the scene's own rule gives a colour; out of range ones are clamped and lost.
@@ -130,9 +150,13 @@ impl<'a> Output<'a> {
         self.sources.paths().next().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned())
     }
 
-    pub fn read(&self, path: &Path) -> Result<Vec<u8>, WriteError> {
-        let fail = |error| WriteError::Io { path: path.to_path_buf(), error };
-        self.files.read(path).map_err(fail)
+    pub fn read(&self, path: &Path) -> Result<Arc<Vec<u8>>, WriteError> {
+        self.files.read(path)
+    }
+
+    /// Whether the bytes of a file are so, asked once for each file and `name` of the question.
+    pub fn is(&self, name: &'static str, path: &Path, so: fn(&[u8]) -> bool) -> Result<bool, WriteError> {
+        self.files.is(name, path, so)
     }
 
     /// The name of an existing file relative to the scene; it is copied to a `subfolder` of its own unless it
@@ -178,14 +202,21 @@ impl<'a> Output<'a> {
 
     fn free_name(&mut self, subfolder: &str, stem: &str, extension: &str) -> String {
         let (own, stem) = (&self.own, plain(stem));
-        let candidates = (1..).map(|n| match n {
-            1 => format!("{own}/{subfolder}/{stem}.{extension}"),
-            n => format!("{own}/{subfolder}/{stem}-{n}.{extension}"),
-        });
-        // File systems may not tell upper from lower case.
-        let taken = &mut self.taken;
-        candidates.into_iter().find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
+        let base = format!("{own}/{subfolder}/{stem}.{extension}");
+        self.taken.free(&base, |n| match n {
+            0 => base.clone(),
+            n => format!("{own}/{subfolder}/{stem}-{}.{extension}", n + 1),
+        })
     }
+}
+
+/// What an output leaves when its scene is written.
+pub(super) struct Finished {
+    pub assets: Vec<Asset>,
+    pub losses: Vec<Loss>,
+    pub inputs: HashSet<PathBuf>,
+    /// The bytes of copied files that were read already.
+    pub read: HashMap<PathBuf, Arc<Vec<u8>>>,
 }
 
 /// With `_` for what file systems or scene languages may not like.

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod layers;
+mod linear;
 mod random;
 mod round_trip;
 mod shared;

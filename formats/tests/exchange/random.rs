@@ -60,7 +60,7 @@ pub fn scene(language: Language) -> impl Strategy<Value = Scene> {
         vec(transform(), 0..3),
         vec(emitter(language), 0..4),
     );
-    (things, camera(language), 1i64..9).prop_map(move |(things, camera, depth)| {
+    (things, camera(language), prop_oneof![Just(-1), 1i64..9]).prop_map(move |(things, camera, depth)| {
         let (textures, materials, shapes, groups, instances, emitters) = things;
         let mut scene = empty(language).scene;
         for (i, kind) in textures.into_iter().enumerate() {

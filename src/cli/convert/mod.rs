@@ -63,9 +63,14 @@ fn warn(read: &Read) {
 
 fn describe(loss: &Loss) -> String {
     let place = loss.place.as_ref().map_or(String::new(), |place| format!("{place}: "));
-    let size =
-        loss.size.map_or(String::new(), |size| format!("\n  size: {:+.0} % of its light", 100.0 * size));
+    let size = loss.size.map_or(String::new(), |size| format!("\n  size: {} % of its light", percent(size)));
     format!("lost: {place}{}\n  instead: {}{size}", loss.what, loss.instead)
+}
+
+/// A part as a signed percentage; what rounds to nothing has no sign.
+fn percent(part: f64) -> String {
+    let rounded = (100.0 * part).round();
+    if rounded == 0.0 { "0".to_owned() } else { format!("{rounded:+.0}") }
 }
 
 fn summary(written: &Written, scene: &ir::Scene) -> String {
@@ -80,4 +85,14 @@ fn summary(written: &Written, scene: &ir::Scene) -> String {
         plural(written.assets.len(), "file", "files"),
         plural(written.losses.len(), "loss", "losses"),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_has_no_sign() {
+        assert_eq!([-0.004, 0.0, 0.004, -0.006, 0.126].map(percent), ["0", "0", "0", "-1", "+13"]);
+    }
 }

@@ -21,7 +21,10 @@ const PASSES: u32 = 16;
 /// Gives each loss that names a material its size: the light of a ball of it in even light, afterwards against
 /// before. Losses of other things keep none.
 pub fn measure(read: &Read, files: &dyn Files, written: &mut Written) {
+    let Some(mut stage) = stage(&read.scene) else { return };
+    // By the place of a material, and by what it is: exporters repeat them.
     let mut known: BTreeMap<String, Option<f64>> = BTreeMap::new();
+    let mut alike: BTreeMap<String, Option<f64>> = BTreeMap::new();
     let places: BTreeMap<String, Id<Bsdf>> = read
         .scene
         .bsdfs
@@ -36,13 +39,16 @@ pub fn measure(read: &Read, files: &dyn Files, written: &mut Written) {
         let Some((place, id)) = loss.place.as_ref().and_then(|place| places.get_key_value(place)) else {
             continue;
         };
-        loss.size = *known.entry(place.clone()).or_insert_with(|| size(read, files, &path, *id));
+        loss.size = *known.entry(place.clone()).or_insert_with(|| {
+            let ball = ball(&mut stage, *id)?;
+            *alike.entry(ball.to_string()).or_insert_with(|| size(ball, files, &path))
+        });
     }
 }
 
 /// Relative change of the light; `None` where one of the balls cannot be rendered or is black.
-fn size(read: &Read, files: &dyn Files, path: &Path, id: Id<Bsdf>) -> Option<f64> {
-    let scene = ball(&read.scene, id)?;
+fn size(ball: serde_json::Value, files: &dyn Files, path: &Path) -> Option<f64> {
+    let scene: ir::Scene = serde_json::from_value(ball).ok()?;
     let options = options();
     let before = mean(&Session::of(scene.clone(), files, path, &options).ok()?);
     let read = Read { scene, warnings: Vec::new(), sources: Default::default() };
@@ -69,8 +75,8 @@ fn mean(session: &Session) -> f64 {
     sum / pixels.len().max(1) as f64
 }
 
-/// A ball of the material that fills the film, with light of 1 from everywhere.
-fn ball(scene: &ir::Scene, id: Id<Bsdf>) -> Option<ir::Scene> {
+/// A scene of one ball that fills the film, with light of 1 from everywhere and all materials of `scene`.
+fn stage(scene: &ir::Scene) -> Option<ir::Scene> {
     let mut sensor = scene.sensors.get(scene.default_sensor)?.clone();
     sensor.to_world = Transform::look_at([0.0, -4.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0])?;
     sensor.projection = Projection::Perspective { fov: Fov::Degrees(19.5), axis: FovAxis::X };
@@ -85,23 +91,38 @@ fn ball(scene: &ir::Scene, id: Id<Bsdf>) -> Option<ir::Scene> {
         origin: Origin(None),
         kind: ShapeKind::Sphere { center: [0.0; 3], radius: 1.0 },
         to_world: Transform::IDENTITY,
-        bsdf: Some(id),
+        bsdf: None,
         emission: None,
         flip_normals: false,
         alpha: None,
     };
     let kind = EmitterKind::Constant { radiance: Color::Gray(1.0) };
     let light = Emitter { name: None, origin: Origin(None), kind };
-    let scene = canonical(&ir::Scene {
+    Some(ir::Scene {
+        origin: scene.origin,
+        spectrum_rule: scene.spectrum_rule,
+        hide_emitters: scene.hide_emitters,
         integrator: None,
         sensors: vec![sensor],
         default_sensor: 0,
         shapes: vec![ball],
+        groups: Default::default(),
+        bsdfs: scene.bsdfs.clone(),
+        textures: scene.textures.clone(),
         emitters: vec![light],
-        ..scene.clone()
-    });
-    // Places in files, which nobody asks for here, do not survive.
-    serde_json::from_value(serde_json::to_value(scene).ok()?).ok()
+    })
+}
+
+/// The stage with a ball of this material and no other, as JSON: places in files, which nobody asks for here, do not
+/// survive, and equal balls are equal.
+fn ball(stage: &mut ir::Scene, id: Id<Bsdf>) -> Option<serde_json::Value> {
+    stage.shapes[0].bsdf = Some(id);
+    let mut scene = canonical(stage);
+    let bsdfs: Vec<_> = scene.bsdfs.iter().map(|(id, _)| id).collect();
+    bsdfs.into_iter().for_each(|id| scene.bsdfs[id].name = None);
+    let textures: Vec<_> = scene.textures.iter().map(|(id, _)| id).collect();
+    textures.into_iter().for_each(|id| scene.textures[id].name = None);
+    serde_json::to_value(scene).ok()
 }
 
 /// The files of a scene that was written in memory, over those it was made from.

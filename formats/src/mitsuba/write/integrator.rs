@@ -110,7 +110,7 @@ impl Writer<'_, '_> {
                 && setting.value == Scalar::Boolean(true)
                 && self.scene.hide_emitters == HideEmitters::Emission
             {
-                let what = "hide_emitters that hides the light of lamps but not their surfaces";
+                let what = "hide_emitters that hides the emission of lights but not their surfaces";
                 self.out.lose(setting.origin, what, "hide_emitters that hides both");
             }
             let value = self.accepted(i, name, setting);

@@ -19,13 +19,13 @@ mod substitute;
 mod sunsky;
 mod texture;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use element::{Element, print};
 use texture::Said;
 
 use crate::ir::{Id, Origin, Query, Scene, Shape, Texture, Uses};
-use crate::write::{Output, WriteError};
+use crate::write::{Names, Output, WriteError};
 
 /// Version of the written files.
 const VERSION: &str = "3.0.0";
@@ -64,18 +64,18 @@ struct Ids {
     bsdfs: Vec<Option<String>>,
     textures: Vec<Option<String>>,
     groups: Vec<Option<String>>,
-    taken: HashSet<String>,
+    taken: Names,
 }
 
 impl Ids {
     fn new(scene: &Scene) -> Self {
         let uses = Uses::of(scene);
         let mut ids =
-            Self { bsdfs: Vec::new(), textures: Vec::new(), groups: Vec::new(), taken: HashSet::new() };
+            Self { bsdfs: Vec::new(), textures: Vec::new(), groups: Vec::new(), taken: Names::default() };
         let sensors = scene.sensors.iter().filter_map(|sensor| sensor.name.clone());
         let shapes = scene.shapes.iter().filter_map(|shape| shape.name.clone());
-        ids.taken.extend(sensors.chain(shapes));
-        ids.taken.extend(scene.emitters.iter().filter_map(|emitter| emitter.name.clone()));
+        let emitters = scene.emitters.iter().filter_map(|emitter| emitter.name.clone());
+        sensors.chain(shapes).chain(emitters).for_each(|name| _ = ids.taken.take(&name));
         let shared = |name: &Option<String>, uses: usize| name.is_some() || uses > 1;
         for (id, bsdf) in scene.bsdfs.iter() {
             let id = shared(&bsdf.name, uses.count(id)).then(|| ids.free(&bsdf.name, "material"));
@@ -95,12 +95,7 @@ impl Ids {
     /// `name`, or one made from it or from `kind` that is not taken. pbrt has a name space for each
     /// kind of thing; Mitsuba has one for all.
     fn free(&mut self, name: &Option<String>, kind: &str) -> String {
-        let plain = name.as_deref().filter(|name| !name.is_empty());
-        let candidates = plain.map(str::to_owned).into_iter();
-        let base = plain.unwrap_or(kind).to_owned();
-        let numbered = (1..).map(|n| format!("{base}-{n}"));
-        let taken = &mut self.taken;
-        candidates.chain(numbered).find(|name| taken.insert(name.clone())).unwrap_or(base)
+        self.taken.free_or_numbered(name.as_deref(), kind)
     }
 }
 

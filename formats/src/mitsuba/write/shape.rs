@@ -143,10 +143,10 @@ impl Writer<'_, '_> {
         let keep = file.max_smooth_angle.is_none()
             && match file.format {
                 MeshFormat::Serialized { .. } => true,
-                MeshFormat::Obj => plain_obj(&self.out.read(&file.path)?),
+                MeshFormat::Obj => self.out.is("plain OBJ", &file.path, plain_obj)?,
                 MeshFormat::ObjPart { .. } => false,
                 MeshFormat::Ply => {
-                    plain_ply(&self.out.read(&file.path)?) && self.out.is_triangle_ply(file)?
+                    self.out.is("plain PLY", &file.path, plain_ply)? && self.out.is_triangle_ply(file)?
                 }
             };
         if !keep {
@@ -216,15 +216,15 @@ impl Writer<'_, '_> {
     fn emission(&mut self, shape: &Shape, e: &AreaEmission) -> Result<Element, WriteError> {
         let opacity = shape.alpha.as_ref();
         if e.two_sided {
-            let what = "a lamp that emits on both sides";
+            let what = "a light that emits on both sides";
             self.out.lose_light(e.origin, what, "the side of its normal only", -0.5);
         }
         let factor = self.out.lamp_factor(shape, e)?;
         if let (None, Some(power)) = (factor, e.power) {
-            self.out.lose(e.origin, format!("the power of a lamp, {power} W"), "its radiance as written");
+            self.out.lose(e.origin, format!("the power of a light, {power} W"), "its radiance as written");
         }
         if e.scale < 0.0 {
-            let what = format!("a lamp of negative light, scale {}", e.scale);
+            let what = format!("a light of negative radiance, scale {}", e.scale);
             self.out.lose(e.origin, what, "a dark one");
         }
         let scale = e.scale.max(0.0) * factor.unwrap_or(1.0);

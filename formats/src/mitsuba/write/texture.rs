@@ -72,14 +72,14 @@ impl Writer<'_, '_> {
             if !light.repeats() && self.out.any_leaves_the_square()? {
                 self.out.lose(
                     e.origin,
-                    "the opacity of a lamp beyond uv 0 to 1",
+                    "the opacity of a light beyond uv 0 to 1",
                     "that from 0 to 1, repeated",
                 );
             }
             let name = self.out.make_light(*id, &light, factor)?;
             return Ok(raw_picture(&name).with("name", "radiance"));
         }
-        self.out.lose(e.origin, "the opacity of a lamp that is not by uv", "a mask on its material only");
+        self.out.lose(e.origin, "the opacity of a light that is not by uv", "a mask on its material only");
         match &e.radiance {
             ColorInput::Color(color) => Ok(self.light("radiance", color, scale, e.origin)),
             ColorInput::Texture(id) => self.scaled_texture("radiance", *id, factor[0]),

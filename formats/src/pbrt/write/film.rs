@@ -6,10 +6,8 @@ use crate::ir::{
     ComponentFormat, CoordinateSystem, Film, Filter, Fov, FovAxis, HideEmitters, Integrator, Projection,
     Scalar, Sensor, Transform,
 };
+use crate::pbrt::integrator::UNLIMITED;
 use crate::write::number;
-
-/// For unlimited depth: pbrt has no infinity, and no path survives this many bounces.
-const UNLIMITED: i64 = 1_000_000;
 
 /// A filter of pbrt and its parameters for a filter that it can express.
 type Express = fn(&Filter) -> Option<Params>;
@@ -165,10 +163,10 @@ impl Writer<'_, '_> {
                 ("hide_emitters", Scalar::Boolean(false)) => {}
                 ("hide_emitters", _) => {
                     let what = match self.scene.hide_emitters {
-                        HideEmitters::Emission => "lamps whose light the camera does not see",
-                        HideEmitters::Surface => "lamps that the camera looks through",
+                        HideEmitters::Emission => "lights whose emission the camera does not see",
+                        HideEmitters::Surface => "lights that the camera looks through",
                     };
-                    self.out.lose(setting.origin, what, "visible lamps");
+                    self.out.lose(setting.origin, what, "visible lights");
                 }
                 _ => self.out.lose(setting.origin, format!("the setting `{name}`"), "what pbrt does"),
             }

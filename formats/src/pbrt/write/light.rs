@@ -216,7 +216,7 @@ impl Writer<'_, '_> {
         factor: f64,
     ) -> Result<(), WriteError> {
         if e.collimated {
-            self.out.lose(e.origin, "a lamp that emits along its normal only", "a diffuse lamp");
+            self.out.lose(e.origin, "a light that emits along its normal only", "a diffuse light");
         }
         let none = Params::default();
         let p = match &e.radiance {

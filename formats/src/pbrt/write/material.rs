@@ -114,6 +114,9 @@ impl Writer<'_, '_> {
         let Bsdf { kind, .. } = &scene.bsdfs[nested];
         let (plugin, p) = self.said(kind, *origin)?;
         let name = self.free(name, "material");
+        if plugin == "interface" {
+            self.interfaces.insert(name.clone());
+        }
         let mut text = String::new();
         self.place(&mut text, "", *origin);
         p.of_type(plugin).write(&mut text, "", "MakeNamedMaterial", &[&name]);
@@ -125,7 +128,7 @@ impl Writer<'_, '_> {
     /// Diffuse gray.
     pub fn plain_material(&mut self, gray: f64) -> String {
         let name = format!("gray-{gray}");
-        if self.taken.insert(name.clone()) {
+        if self.taken.take(&name) {
             let p = Params::default().rgb("reflectance", [gray; 3]).of_type("diffuse");
             p.write(&mut self.definitions, "", "MakeNamedMaterial", &[&name]);
         }

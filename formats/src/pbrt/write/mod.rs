@@ -21,7 +21,7 @@ use text::Params;
 use crate::ir::{
     Bsdf, Color, ColorInput, ColorSlot, FloatInput, Id, Origin, Query, Scene, ShapeGroup, Texture,
 };
-use crate::write::{Output, WriteError};
+use crate::write::{Names, Output, WriteError};
 
 pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
     let scene = output.scene;
@@ -31,9 +31,10 @@ pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
         definitions: String::new(),
         body: String::new(),
         materials: HashMap::new(),
+        interfaces: HashSet::new(),
         textures: HashMap::new(),
         objects: HashMap::new(),
-        taken: HashSet::new(),
+        taken: Names::default(),
         query: Query::default(),
     }
     .document()
@@ -46,10 +47,12 @@ struct Writer<'o, 'a> {
     definitions: String,
     body: String,
     materials: HashMap<Id<Bsdf>, String>,
+    /// Materials that light passes through; their shapes do not emit any.
+    interfaces: HashSet<String>,
     /// By kind: colours, or numbers (`true`).
     textures: HashMap<(Id<Texture>, bool), String>,
     objects: HashMap<Id<ShapeGroup>, String>,
-    taken: HashSet<String>,
+    taken: Names,
     query: Query,
 }
 
@@ -75,12 +78,7 @@ impl Writer<'_, '_> {
 
     /// `name`, or one made from it or from `kind` that is not taken.
     fn free(&mut self, name: &Option<String>, kind: &str) -> String {
-        let plain = name.as_deref().filter(|name| !name.is_empty());
-        let base = plain.unwrap_or(kind).to_owned();
-        let numbered = (1..).map(|n| format!("{base}-{n}"));
-        let taken = &mut self.taken;
-        let candidates = plain.map(str::to_owned).into_iter().chain(numbered);
-        candidates.into_iter().find(|name| taken.insert(name.clone())).unwrap_or(base)
+        self.taken.free_or_numbered(name.as_deref(), kind)
     }
 
     /// A comment on where a thing comes from.

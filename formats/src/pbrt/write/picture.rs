@@ -33,14 +33,14 @@ impl Writer<'_, '_> {
         match self.out.sampled(id)? {
             Some(sampled) => {
                 if self.out.leaves_the_square(shape)? {
-                    self.out.lose(origin, "the picture of a lamp beyond uv 0 to 1", "its border");
+                    self.out.lose(origin, "the picture of a light beyond uv 0 to 1", "its border");
                 }
                 let name = self.out.make_square(id, &sampled, [1.0; 3], false)?;
                 Ok(none.string("filename", &name))
             }
             None => {
                 let mean = self.shown_mean(id, shape)?;
-                let what = "the texture of a lamp that does not follow uv";
+                let what = "the texture of a light that does not follow uv";
                 self.out.lose(origin, what, format!("its mean, rgb {mean:?}"));
                 Ok(none.rgb("L", mean))
             }

@@ -3,8 +3,8 @@
 use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
-    BsdfKind, FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup,
-    ShapeKind, Transform,
+    FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup, ShapeKind,
+    Transform,
 };
 use crate::mesh::{Mesh, builtin};
 use crate::write::{WriteError, about};
@@ -55,12 +55,15 @@ impl Writer<'_, '_> {
             self.body.push_str(&text);
             return Ok(());
         }
-        let through = |id| matches!(self.scene.bsdfs[id].kind, BsdfKind::Null);
-        if shape.emission.is_some() && shape.bsdf.is_some_and(|id| through(self.unmasked(id).0)) {
-            self.out.lose(shape.origin, "a lamp that light passes through", "a lamp with a black surface");
+        let (material, mask) = self.shape_material(shape)?;
+        if shape.emission.is_some() && self.interfaces.contains(&material) {
+            self.out.lose(
+                shape.origin,
+                "an emitting surface that light passes through",
+                "a light with a black surface",
+            );
             return self.shape(&Shape { bsdf: None, ..shape.clone() });
         }
-        let (material, mask) = self.shape_material(shape)?;
         Params::default().write(&mut text, "\t", "NamedMaterial", &[&material]);
         if let Some(emission) = &shape.emission {
             let factor = self.despite_mask(mask.as_ref(), emission.origin);
@@ -159,7 +162,7 @@ impl Writer<'_, '_> {
         match mask {
             Some(FloatInput::Value(opacity)) if *opacity > 0.0 => 1.0 / opacity.min(1.0),
             Some(FloatInput::Texture(_)) => {
-                let what = "a lamp that shines where its material is cut away";
+                let what = "a light that shines where its material is cut away";
                 self.out.lose(origin, what, "light by the share of the surface that is left");
                 1.0
             }

@@ -1,0 +1,249 @@
+//! Whether two scenes of one language are the same, however their meshes and pictures are kept.
+
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::PathBuf;
+
+use caustica_formats::files::Files;
+use caustica_formats::image::{self, Encoding};
+use caustica_formats::ir::{
+    Bitmap, Color, ColorSlot, Fov, FovAxis, InlineMesh, Integrator, LightImage, MeshFile, Origin, Projection,
+    Scalar, Scene, Sensor, SpectrumRule, TextureEncoding, canonical,
+};
+use caustica_formats::mesh::{self, MeshOptions};
+use caustica_formats::spectrum::{conductor, ior, srgb_to_linear, to_linear_rgb};
+use serde_json::{Value, json};
+
+/// The scene as JSON without names and with one form for what can be said in several: colours are linear RGB, meshes
+/// and pictures what they hold.
+pub fn plain(scene: &Scene, files: &dyn Files) -> Value {
+    let mut scene = canonical(scene);
+    let integrator = scene.integrator.get_or_insert_with(|| Integrator {
+        origin: Origin(None),
+        plugin: "path".to_owned(),
+        settings: BTreeMap::new(),
+    });
+    integrator.settings.retain(|name, setting| {
+        let idle = [("max_depth", Scalar::Integer(-1)), ("hide_emitters", Scalar::Boolean(false))];
+        !idle.iter().any(|(known, value)| known == name && *value == setting.value)
+    });
+    let hides = integrator.settings.contains_key("hide_emitters");
+    scene.sensors.iter_mut().for_each(widen);
+    let rule = scene.spectrum_rule;
+    let mut value = serde_json::to_value(scene).unwrap_or(Value::Null);
+    if let Value::Object(fields) = &mut value {
+        fields.remove("spectrum_rule");
+        if !hides {
+            fields.remove("hide_emitters");
+        }
+    }
+    simplify(&mut value, ColorSlot::Reflectance, rule, files);
+    value
+}
+
+/// Gives a camera's angle across the width.
+fn widen(sensor: &mut Sensor) {
+    let Projection::Perspective { fov: Fov::Degrees(degrees), axis } = sensor.projection else { return };
+    let (width, height) = (f64::from(sensor.film.width), f64::from(sensor.film.height));
+    let along = match axis {
+        FovAxis::X => width,
+        FovAxis::Y => height,
+        FovAxis::Diagonal => width.hypot(height),
+        FovAxis::Smaller => width.min(height),
+        FovAxis::Larger => width.max(height),
+    };
+    let tangent = (0.5 * degrees).to_radians().tan() * width / along;
+    let fov = Fov::Degrees(2.0 * tangent.atan().to_degrees());
+    sensor.projection = Projection::Perspective { fov, axis: FovAxis::X };
+}
+
+/// What a colour with this name is.
+fn slot_of(name: &str) -> Option<ColorSlot> {
+    Some(match name {
+        "radiance" | "intensity" | "irradiance" => ColorSlot::Emission,
+        "eta" | "k" | "sigma_a" | "sigma_s" => ColorSlot::Unbounded,
+        name if name.contains("reflectance") || name.contains("transmittance") => ColorSlot::Reflectance,
+        _ => return None,
+    })
+}
+
+/// The linear RGB of a colour, for a value that is one.
+fn rgb(value: &Value, slot: ColorSlot, rule: SpectrumRule) -> Option<Value> {
+    let color: Color = serde_json::from_value(value.clone()).ok()?;
+    to_linear_rgb(&color, slot, rule).ok().map(|rgb| json!({ "rgb": rgb }))
+}
+
+/// η and k in air, for metals that are given by names or colours.
+fn metal(fields: &mut serde_json::Map<String, Value>) {
+    let three = |value: &Value| -> Option<[f64; 3]> {
+        serde_json::from_value(value.get("Color")?.get("rgb")?.clone()).ok()
+    };
+    let colors = |v: [f64; 3]| json!({ "Color": { "rgb": v } });
+    if let Some(Value::Object(named)) = fields.get("Named")
+        && let Some(metal) = named.get("name").and_then(Value::as_str).and_then(conductor)
+    {
+        let outside = named.get("ext_eta").cloned().unwrap_or(Value::Null);
+        let metal = json!({ "eta": colors(metal.eta), "k": colors(metal.k), "ext_eta": outside });
+        fields.remove("Named");
+        fields.insert("EtaK".to_owned(), metal);
+    }
+    if let Some(r) = fields.get("Reflectance").and_then(three) {
+        let k = r.map(|r| r.clamp(0.0, 0.9999)).map(|r| 2.0 * (r / (1.0 - r)).sqrt());
+        fields.remove("Reflectance");
+        fields.insert("EtaK".to_owned(), json!({ "eta": colors([1.0; 3]), "k": colors(k), "ext_eta": null }));
+    }
+    let Some(Value::Object(metal)) = fields.get_mut("EtaK") else { return };
+    let outside = metal.get("ext_eta").and_then(|outside| match outside.get("Named") {
+        Some(name) => ior(name.as_str()?),
+        None => outside.get("Value")?.as_f64(),
+    });
+    if let Some(outside) = outside
+        && let (Some(eta), Some(k)) = (metal.get("eta").and_then(three), metal.get("k").and_then(three))
+    {
+        metal.insert("eta".to_owned(), colors(eta.map(|v| v / outside)));
+        metal.insert("k".to_owned(), colors(k.map(|v| v / outside)));
+        metal.insert("ext_eta".to_owned(), Value::Null);
+    }
+}
+
+fn simplify(value: &mut Value, slot: ColorSlot, rule: SpectrumRule, files: &dyn Files) {
+    if let Some(rgb) = rgb(value, slot, rule) {
+        *value = rgb;
+        return;
+    }
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(|item| simplify(item, slot, rule, files)),
+        Value::Object(fields) => {
+            fields.remove("name");
+            fields.remove("origin");
+            if let Some(mesh) = fields.remove("Mesh") {
+                fields.insert("Triangles".to_owned(), mesh_of_file(mesh, files));
+            } else if let Some(mesh) = fields.remove("Inline") {
+                fields.insert("Triangles".to_owned(), inline(mesh));
+            }
+            if fields.contains_key("path") && fields.contains_key("encoding") {
+                picture(fields, files);
+            }
+            for (name, item) in fields.iter_mut() {
+                simplify(item, slot_of(name).unwrap_or(slot), rule, files);
+            }
+            metal(fields);
+        }
+        _ => {}
+    }
+}
+
+fn hash(words: impl Iterator<Item = u32>) -> String {
+    let mut hasher = DefaultHasher::new();
+    words.for_each(|word| word.hash(&mut hasher));
+    format!("{:016x}", hasher.finish())
+}
+
+fn described(
+    positions: &[[f32; 3]],
+    normals: &[[f32; 3]],
+    uvs: &[[f32; 2]],
+    triangles: &[[u32; 3]],
+) -> Value {
+    let floats = |values: &[f32]| hash(values.iter().map(|v| (v + 0.0).to_bits()));
+    json!({
+        "positions": floats(positions.as_flattened()),
+        "normals": floats(normals.as_flattened()),
+        "uvs": floats(uvs.as_flattened()),
+        "triangles": hash(triangles.as_flattened().iter().copied()),
+    })
+}
+
+fn inline(mesh: Value) -> Value {
+    let Ok(m) = serde_json::from_value::<InlineMesh>(mesh) else { return Value::Null };
+    json!({ "by_file": true, "mesh": described(&m.positions, &m.normals, &m.uvs, &m.triangles) })
+}
+
+fn mesh_of_file(file: Value, files: &dyn Files) -> Value {
+    let Ok(file) = serde_json::from_value::<MeshFile>(file) else { return Value::Null };
+    let options = MeshOptions {
+        face_normals: file.face_normals,
+        authored_normals: file.authored_normals,
+        flip_tex_coords: file.flip_tex_coords,
+        max_smooth_angle: file.max_smooth_angle,
+    };
+    let mesh = files.read(&file.path).ok().and_then(|bytes| mesh::read(file.format, &bytes, &options).ok());
+    let mesh = mesh.map_or(Value::Null, |m| described(&m.positions, &m.normals, &m.uvs, &m.triangles));
+    json!({ "by_file": file.authored_normals, "mesh": mesh })
+}
+
+/// Replaces what says how a picture is kept by its values.
+fn picture(fields: &mut serde_json::Map<String, Value>, files: &dyn Files) {
+    let whole = Value::Object(fields.clone());
+    let (path, encoding, channel, tone) = match serde_json::from_value::<Bitmap>(whole.clone()) {
+        Ok(b) => (b.path, b.encoding, b.channel, [b.scale, f64::from(u8::from(b.invert))]),
+        Err(_) => match serde_json::from_value::<LightImage>(whole) {
+            Ok(light) => (light.path, light.encoding, None, [1.0, 0.0]),
+            Err(_) => return,
+        },
+    };
+    for name in ["path", "encoding", "channel", "scale", "invert"] {
+        fields.remove(name);
+    }
+    let values = values(path, encoding, channel, tone, files);
+    fields.insert("values".to_owned(), values.map_or(Value::Null, Value::Array));
+}
+
+fn values(
+    path: PathBuf,
+    encoding: TextureEncoding,
+    channel: Option<char>,
+    [scale, inverted]: [f64; 2],
+    files: &dyn Files,
+) -> Option<Vec<Value>> {
+    let image = image::read(&files.read(&path).ok()?).ok()?;
+    let named = channel.and_then(|c| image.channel(&c.to_ascii_uppercase().to_string()));
+    let places = named.map_or_else(|| image.rgb().unwrap_or([0; 3]), |place| [place; 3]);
+    let decode = |v: f32| match encoding {
+        TextureEncoding::Auto if image.encoding == Encoding::Linear => f64::from(v),
+        TextureEncoding::Linear => f64::from(v),
+        TextureEncoding::Auto | TextureEncoding::Srgb => srgb_to_linear(f64::from(v)),
+        TextureEncoding::Gamma(gamma) => f64::from(v).max(0.0).powf(gamma),
+    };
+    let toned = |v: f64| if inverted > 0.5 { (1.0 - v * scale).max(0.0) } else { v * scale };
+    // A few pixels tell one picture from another.
+    let pixels = image.data.chunks_exact(image.channels.len().max(1)).take(64);
+    Some(pixels.flat_map(|pixel| places.map(|place| toned(decode(pixel[place])))).map(Value::from).collect())
+}
+
+/// Where two values differ by more than rounding, without indices.
+pub fn differences(a: &Value, b: &Value, at: &str, tolerance: f64, found: &mut Vec<String>) {
+    match (a, b) {
+        (Value::Number(x), Value::Number(y)) => {
+            let (x, y) = (x.as_f64().unwrap_or(f64::NAN), y.as_f64().unwrap_or(f64::NAN));
+            if (x - y).abs() > tolerance * x.abs().max(1.0) {
+                found.push(at.to_owned());
+            }
+        }
+        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
+            // Numbers of one list are one thing.
+            let mut inside = Vec::new();
+            x.iter().zip(y).for_each(|(x, y)| differences(x, y, at, tolerance, &mut inside));
+            inside.dedup();
+            found.extend(inside);
+        }
+        (Value::Array(x), Value::Array(y)) => found.push(format!("{at}: {} against {}", x.len(), y.len())),
+        (Value::Object(x), Value::Object(y)) if x.keys().eq(y.keys()) => {
+            for (name, x) in x {
+                differences(x, &y[name], &format!("{at}.{name}"), tolerance, found);
+            }
+        }
+        _ if a == b => {}
+        _ => found.push(format!("{at}: {} against {}", head(a), head(b))),
+    }
+}
+
+/// The outermost word of a value.
+fn head(value: &Value) -> String {
+    match value {
+        Value::Object(fields) => fields.keys().next().cloned().unwrap_or_default(),
+        Value::Array(_) => "a list".to_owned(),
+        Value::Number(_) => "a number".to_owned(),
+        other => other.to_string(),
+    }
+}
