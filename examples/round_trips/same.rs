@@ -22,6 +22,7 @@ pub fn plain(scene: &Scene, files: &dyn Files) -> Value {
         origin: Origin(None),
         plugin: "path".to_owned(),
         settings: BTreeMap::new(),
+        aovs: Default::default(),
     });
     integrator.settings.retain(|name, setting| {
         let idle = [("max_depth", Scalar::Integer(-1)), ("hide_emitters", Scalar::Boolean(false))];
