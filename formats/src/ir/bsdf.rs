@@ -38,6 +38,17 @@ pub enum Passage {
 
 use Passage::{Closed, Open};
 
+impl BsdfKind {
+    /// Whether light passes through by the model itself, whatever is nested in it.
+    pub(crate) fn transmits(&self) -> bool {
+        match self.passage() {
+            Closed => false,
+            Open => true,
+            Passage::If(transmits) => transmits(self),
+        }
+    }
+}
+
 kinds! {
     /// A scattering model and its parameters.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 
 use super::Scene;
 use super::arena::{Arena, Id};
-use super::bsdf::{Bsdf, Passage};
+use super::bsdf::Bsdf;
 use super::shape::Shape;
 use super::table::Part;
 use super::texture::Texture;
@@ -87,11 +87,7 @@ impl Query {
     /// Of one BSDF, when all that are nested in it are known.
     fn nature(&self, bsdf: &Bsdf) -> Nature {
         let kind = &bsdf.kind;
-        let transmits = match kind.passage() {
-            Passage::Closed => false,
-            Passage::Open => true,
-            Passage::If(transmits) => transmits(kind),
-        };
+        let transmits = kind.transmits();
         let mut nature = Nature { transmits, textured: false, anisotropic: kind.anisotropic() };
         kind.references(&mut |to| {
             nature.textured |= to.to::<Texture>().is_some();

@@ -17,7 +17,7 @@ use super::version3;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
-    Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, Passage, PerturbedShading, RoughnessRemap,
+    Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, PerturbedShading, RoughnessRemap,
     Shadowing, Texture, TextureKind, Transform,
 };
 use crate::plugin::{Plugin, approximated, read, unsupported};
@@ -91,8 +91,7 @@ impl Reader<'_> {
             kind = BsdfKind::Diffuse { reflectance: GRAY };
         }
         // The parts of a mix have their own sides; lobes that add up are on both.
-        let opaque = !matches!(kind, BsdfKind::Blend { .. } | BsdfKind::LobeSum(_))
-            && matches!(kind.passage(), Passage::Closed);
+        let opaque = !matches!(kind, BsdfKind::Blend { .. } | BsdfKind::LobeSum(_)) && !kind.transmits();
         let kind = self.perturbed(&mut p, kind);
         let kind = match if p.kind == "uber" { self.opacity(&mut p) } else { None } {
             Some(opacity) => {

@@ -199,15 +199,15 @@ fn duplicate_id() {
 
 #[test]
 fn undefined_parameter() {
-    assert_snapshot!(failure("<scene version='3.0.0'>\n  <default name='depth' value='5'/>\n  <integrator type='path'>\n    <integer name='max_depth' value='$deth'/>\n  </integrator>\n</scene>"), @r#"
-    error: undefined parameter `$deth`
-      ┌─ scene.xml:4:38
+    assert_snapshot!(failure("<scene version='3.0.0'>\n  <default name='size' value='5'/>\n  <shape type='sphere'>\n    <float name='radius' value='$sise'/>\n  </shape>\n</scene>"), @r#"
+    error: undefined parameter `$sise`
+      ┌─ scene.xml:4:33
       │
-    4 │     <integer name='max_depth' value='$deth'/>
-      │                                      ^^^^^
+    4 │     <float name='radius' value='$sise'/>
+      │                                 ^^^^^
       │
       = help: --lenient renders without it: every place has its default
-      = help: did you mean `$depth` by `$deth`?
+      = help: did you mean `$size` by `$sise`?
     "#);
     assert_snapshot!(failure_with(
         "<scene version='3.0.0'>\n  <integrator type='$kind'>\n    <integer name='max_depth' value='$depth'/>\n    <integer name='rr_depth' value='$depth'/>\n  </integrator>\n  <bsdf type='$kind$what' id='$id'/>\n</scene>",
@@ -228,6 +228,13 @@ fn undefined_parameter() {
       = help: --lenient renders without it: every place has its default
       = help: give a value: caustica render scene.xml -D 'what=two words' -D kind=... -D depth=... -D id=...
     "#);
+}
+
+/// How the light is computed and stored is not the light.
+#[test]
+fn undefined_parameter_of_film_sampler_or_integrator() {
+    let undefined = "<scene version='3.0.0'>\n  <sensor type='perspective'><sampler type='$kind'/></sensor>\n  <integrator type='path'>\n    <integer name='max_depth' value='$depth'/>\n  </integrator>\n</scene>";
+    assert_snapshot!(warnings(undefined, false), @"");
 }
 
 #[test]
