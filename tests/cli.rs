@@ -144,8 +144,10 @@ fn vertex_that_is_not_a_number() {
 
 #[test]
 fn all_problems_are_listed_at_once() {
-    let text =
-        message("<scene version='3.0.0'>\n  <shape type='spher'/>\n  <bsdf type='difuse'/>\n</scene>", &[]);
+    let text = message(
+        "<scene version='3.0.0'>\n  <shape type='spher'/>\n  <shape type='sphere'><bsdf type='difuse'/></shape>\n</scene>",
+        &[],
+    );
     assert_eq!(text.matches("error: ").count(), 2, "{text}");
 }
 

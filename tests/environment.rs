@@ -126,7 +126,7 @@ fn photons_and_paths_agree_below_a_window() {
     let path = render(&scene, &[("integrator", "path"), ("max_depth", "5")], 2048);
     for nee in ["true", "false"] {
         let settings = [("max_depth", "5"), ("nee", nee), ("photons", "40000"), ("radius", "0.04")];
-        let mapped = render(&scene, &settings, 512);
+        let mapped = render(&scene, &settings, 768);
         for c in 0..3 {
             let what = format!("nee {nee}, channel {c}");
             assert_agree(&what, mapped.estimate(ALL, c), path.estimate(ALL, c), 0.015);

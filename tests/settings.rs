@@ -10,7 +10,7 @@ use caustica_formats::files::Memory;
 use crate::support::{box_camera, plain};
 
 /// Of each of these a setting takes some.
-const VALUES: [&str; 13] = [
+const VALUES: [&str; 14] = [
     "path",
     "photonmap",
     "progressive",
@@ -23,6 +23,7 @@ const VALUES: [&str; 13] = [
     "nearest",
     "cone",
     "absorb",
+    "gather",
     "auto",
 ];
 const SWITCHES: [&str; 2] = ["true", "false"];

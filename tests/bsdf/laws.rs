@@ -57,7 +57,8 @@ fn samples_of_one_follow(name: &str, scene: &Scene, mode: Transport) {
         }
         let mut expected = vec![0.0f64; 2 * CELLS];
         // Wide refraction from a grazing direction ends inside cells, where the midpoint rule is coarse.
-        let fine = if name.starts_with("pbrt dielectric") { 64 } else { 16 };
+        // Densities that jump need a finer rule.
+        let fine = if name.starts_with("pbrt dielectric") || name.contains("fourier") { 64 } else { 16 };
         let ranges = [Range::rough(GLOSSY), Range::glossy(GLOSSY)];
         for (at, e) in expected.iter_mut().enumerate() {
             let (range, cell) = (ranges[at / CELLS], at % CELLS);

@@ -237,7 +237,7 @@ fn mitsuba_scenes() -> Vec<(String, String)> {
         PATH,
         &ball(""),
     );
-    for (name, value) in [("max_depth", "9999999999"), ("rr_depth", "2147483647")] {
+    for (name, value) in [("max_depth", "4000000000"), ("rr_depth", "2147483647")] {
         add(&format!("{name} {value}"), "3.0.0", SENSOR, &depth(name, value), &ball(""));
     }
     add("no samples at all", "3.0.0", SENSOR, direct, &ball(""));

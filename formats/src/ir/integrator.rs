@@ -61,6 +61,8 @@ pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
     ("integrator", ScalarType::String),
     ("mode", ScalarType::String),
     ("nee", ScalarType::Boolean),
+    ("indirect", ScalarType::String),
+    ("gather_rays", ScalarType::Integer),
     ("kernel", ScalarType::String),
     ("caustic_kernel", ScalarType::String),
     ("roulette", ScalarType::String),

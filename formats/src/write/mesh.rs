@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::rc::Rc;
 
+use super::source::sound;
 use super::{Output, WriteError};
 use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeKind, Transform};
 use crate::mesh::{Mesh, write_ply};
@@ -114,12 +115,6 @@ impl Output<'_> {
     pub fn is_triangle_ply(&self, file: &MeshFile) -> Result<bool, WriteError> {
         Ok(self.files.mesh(file)?.plain)
     }
-}
-
-/// Whether a normal has a direction.
-pub(super) fn sound(normal: [f32; 3]) -> bool {
-    let square: f32 = normal.iter().map(|v| v * v).sum();
-    square.is_normal()
 }
 
 /// With the normal of the faces around a vertex where the mesh has none: pbrt shows such a triangle flat.

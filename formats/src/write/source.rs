@@ -8,7 +8,6 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::WriteError;
-use super::mesh::sound;
 use crate::files::Files;
 use crate::image::{self, Image};
 use crate::ir::{MeshFile, Scene, parts};
@@ -113,4 +112,10 @@ impl<'a> Sources<'a> {
         *self.image.borrow_mut() = Some((path.to_path_buf(), image.clone()));
         Ok(image)
     }
+}
+
+/// Whether a normal has a direction.
+pub(super) fn sound(normal: [f32; 3]) -> bool {
+    let square: f32 = normal.iter().map(|v| v * v).sum();
+    square.is_normal()
 }

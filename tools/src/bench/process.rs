@@ -17,6 +17,8 @@ pub struct Cost {
 /// Time between two looks at the process, and so the error of `Cost::seconds`. Callers prefer the program's
 /// own measurement.
 const INTERVAL: Duration = Duration::from_millis(5);
+/// Times that a process and its descendants are told to end: a second in all.
+const KILLS: u32 = 200;
 /// Clock ticks per second in /proc: 100 on every Linux, as seen by programs.
 const TICKS: f64 = 100.0;
 
@@ -68,23 +70,35 @@ pub fn run(command: &mut Command, limit: Option<Duration>) -> Result<Cost, Bench
 /// are therefore looked up one by one.
 fn stop(child: &mut Child) -> Result<(), BenchError> {
     let mut family = vec![child.id()];
-    let parents = parents();
-    // Every process is started after its parent, but numbers may wrap around.
-    while let Some((process, _)) =
-        parents.iter().find(|(process, parent)| family.contains(parent) && !family.contains(process))
-    {
-        family.push(*process);
+    // A process may start another while it is looked at, and takes a moment to end.
+    for _ in 0..KILLS {
+        let parents = parents();
+        // Every process is started after its parent, but numbers may wrap around.
+        while let Some((process, _)) =
+            parents.iter().find(|(process, parent)| family.contains(parent) && !family.contains(process))
+        {
+            family.push(*process);
+        }
+        if !family.iter().any(|process| lives(*process)) {
+            break;
+        }
+        // Without parents the others would be handed over to the system, so all of them at once.
+        let numbers: Vec<String> = family.iter().map(u32::to_string).collect();
+        let _gone = Command::new("sh")
+            .args(["-c", "kill -KILL \"$@\"", "sh"])
+            .args(numbers)
+            .stderr(Stdio::null())
+            .status();
+        std::thread::sleep(INTERVAL);
     }
-    // Without parents the others would be handed over to the system, so all of them at once.
-    let numbers: Vec<String> = family.iter().map(u32::to_string).collect();
-    let _gone = Command::new("sh")
-        .args(["-c", "kill -KILL \"$@\"", "sh"])
-        .args(numbers)
-        .stderr(Stdio::null())
-        .status();
     child.kill()?;
     child.wait()?;
     Ok(())
+}
+
+fn lives(process: u32) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat"));
+    stat.ok().as_deref().and_then(parse_stat).is_some_and(|(ended, _)| !ended)
 }
 
 /// Every process of the system and its parent, where /proc tells.

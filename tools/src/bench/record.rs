@@ -113,7 +113,7 @@ pub mod tests {
             seconds,
             cpu_seconds: 2.0 * seconds,
             peak_memory_bytes: Some(1 << 20),
-            passes: 4,
+            passes: (4.0 * budget) as _,
             rmse,
             relmse: rmse * rmse,
             bias: 0.0,
