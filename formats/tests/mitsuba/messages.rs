@@ -234,7 +234,18 @@ fn undefined_parameter() {
 #[test]
 fn undefined_parameter_of_film_sampler_or_integrator() {
     let undefined = "<scene version='3.0.0'>\n  <sensor type='perspective'><sampler type='$kind'/></sensor>\n  <integrator type='path'>\n    <integer name='max_depth' value='$depth'/>\n  </integrator>\n</scene>";
-    assert_snapshot!(warnings(undefined, false), @"");
+    assert_snapshot!(warnings(undefined, false), @r#"
+    warning: undefined parameters `$kind`, `$depth`: every place has its default
+      ┌─ scene.xml:2:45
+      │
+    2 │   <sensor type='perspective'><sampler type='$kind'/></sensor>
+      │                                             ^^^^^
+    3 │   <integrator type='path'>
+    4 │     <integer name='max_depth' value='$depth'/>
+      │                                      ------ `$depth`
+      │
+      = help: give a value: caustica render scene.xml -D kind=... -D depth=...
+    "#);
 }
 
 #[test]
