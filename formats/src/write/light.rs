@@ -110,8 +110,9 @@ impl Output<'_> {
     pub fn back_of_lamp(&self, shape: &Shape) -> Result<Option<Shape>, WriteError> {
         let scale = shape.to_world.determinant3().abs().cbrt();
         let distance = BEHIND * self.largest_distance(shape)? / scale;
-        // The front of a quadric is turned by a mirror.
-        let inwards = shape.flip_normals == (shape.to_world.determinant3() < 0.0);
+        // The front of a quadric is turned by a mirror, but not that of a whole cylinder.
+        let turned = !matches!(shape.kind, ShapeKind::Cylinder { .. }) && shape.to_world.determinant3() < 0.0;
+        let inwards = shape.flip_normals == turned;
         let towards = if inwards { -distance } else { distance };
         let smaller = |radius: f64| radius + towards;
         if let ShapeKind::Disk = shape.kind {
