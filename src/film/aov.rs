@@ -267,6 +267,6 @@ mod tests {
         for (a, b) in out.iter().zip(&expected) {
             assert!((a - b).abs() < 1e-6, "{out:?}");
         }
-        assert!(Aov::GBuffer { world: true }.finish(&vec![0.0; VISIBLE], 3, 1).iter().all(|v| *v == 0.0));
+        assert!(Aov::GBuffer { world: true }.finish(&[0.0; VISIBLE], 3, 1).iter().all(|v| *v == 0.0));
     }
 }

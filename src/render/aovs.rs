@@ -97,7 +97,7 @@ impl<'a> Eye<'a> {
     }
 
     /// A direction in the frame of the camera, whose axes have length 1 there.
-    fn to_camera(&self, v: Vec3) -> Vec3 {
+    fn to_camera(self, v: Vec3) -> Vec3 {
         let axes = self.view.sensor.axes.map(|axis| axis.normalize_or_zero());
         Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v))
     }

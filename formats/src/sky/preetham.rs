@@ -44,7 +44,7 @@ fn at(samples: &[[f64; 2]], nm: f64) -> f64 {
     let Some(i) = samples.windows(2).position(|pair| (pair[0][0]..=pair[1][0]).contains(&nm)) else {
         return 0.0;
     };
-    let ([a, x], [b, y]) = (samples[i].into(), samples[i + 1].into());
+    let ([a, x], [b, y]) = (samples[i], samples[i + 1]);
     x + (y - x) * (nm - a) / (b - a)
 }
 

@@ -39,7 +39,7 @@ fn aov_names_layers_and_the_picture_and_comes_back_unchanged() {
     let left_out = "layer `b` is left out: `boundary_test` is not rendered";
     assert_eq!(said(&read_once), [(Severity::Warning, left_out)]);
     let [xml, pbrt] = written(&read_once);
-    assert_eq!(losses(&xml), [String::new(); 0]);
+    assert_eq!(losses(&xml), Vec::<String>::new());
     assert_eq!(layers(&read("b.xml", &xml.text).scene), expected);
     let what = "the choice of layers: `img`, `dd.y`, `nn` -> a gbuffer film with the layers that pbrt has, in the \
                 coordinates of the world";
@@ -111,7 +111,7 @@ fn a_gbuffer_film_is_kept_and_becomes_an_aov() {
     let world = pbrt("\"string coordinatesystem\" \"world\"");
     assert_eq!(world.scene.sensors[0].film.gbuffer, Some(CoordinateSystem::World));
     let [xml, back] = written(&world);
-    assert_eq!(losses(&back), [String::new(); 0]);
+    assert_eq!(losses(&back), Vec::<String>::new());
     assert_eq!(read("b.pbrt", &back.text).scene.sensors[0].film.gbuffer, Some(CoordinateSystem::World));
     let lost = "of the gbuffer film dzdx, dzdy, and the variances -> `aov` with its other channels, in the \
                 coordinates of the world";

@@ -45,12 +45,12 @@ fn scene() -> Counted {
     for i in 0..SHAPES {
         for (plugin, name) in [("ply", "triangle.ply"), ("ply", "quad.ply"), ("obj", "mesh.obj")] {
             // Each material has a texture of its own that shows the same picture.
-            write!(
+            writeln!(
                 text,
                 "<shape type=\"{plugin}\"><string name=\"filename\" value=\"{name}\"/>\
                  <bsdf type=\"roughplastic\"><texture type=\"bitmap\" name=\"diffuse_reflectance\">\
                  <string name=\"filename\" value=\"picture.pfm\"/><transform name=\"to_uv\">\
-                 <scale x=\"{}\"/></transform></texture></bsdf></shape>\n",
+                 <scale x=\"{}\"/></transform></texture></bsdf></shape>",
                 i + 1
             )
             .unwrap();
