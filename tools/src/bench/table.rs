@@ -168,7 +168,7 @@ mod tests {
         assert_eq!(lines[0].split(',').count(), 14);
         assert_eq!(
             lines[1],
-            "\"the \"\"box\"\"\",\"caustica:alpha=0.5,nee=false\",2,seconds,7,2.25,4.5,1048576,4,0.5,0.25,0,0.25,a.exr"
+            "\"the \"\"box\"\"\",\"caustica:alpha=0.5,nee=false\",2,seconds,7,2.25,4.5,1048576,8,0.5,0.25,0,0.25,a.exr"
         );
     }
 
