@@ -6,7 +6,7 @@ use caustica::math::{Color, Vec3};
 
 use crate::support::{
     ALL, Estimate, Stage, UP, assert_agree, camera, diffuse, pbrt_scene_seen, picture, rectangle, render,
-    scene_with_bytes, sphere,
+    room_with_window, scene_with_bytes, sphere,
 };
 
 fn lit(picture: Vec<u8>, turn: &str, body: &str) -> Stage {
@@ -108,21 +108,11 @@ fn photons_and_paths_agree() {
 /// A room that sun and sky light through a window of a tenth of its ceiling, where photons are aimed.
 #[test]
 fn photons_and_paths_agree_below_a_window() {
-    let wall = |to_world: &str| rectangle(1.0, to_world, &diffuse("0.6,0.5,0.4"));
-    let strips: String =
-        [("0,0.65", "1,0.35"), ("0,-0.65", "1,0.35"), ("0.65,0", "0.35,0.3"), ("-0.65,0", "0.35,0.3")]
-            .iter()
-            .map(|(at, size)| wall(&format!("<scale value='{size},1'/><translate value='{at},1'/>")))
-            .collect();
-    let sides: String =
-        ["x='1' angle='90'", "x='1' angle='-90'", "y='1' angle='90'", "y='1' angle='-90'", "x='1' angle='0'"]
-            .iter()
-            .map(|turn| wall(&format!("<translate value='0,0,-1'/><rotate {turn}/>")))
-            .collect();
+    let room = room_with_window(0.3, "0.6,0.5,0.4");
     let light = "<emitter type='sunsky'><vector name='sun_direction' value='-0.3,0.2,1'/>
         <float name='sun_aperture' value='3'/></emitter>";
     let view = camera("0,-0.9,0.3", "0,1,-0.6", 70.0, 24);
-    let scene = scene_with_bytes(&format!("{view}{strips}{sides}{light}"), vec![]);
+    let scene = scene_with_bytes(&format!("{view}{room}{light}"), vec![]);
     let path = render(&scene, &[("integrator", "path"), ("max_depth", "5")], 2048);
     for nee in ["true", "false"] {
         let settings = [("max_depth", "5"), ("nee", nee), ("photons", "40000"), ("radius", "0.04")];

@@ -8,7 +8,9 @@ use caustica::scene::Scene;
 use caustica::spectrum::rgb;
 use caustica::transport::Owner;
 
-use crate::support::{DOWN, SIGMAS, Stage, area, camera, diffuse, pbrt_scene, rectangle, scene, sphere};
+use crate::support::{
+    DOWN, SIGMAS, Stage, area, camera, diffuse, pbrt_scene, rectangle, room_with_window, scene, sphere,
+};
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
@@ -158,21 +160,10 @@ fn a_stretched_sphere_shines_by_its_area() {
 /// everywhere, in many more photons.
 #[test]
 fn light_aimed_through_a_window_is_not_more() {
-    let wall = |to_world: &str| rectangle(1.0, to_world, &diffuse("0.5"));
-    // A ceiling of four strips around the window.
-    let strips: String =
-        [("0,0.55", "1,0.45"), ("0,-0.55", "1,0.45"), ("0.55,0", "0.45,0.1"), ("-0.55,0", "0.45,0.1")]
-            .iter()
-            .map(|(at, size)| wall(&format!("<scale value='{size},1'/><translate value='{at},1'/>")))
-            .collect();
-    let sides: String =
-        ["x='1' angle='90'", "x='1' angle='-90'", "y='1' angle='90'", "y='1' angle='-90'", "x='1' angle='0'"]
-            .iter()
-            .map(|turn| wall(&format!("<translate value='0,0,-1'/><rotate {turn}/>")))
-            .collect();
+    let room = room_with_window(0.1, "0.5");
     let lights = "<emitter type='constant'/><emitter type='directional'><vector name='direction' value='0.2,0.1,-1'/>\
                   <rgb name='irradiance' value='5'/></emitter>";
-    let scene = scene(&format!("{}{strips}{sides}{lights}", camera("0,0,0", "0,1,0", 40.0, 4)));
+    let scene = scene(&format!("{}{room}{lights}", camera("0,0,0", "0,1,0", 40.0, 4)));
     let job = |key, paths| TraceJob { next_event: true, ..job(key, paths, u32::MAX) };
     let aim =
         aim(&scene, &job(7, 1 << 17), &scene.sphere, Halt::default()).expect("few paths find the window");

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Diagnostic, Severity, quoted};
 use crate::files::Files;
 
 /// Most folders that one command line allows.
@@ -15,7 +15,9 @@ pub fn advice(files: &dyn Files, scene: &Path) -> Option<Diagnostic> {
     let here = std::env::current_dir().ok().and_then(|here| std::fs::canonicalize(here).ok());
     let options: Vec<String> = folders
         .iter()
-        .map(|folder| format!("--allow-path {}", quoted(&shown(folder, here.as_deref()))))
+        .map(|folder| {
+            format!("--allow-path {}", quoted(&shown(folder, here.as_deref()).display().to_string()))
+        })
         .collect();
     let options = options.join(" ");
     let text = match outside.len() {
@@ -25,7 +27,7 @@ pub fn advice(files: &dyn Files, scene: &Path) -> Option<Diagnostic> {
             "{n} files that the scene names lie outside of its folder; such files are read on request only"
         ),
     };
-    let command = format!("caustica render {} {options}", quoted(scene));
+    let command = format!("caustica render {} {options}", quoted(&scene.display().to_string()));
     Some(Diagnostic::new(Severity::Note, text, None).help(format!("to allow it: {command}")))
 }
 
@@ -61,17 +63,6 @@ fn shown(folder: &Path, here: Option<&Path>) -> PathBuf {
     if relative.as_os_str().len() < folder.as_os_str().len() { relative } else { folder.to_path_buf() }
 }
 
-/// A path as a shell takes it.
-fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+,:@%=".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        text
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,7 +88,7 @@ mod tests {
         assert_eq!(shown("/home/me/p", "/home/me/p"), Path::new("."));
         assert_eq!(shown("/home/me/p/meshes", "/home/me/p/scenes"), Path::new("../meshes"));
         assert_eq!(shown("/data", "/home/me/p/scenes"), Path::new("/data"));
-        assert_eq!(quoted(Path::new("a b/it's")), "'a b/it'\\''s'");
-        assert_eq!(quoted(Path::new("../..")), "../..");
+        assert_eq!(quoted("a b/it's"), "'a b/it'\\''s'");
+        assert_eq!(quoted("../.."), "../..");
     }
 }

@@ -3,7 +3,6 @@ use std::f64::consts::PI;
 use super::table::{Table, linear};
 use super::{DirectSample, Emission, EmissionBounds, Light, Picture, SceneSphere, equal_area};
 use crate::math::{Color, Frame, Vec2, Vec3};
-use crate::sampling::Density;
 use crate::spectrum::{luminance, rgb, to_rgb};
 use crate::texture::Textures;
 
@@ -198,8 +197,7 @@ impl Environment {
 
 impl Light for Environment {
     fn sample_direct(&self, _textures: &Textures, _p: Vec3, u: Vec2) -> Option<DirectSample> {
-        let (dir, value, pdf) = self.sample(u)?;
-        Some(DirectSample { dir, target: None, value, pdf })
+        Some(DirectSample::of_background(self.sample(u)?))
     }
 
     /// A direction as for direct light, and a place on the disk that the scene's sphere shows to it.
@@ -210,10 +208,7 @@ impl Light for Environment {
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
-        let (dir, value, pdf) = self.sample(direction)?;
-        let entry = bounds.enter(-dir, place)?;
-        let flux = value * (bounds.sphere.disk() * entry.weight);
-        Some(Emission::from_infinity(entry, -dir, flux, Density::Finite(pdf)))
+        Emission::of_background(self.sample(direction)?, bounds, place)
     }
 
     #[inline(always)]

@@ -50,6 +50,13 @@ pub struct DirectSample {
     pub pdf: f32,
 }
 
+impl DirectSample {
+    /// Light from infinity: a direction, the radiance over its density, and the density.
+    fn of_background((dir, value, pdf): (Vec3, Color, f32)) -> Self {
+        Self { dir, target: None, value, pdf }
+    }
+}
+
 /// Where a shadow ray towards a lamp without size ends, seen from the far end of `d`: a surface that the
 /// lamp lies in would hide it, or not, by rounding.
 fn just_before(lamp: Vec3, d: Vec3) -> Vec3 {
@@ -88,6 +95,18 @@ impl Emission {
     /// From a lamp at a point.
     fn from_point(o: Vec3, d: Vec3, flux: Color, direction: f32) -> Self {
         Self { o, d, cos: 1.0, flux, position: Density::Delta, direction: Density::Finite(direction) }
+    }
+
+    /// From all around, for a direction to look along with the radiance over its density, and the density: at a place
+    /// on the disk that the scene's sphere shows to it.
+    fn of_background(
+        (dir, value, pdf): (Vec3, Color, f32),
+        bounds: &EmissionBounds<'_>,
+        place: Vec2,
+    ) -> Option<Self> {
+        let entry = bounds.enter(-dir, place)?;
+        let flux = value * (bounds.sphere.disk() * entry.weight);
+        Some(Self::from_infinity(entry, -dir, flux, Density::Finite(pdf)))
     }
 
     /// From infinity.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::table::Table;
 use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere};
 use crate::math::{Color, Frame, Vec2, Vec3};
-use crate::sampling::{Density, warp};
+use crate::sampling::warp;
 use crate::spectrum::luminance;
 use crate::texture::Textures;
 
@@ -178,8 +178,7 @@ fn cell_mean(dome: &dyn Dome, [x, y]: [usize; 2], step: f32) -> Color {
 
 impl Light for SunSky {
     fn sample_direct(&self, _textures: &Textures, _p: Vec3, u: Vec2) -> Option<DirectSample> {
-        let (dir, value, pdf) = self.sample(u)?;
-        Some(DirectSample { dir, target: None, value, pdf })
+        Some(DirectSample::of_background(self.sample(u)?))
     }
 
     /// A direction as for direct light, and a place on the disk that the scene's sphere shows to it.
@@ -190,10 +189,7 @@ impl Light for SunSky {
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
-        let (dir, value, pdf) = self.sample(direction)?;
-        let entry = bounds.enter(-dir, place)?;
-        let flux = value * (bounds.sphere.disk() * entry.weight);
-        Some(Emission::from_infinity(entry, -dir, flux, Density::Finite(pdf)))
+        Emission::of_background(self.sample(direction)?, bounds, place)
     }
 
     #[inline(always)]

@@ -10,7 +10,7 @@ use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Hit, Scene};
 use crate::transport::roulette::Length;
-use crate::transport::walk::{self, Next};
+use crate::transport::walk::Next;
 use crate::transport::{PathClass, Vertex, roulette};
 
 /// See the module.
@@ -157,18 +157,14 @@ impl PathTracer<'_> {
             from: walk.from,
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
-        let s = match walk::arrive(scene, ray, hit, sight.of_lamps()) {
-            Next::Escape => {
-                sight.add_background(scene, ray.d, carried, &mut sample.out);
-                return false;
-            }
+        let s = match sight.meet(scene, ray, hit, carried, &mut sample.out) {
+            Next::Escape => return false,
             Next::Behind => {
                 walk.depth -= 1;
                 return true;
             }
             Next::Surface(s) => s,
         };
-        sight.add_surface(scene, &s, ray.d, carried, &mut sample.out);
         walk.seen = true;
         if walk.depth >= self.max_depth {
             return false;

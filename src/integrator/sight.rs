@@ -2,10 +2,10 @@
 
 use super::direct::power_heuristic;
 use crate::film::Radiance;
-use crate::math::{Color, Vec3};
-use crate::scene::{Scene, Surface};
+use crate::math::{Color, Ray, Vec3};
+use crate::scene::{Hit, Scene, Surface};
 use crate::transport::PathClass;
-use crate::transport::walk::Lamps;
+use crate::transport::walk::{self, Lamps, Next};
 
 /// How a lamp at the end of the ray counts.
 #[derive(Clone, Copy, Debug)]
@@ -38,13 +38,32 @@ impl Sight {
 
     /// What lamps are to the ray.
     #[inline(always)]
-    pub fn of_lamps(&self) -> Lamps {
+    fn of_lamps(&self) -> Lamps {
         if !self.lamps && self.through { Lamps::Transparent } else { Lamps::Solid }
+    }
+
+    /// What the ray comes to, whose closest hit is known; what shines there is added to `out`.
+    #[inline(always)]
+    pub fn meet(
+        &self,
+        scene: &Scene,
+        ray: &mut Ray,
+        hit: Option<&Hit>,
+        path: Carried,
+        out: &mut Radiance,
+    ) -> Next {
+        let next = walk::arrive(scene, ray, hit, self.of_lamps());
+        match &next {
+            Next::Escape => self.add_background(scene, ray.d, path, out),
+            Next::Behind => {}
+            Next::Surface(s) => self.add_surface(scene, s, ray.d, path, out),
+        }
+        next
     }
 
     /// Adds what shines from infinity at the end of a ray along the unit direction `d`.
     #[inline(always)]
-    pub fn add_background(&self, scene: &Scene, d: Vec3, path: Carried, out: &mut Radiance) {
+    fn add_background(&self, scene: &Scene, d: Vec3, path: Carried, out: &mut Radiance) {
         if self.lamps {
             for (radiance, pdf) in scene.background(d) {
                 out.add(path.class.layer(), path.throughput * radiance * self.weight(pdf));
@@ -55,7 +74,7 @@ impl Sight {
     /// Adds what the surface at the end of a ray along the unit direction `d` emits, and marks the sample
     /// as covered.
     #[inline(always)]
-    pub fn add_surface(&self, scene: &Scene, s: &Surface, d: Vec3, path: Carried, out: &mut Radiance) {
+    fn add_surface(&self, scene: &Scene, s: &Surface, d: Vec3, path: Carried, out: &mut Radiance) {
         out.alpha = 1.0;
         let emitted = scene.emitted(s, -d);
         if emitted.max_element() > 0.0 && self.lamps {

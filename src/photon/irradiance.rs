@@ -25,7 +25,7 @@ pub struct Irradiance {
 
 impl Irradiance {
     /// Reads `map` where `photons` are, which must be others than its own: where a photon lies, the density is not
-    /// what it is elsewhere.
+    /// what it is elsewhere. Counts the rays of the boundary test.
     pub fn of(
         photons: &[Photon],
         map: &PhotonMap,
@@ -34,8 +34,8 @@ impl Irradiance {
         facts: &Facts,
         boundary: bool,
         key: u64,
-    ) -> Self {
-        let places: Vec<Photon> = photons
+    ) -> (Self, u64) {
+        let (places, rays): (Vec<Photon>, Vec<u64>) = photons
             .par_iter()
             .with_min_len(256)
             .enumerate()
@@ -46,10 +46,16 @@ impl Irradiance {
                 let q = Query { p: ph.p, n: ph.n, lift, radius: estimator.radius };
                 let b = boundary.then_some(Boundary { scene, facts, sampler: &mut sampler, rays: &mut rays });
                 let flux = estimator.irradiance(map, &q, b, gather);
-                Photon { flux, class: PathClass::Indirect, depth: 0, ..*ph }
+                (Photon { flux, class: PathClass::Indirect, depth: 0, ..*ph }, rays)
             })
-            .collect();
-        Self { places: PhotonMap::build_for_nearest(&places, 1, estimator.radius), deepest: map.deepest }
+            .unzip();
+        let places = PhotonMap::build_for_nearest(&places, 1, estimator.radius);
+        (Self { places, deepest: map.deepest }, rays.iter().sum())
+    }
+
+    /// Memory of the places.
+    pub fn bytes(&self) -> usize {
+        self.places.bytes()
     }
 
     /// Adds what a rough surface sends back; false where nothing is known of it.

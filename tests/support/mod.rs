@@ -112,6 +112,24 @@ pub fn rectangle(half: f64, transform: &str, inside: &str) -> String {
     )
 }
 
+/// A room of side 2 with a square window of side 2·`half` in its ceiling, which faces +z. Its walls are diffuse.
+pub fn room_with_window(half: f64, reflectance: &str) -> String {
+    let wall = |to_world: &str| rectangle(1.0, to_world, &diffuse(reflectance));
+    // A ceiling of four strips around the window.
+    let (middle, width) = ((1.0 + half) / 2.0, (1.0 - half) / 2.0);
+    let strips = [
+        ([0.0, middle], [1.0, width]),
+        ([0.0, -middle], [1.0, width]),
+        ([middle, 0.0], [width, half]),
+        ([-middle, 0.0], [width, half]),
+    ]
+    .map(|([x, y], [w, h])| wall(&format!("<scale value='{w},{h},1'/><translate value='{x},{y},1'/>")));
+    let sides =
+        ["x='1' angle='90'", "x='1' angle='-90'", "y='1' angle='90'", "y='1' angle='-90'", "x='1' angle='0'"]
+            .map(|turn| wall(&format!("<translate value='0,0,-1'/><rotate {turn}/>")));
+    [strips.concat(), sides.concat()].concat()
+}
+
 /// Rotations that turn the front of a [`rectangle`] towards −y, +y, +x and −x.
 pub const DOWN: &str = "<rotate x='1' angle='90'/>";
 pub const UP: &str = "<rotate x='1' angle='-90'/>";

@@ -4,6 +4,7 @@
 
 mod lines;
 mod narrow;
+mod shell;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,8 @@ use codespan_reporting::diagnostic::{self as codespan, LabelStyle};
 use codespan_reporting::files::SimpleFiles;
 use codespan_reporting::term;
 use serde::{Deserialize, Serialize};
+
+pub(crate) use shell::quoted;
 
 use lines::Lines;
 

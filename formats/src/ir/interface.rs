@@ -121,6 +121,18 @@ impl Part for Microfacet {
 }
 
 impl Microfacet {
+    /// pbrt's distribution, for the roughness along ∂p/∂u and across it.
+    pub(crate) fn pbrt([alpha_u, alpha_v]: [FloatInput; 2], remap: RoughnessRemap) -> Self {
+        Self {
+            distribution: MicrofacetDistribution::Ggx,
+            alpha_u,
+            alpha_v,
+            sample_visible: true,
+            shadowing: Shadowing::HeightCorrelated,
+            remap,
+        }
+    }
+
     /// Whether its roughness is zero: a smooth surface.
     pub fn is_smooth(&self) -> bool {
         self.alpha_u == FloatInput::Value(0.0) && self.alpha_v == FloatInput::Value(0.0)

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::policy::Policy;
-use crate::diagnostic::{Diagnostic, Span, nearest};
+use crate::diagnostic::{Diagnostic, Span, nearest, quoted};
 
 /// Longest substituted value: `<default>`s that double each other would fill the memory.
 const MAX_VALUE_BYTES: usize = 16 << 20;
@@ -139,11 +139,8 @@ impl Parameters {
         let plural = if others.is_empty() { "" } else { "s" };
         let what = format!("undefined parameter{plural} {}", names.join(", "));
         let instead = "every place has its default";
-        let mut problem = if self.undefined.iter().all(|u| u.harmless) {
-            Diagnostic::warning(format!("{what}: {instead}"), Some(first.span))
-        } else {
-            policy.judge(&what, instead, first.span)
-        };
+        let harmless = self.undefined.iter().all(|u| u.harmless);
+        let mut problem = policy.judge_unless(harmless, &what, instead, first.span);
         for other in others {
             problem = problem.label(other.span, format!("`${}`", other.name));
         }
@@ -180,15 +177,6 @@ impl Parameters {
             })
         })
     }
-}
-
-/// `text` as one word of a shell.
-fn quoted(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./=+:,@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        return text.to_owned();
-    }
-    format!("'{}'", text.replace('\'', "'\\''"))
 }
 
 fn list_or_none(names: &[&str]) -> String {

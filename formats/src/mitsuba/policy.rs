@@ -19,11 +19,17 @@ pub(super) fn changes_light(class: Class) -> bool {
 impl Policy {
     /// About an object whose plugin is not read: `what` says why, `instead` what happens then.
     pub fn plugin(self, object: &Object, what: &str, instead: &str) -> Diagnostic {
-        if changes_light(object.class) && object.used {
-            return self.judge(what, instead, object.span);
-        }
+        let harmless = !changes_light(object.class) || !object.used;
         let instead = if object.used { instead } else { "nothing uses it" };
-        Diagnostic::warning(format!("{what}: {instead}"), Some(object.span))
+        self.judge_unless(harmless, what, instead, object.span)
+    }
+
+    /// A warning about something harmless, and otherwise as [`Self::judge`].
+    pub fn judge_unless(self, harmless: bool, what: &str, instead: &str, span: Span) -> Diagnostic {
+        if harmless {
+            return Diagnostic::warning(format!("{what}: {instead}"), Some(span));
+        }
+        self.judge(what, instead, span)
     }
 
     /// About a parameter, or with `nested` an object, that `object` does not take.

@@ -5,8 +5,8 @@ use super::params::Params;
 use super::reader::Reader;
 use super::version3::{BLACK, factor, product};
 use crate::ir::{
-    Bsdf, BsdfKind, Color, ColorInput, FloatInput, Id, LobeSum, Microfacet, MicrofacetDistribution,
-    MixAmount, Principled, PrincipledIndex, RoughnessRemap, Shadowing, Texture, TextureKind,
+    Bsdf, BsdfKind, Color, ColorInput, FloatInput, Id, LobeSum, Microfacet, MixAmount, Principled,
+    PrincipledIndex, RoughnessRemap, Shadowing, Texture, TextureKind,
 };
 use crate::spectrum::luminance;
 
@@ -255,12 +255,6 @@ fn facets(r: &mut Reader<'_>, p: &mut Params, d: &Disney) -> Microfacet {
             })
         }
     };
-    Microfacet {
-        distribution: MicrofacetDistribution::Ggx,
-        alpha_u: alpha(1.0 / aspect),
-        alpha_v: alpha(aspect),
-        sample_visible: true,
-        shadowing: Shadowing::Separable,
-        remap: RoughnessRemap::None,
-    }
+    let alpha = [alpha(1.0 / aspect), alpha(aspect)];
+    Microfacet { shadowing: Shadowing::Separable, ..Microfacet::pbrt(alpha, RoughnessRemap::None) }
 }

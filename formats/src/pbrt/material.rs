@@ -17,8 +17,7 @@ use super::version3;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     Bitmap, Bsdf, BsdfKind, Coat, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput,
-    Id, Ior, Mapping, Microfacet, MicrofacetDistribution, Origin, PerturbedShading, RoughnessRemap,
-    Shadowing, Texture, TextureKind, Transform,
+    Id, Ior, Mapping, Microfacet, Origin, PerturbedShading, RoughnessRemap, Texture, TextureKind, Transform,
 };
 use crate::plugin::{Plugin, approximated, read, unsupported};
 
@@ -253,14 +252,7 @@ impl Reader<'_> {
         let alpha_v = self.optional_float_input(p, names[2]).unwrap_or(roughness);
         let remap =
             if p.boolean("remaproughness", true) { RoughnessRemap::Sqrt } else { RoughnessRemap::None };
-        Microfacet {
-            distribution: MicrofacetDistribution::Ggx,
-            alpha_u,
-            alpha_v,
-            sample_visible: true,
-            shadowing: Shadowing::HeightCorrelated,
-            remap,
-        }
+        Microfacet::pbrt([alpha_u, alpha_v], remap)
     }
 
     fn coat(&mut self, p: &mut Params, microfacet: Microfacet, eta: &'static str) -> Coat {

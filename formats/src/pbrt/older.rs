@@ -7,7 +7,7 @@ use super::version3::facets;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
     BsdfKind, Color, ColorInput, Conductor, ConductorMaterial, Dielectric, FloatInput, Ior, Microfacet,
-    MicrofacetDistribution, RoughnessRemap, Shadowing,
+    RoughnessRemap,
 };
 
 /// How materials of pbrt-v1 that were measured are rendered.
@@ -85,14 +85,7 @@ fn brushed(r: &mut Reader<'_>, p: &mut Params, roughness: f64, loss: &str) -> Op
             material: ConductorMaterial::Reflectance(reflectance),
             specular_reflectance: ColorInput::Color(Color::Gray(1.0)),
         },
-        microfacet: Microfacet {
-            distribution: MicrofacetDistribution::Ggx,
-            alpha_u: alpha.clone(),
-            alpha_v: alpha,
-            sample_visible: true,
-            shadowing: Shadowing::HeightCorrelated,
-            remap: RoughnessRemap::None,
-        },
+        microfacet: Microfacet::pbrt([alpha.clone(), alpha], RoughnessRemap::None),
     })
 }
 

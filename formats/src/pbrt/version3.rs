@@ -4,8 +4,8 @@ use super::color::{Use, scaled};
 use super::params::Params;
 use super::reader::Reader;
 use crate::ir::{
-    BsdfFile, BsdfKind, Color, ColorInput, ColorSlot, FloatInput, LobeSum, Microfacet,
-    MicrofacetDistribution, RoughnessRemap, Shadowing, SpectrumRule, Texture, TextureKind,
+    BsdfFile, BsdfKind, Color, ColorInput, ColorSlot, FloatInput, LobeSum, Microfacet, RoughnessRemap,
+    SpectrumRule, Texture, TextureKind,
 };
 use crate::spectrum::{luminance, to_linear_rgb};
 
@@ -15,17 +15,10 @@ pub(super) const BLACK: ColorInput = ColorInput::Color(Color::Gray(0.0));
 const GLASS: FloatInput = FloatInput::Value(1.5);
 
 /// pbrt-v3's distribution of facets.
-pub(super) fn facets(p: &mut Params, [alpha_u, alpha_v]: [FloatInput; 2]) -> Microfacet {
+pub(super) fn facets(p: &mut Params, alpha: [FloatInput; 2]) -> Microfacet {
     let remap =
         if p.boolean("remaproughness", true) { RoughnessRemap::Polynomial } else { RoughnessRemap::None };
-    Microfacet {
-        distribution: MicrofacetDistribution::Ggx,
-        alpha_u,
-        alpha_v,
-        sample_visible: true,
-        shadowing: Shadowing::HeightCorrelated,
-        remap,
-    }
+    Microfacet::pbrt(alpha, remap)
 }
 
 /// A colour that scatters light. pbrt-v3 takes any; more than 1 would make light from nothing.

@@ -20,7 +20,7 @@ use crate::sampling::Sampler;
 use crate::scene::{Hit, Surface};
 use crate::settings::Indirect;
 use crate::transport::roulette::Length;
-use crate::transport::walk::{self, Next};
+use crate::transport::walk::Next;
 use crate::transport::{PathClass, Vertex, roulette};
 
 /// Radii that lie between two rough surfaces at least, for the map to be read at the second: nearer, the first
@@ -171,11 +171,8 @@ impl PhotonMapper<'_> {
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
         let length = hit.map_or(0.0, |hit| hit.t * ray.d.length());
-        let s = match walk::arrive(scene, ray, hit, sight.of_lamps()) {
-            Next::Escape => {
-                sight.add_background(scene, ray.d, carried, &mut sample.out);
-                return false;
-            }
+        let s = match sight.meet(scene, ray, hit, carried, &mut sample.out) {
+            Next::Escape => return false,
             Next::Behind => {
                 walk.depth -= 1;
                 return true;
@@ -183,7 +180,6 @@ impl PhotonMapper<'_> {
             Next::Surface(s) => s,
         };
         walk.reach += length;
-        sight.add_surface(scene, &s, ray.d, carried, &mut sample.out);
         walk.seen = true;
         if walk.depth >= settings.max_depth.0 {
             return false;

@@ -9,7 +9,7 @@ use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::transport::roulette::Length;
-use crate::transport::walk::{self, Next};
+use crate::transport::walk::Next;
 use crate::transport::{PathClass, Vertex, roulette};
 
 /// What a camera path does at a surface.
@@ -56,18 +56,15 @@ impl PhotonMapper<'_> {
             scratch.rays += 1;
             let lamps = seen || !settings.hide_emitters;
             let sight = Sight { lamps, through: self.task.view.hidden_lamps_are_transparent, pdf, from };
-            let s = match walk::next(scene, &mut ray, sight.of_lamps()) {
-                Next::Escape => {
-                    sight.add_background(scene, ray.d, path, &mut out);
-                    break;
-                }
+            let hit = scene.geometry.closest(&ray);
+            let s = match sight.meet(scene, &mut ray, hit.as_ref(), path, &mut out) {
+                Next::Escape => break,
                 Next::Behind => {
                     depth -= 1;
                     continue;
                 }
                 Next::Surface(s) => s,
             };
-            sight.add_surface(scene, &s, ray.d, path, &mut out);
             seen = true;
             if depth >= max_depth {
                 break;

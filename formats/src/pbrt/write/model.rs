@@ -4,8 +4,8 @@ use super::Writer;
 use super::material::{Said, index};
 use super::text::Params;
 use crate::ir::{
-    Bsdf, BsdfKind, ColorInput, ColorSlot, FloatInput, Id, Microfacet, MicrofacetDistribution, Origin,
-    PerturbedShading, Plastic, Principled, PrincipledIndex, RoughnessRemap, Shadowing,
+    Bsdf, BsdfKind, ColorInput, ColorSlot, FloatInput, Id, Microfacet, Origin, PerturbedShading, Plastic,
+    Principled, PrincipledIndex, RoughnessRemap,
 };
 use crate::write::{Tone, WriteError};
 
@@ -57,11 +57,16 @@ impl Writer<'_, '_> {
                 let alpha = (2.0 / (n + 2.0)).sqrt();
                 self.out.lose(origin, "the `phong` model", format!("a coat with alpha {alpha:.4}"));
                 let alpha = FloatInput::Value(alpha);
-                self.coated(diffuse_reflectance, 1.5, Some(&ggx(alpha.clone(), alpha)), origin)
+                self.coated(
+                    diffuse_reflectance,
+                    1.5,
+                    Some(&Microfacet::pbrt([alpha.clone(), alpha], RoughnessRemap::None)),
+                    origin,
+                )
             }
             BsdfKind::Ward { alpha_u, alpha_v, diffuse_reflectance, .. } => {
                 self.out.lose(origin, "the `ward` model", "a coat of the same roughness");
-                let m = ggx(alpha_u.clone(), alpha_v.clone());
+                let m = Microfacet::pbrt([alpha_u.clone(), alpha_v.clone()], RoughnessRemap::None);
                 self.coated(diffuse_reflectance, 1.5, Some(&m), origin)
             }
             BsdfKind::LobeSum(lobes) => self.lobe_sum(lobes, origin),
@@ -179,22 +184,11 @@ fn diffuse_reflectance_from_inside(eta: f64) -> f64 {
 
 const ROUGHNESS: [&str; 3] = ["roughness", "uroughness", "vroughness"];
 
-fn ggx(alpha_u: FloatInput, alpha_v: FloatInput) -> Microfacet {
-    Microfacet {
-        distribution: MicrofacetDistribution::Ggx,
-        alpha_u,
-        alpha_v,
-        sample_visible: true,
-        shadowing: Shadowing::HeightCorrelated,
-        remap: RoughnessRemap::None,
-    }
-}
-
 /// α = roughness², as `principled` has it.
 fn squared(roughness: &FloatInput) -> Microfacet {
     let alpha = match roughness {
         FloatInput::Value(v) => FloatInput::Value(v * v),
         texture => texture.clone(),
     };
-    ggx(alpha.clone(), alpha)
+    Microfacet::pbrt([alpha.clone(), alpha], RoughnessRemap::None)
 }
