@@ -66,12 +66,13 @@ impl Bvh {
 
     /// Joins at most eight pieces under one root, unless there is one piece whose root is a node already.
     fn joined<P>(pieces: Vec<Piece<P>>) -> (Self, Vec<P>) {
-        let mut nodes = Vec::new();
+        let total = |count: fn(&Piece<P>) -> usize| pieces.iter().map(count).sum::<usize>();
+        let mut nodes = Vec::with_capacity(1 + total(|piece| piece.nodes.len()));
+        let mut packs = Vec::with_capacity(total(|piece| piece.packs.len()));
         let single = matches!(&*pieces, [piece] if piece.root.1 == 0);
         if !single {
             nodes.push(Node::EMPTY);
         }
-        let mut packs = Vec::new();
         let mut depth = 0;
         for (lane, piece) in pieces.into_iter().enumerate() {
             let (to_node, to_pack) = (nodes.len() as u32, packs.len() as u32);
@@ -118,7 +119,8 @@ impl<P> Piece<P> {
         let scaled = |b: Aabb| Aabb { min: b.min * scale, max: b.max * scale };
         let mut piece = Self {
             nodes: Vec::new(),
-            packs: Vec::new(),
+            // Leaves seldom have more than one.
+            packs: Vec::with_capacity(binary.nodes.iter().filter(|node| node.is_leaf()).count()),
             root: (0, 0),
             bounds: scaled(*binary.nodes[0].aabb()),
             depth: 0,

@@ -1,7 +1,7 @@
 //! Round trips of light between a smooth coat and a rough metal below it.
 
 use crate::bsdf::fresnel;
-use crate::bsdf::microfacet::{AlphaTable, Microfacet, Roughness, cosine_entry, reflect};
+use crate::bsdf::microfacet::{AlphaTable, Microfacet, Roughness, VisibleNormals, cosine_entry, reflect};
 use crate::math::{Color, Vec3, gauss_legendre};
 
 /// Entries over cosθ from 0 to 1.
@@ -52,7 +52,8 @@ fn cosine(i: usize) -> f32 {
 
 /// Follows light between the entries: each meeting with the metal spreads it over them.
 fn trips(metal: &Microfacet, eta: f32, thickness: f32) -> Trips {
-    let spread: Table = std::array::from_fn(|i| reflected(metal, cosine(i)));
+    let normals = VisibleNormals::new(metal, &gauss_legendre(32));
+    let spread: Table = std::array::from_fn(|i| reflected(metal, &normals, cosine(i)));
     let back: [f64; ENTRIES] =
         std::array::from_fn(|i| f64::from(fresnel::dielectric(cosine(i), 1.0 / eta).reflectance));
     let absorbed: [f64; ENTRIES] = std::array::from_fn(|i| (-2.0 * f64::from(thickness / cosine(i))).exp());
@@ -94,10 +95,10 @@ fn symmetric(out: &Table, leaves: &[f64; ENTRIES]) -> [f64; ENTRIES] {
 }
 
 /// Where light that meets the metal under `cos` goes, shared among the entries; what its own bumps catch is lost.
-fn reflected(metal: &Microfacet, cos: f32) -> [f64; ENTRIES] {
+fn reflected(metal: &Microfacet, normals: &VisibleNormals<'_>, cos: f32) -> [f64; ENTRIES] {
     let wi = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
     let mut entries = [0.0; ENTRIES];
-    for (m, weight) in metal.visible_normals(wi, &gauss_legendre(32)) {
+    normals.each(wi, |m, weight| {
         let wo = reflect(wi, m);
         if wo.z > 0.0 {
             let share = weight * f64::from(metal.g(wi, wo, m) / metal.g1(wi, m));
@@ -106,6 +107,6 @@ fn reflected(metal: &Microfacet, cos: f32) -> [f64; ENTRIES] {
             entries[i] += share * (1.0 - (x - i as f64));
             entries[i + 1] += share * (x - i as f64);
         }
-    }
+    });
     entries
 }

@@ -3,10 +3,12 @@
 mod alpha_table;
 mod roughness;
 mod transmittance;
+mod visible;
 
 pub(super) use alpha_table::{AlphaTable, cosine_entry};
 pub use roughness::{Remap, Roughness};
 pub use transmittance::Transmittance;
+pub(super) use visible::VisibleNormals;
 
 use std::f32::consts::{FRAC_2_SQRT_PI, PI};
 
@@ -145,7 +147,7 @@ impl Microfacet {
         let r = (stretched.x * stretched.x + stretched.y * stretched.y).sqrt();
         let (cos, sin) = if r > 0.0 { (stretched.x / r, stretched.y / r) } else { (1.0, 0.0) };
         let slope = match self.kind {
-            Distribution::Ggx => ggx_slope(stretched.z, u),
+            Distribution::Ggx => ggx_slope(stretched.z, warp::disk(u)),
             _ => Vec2::new(beckmann_slope_x(stretched.z, u.x), beckmann_slope_y(u.y)),
         };
         let x = (cos * slope.x - sin * slope.y) * self.au;
@@ -155,47 +157,6 @@ impl Microfacet {
 
     fn stretched(&self, wi: Vec3) -> Vec3 {
         Vec3::new(self.au * wi.x, self.av * wi.y, wi.z).normalize_or(Vec3::Z)
-    }
-
-    /// Normals that [`sample`](Self::sample) makes of all pairs of `nodes`, with their weights: a quadrature
-    /// over the visible normals of an isotropic surface. `nodes` are pairs of place and weight, symmetric
-    /// about ½; `wi` has no y, so that of two normals which mirror each other only one is listed.
-    pub fn visible_normals(&self, wi: Vec3, nodes: &[(f64, f64)]) -> Vec<(Vec3, f64)> {
-        let half = &nodes[..nodes.len().div_ceil(2)];
-        let doubled = |i: usize| if i == nodes.len() - 1 - i { 1.0 } else { 2.0 };
-        let normal =
-            |slope: Vec2| Vec3::new(-slope.x * self.au, -slope.y * self.av, 1.0).normalize_or(Vec3::Z);
-        let cos = self.stretched(wi).z;
-        let mut normals = Vec::with_capacity(nodes.len() * nodes.len());
-        match self.kind {
-            // Each number decides about one coordinate of the slope.
-            Distribution::Beckmann => {
-                let ys: Vec<f32> = half.iter().map(|&(y, _)| beckmann_slope_y(y as f32)).collect();
-                for &(x, wx) in nodes {
-                    let x = beckmann_slope_x(cos, x as f32);
-                    let at = |(i, (&y, &(_, wy)))| (normal(Vec2::new(x, y)), wx * wy * doubled(i));
-                    normals.extend(ys.iter().zip(half).enumerate().map(at));
-                }
-            }
-            // The first number mirrored is the slope mirrored.
-            Distribution::Ggx => {
-                for (i, &(x, wx)) in half.iter().enumerate() {
-                    let at = |&(y, wy): &(f64, f64)| {
-                        let slope = ggx_slope(cos, Vec2::new(x as f32, y as f32));
-                        (normal(slope), wx * wy * doubled(i))
-                    };
-                    normals.extend(nodes.iter().map(at));
-                }
-            }
-            Distribution::Phong => {
-                for &(x, wx) in nodes {
-                    let at =
-                        |&(y, wy): &(f64, f64)| (self.sample_phong(Vec2::new(x as f32, y as f32)), wx * wy);
-                    normals.extend(nodes.iter().map(at));
-                }
-            }
-        }
-        normals
     }
 
     /// Ashikhmin and Shirley 2000.
@@ -212,9 +173,8 @@ impl Microfacet {
     }
 }
 
-/// Slope seen under cosθ for α = 1 (Heitz 2018, projected hemisphere).
-fn ggx_slope(cos: f32, u: Vec2) -> Vec2 {
-    let p = warp::disk(u);
+/// Slope seen under cosθ for α = 1, from a point of the unit disk (Heitz 2018, projected hemisphere).
+fn ggx_slope(cos: f32, p: Vec2) -> Vec2 {
     let s = 0.5 * (1.0 + cos);
     let x = p.x;
     let y = (1.0 - s) * (1.0 - x * x).max(0.0).sqrt() + s * p.y;

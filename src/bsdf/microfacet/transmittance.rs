@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::alpha_table::{AlphaTable, cosine_entry};
-use super::{Distribution, Microfacet, Shadowing, reflect, refract};
+use super::{Distribution, Microfacet, Shadowing, VisibleNormals, reflect, refract};
 use crate::bsdf::fresnel;
 use crate::math::{Vec3, gauss_legendre};
 
@@ -58,8 +58,8 @@ impl Transmittance {
 
 fn row(microfacet: Microfacet, eta: f32, inner_nodes: usize) -> (f32, Row) {
     let cos = |i: usize| (i as f32 / (ENTRIES - 1) as f32).max(1e-6);
-    let outer = gauss_legendre(32);
-    let inner = gauss_legendre(inner_nodes);
+    let outer = VisibleNormals::new(&microfacet, &gauss_legendre(32));
+    let inner = VisibleNormals::new(&microfacet, &gauss_legendre(inner_nodes));
     let external = std::array::from_fn(|i| scattered(&microfacet, cos(i), eta, &outer, Side::Through) as f32);
     let back = |i: usize| f64::from(cos(i)) * scattered(&microfacet, cos(i), 1.0 / eta, &inner, Side::Back);
     // Added in order, so that the sum does not depend on the threads.
@@ -84,17 +84,17 @@ enum Side {
 }
 
 /// Reflected or transmitted share: ∫ F·G/G1(wi) or ∫ (1 − F)·G/G1(wi) over visible normals.
-fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, nodes: &[(f64, f64)], side: Side) -> f64 {
+fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, normals: &VisibleNormals<'_>, side: Side) -> f64 {
     let wi = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
     let mut sum = 0.0;
-    for (m, weight) in microfacet.visible_normals(wi, nodes) {
+    normals.each(wi, |m, weight| {
         let f = fresnel::dielectric(wi.dot(m), eta);
         let (share, wo) = match side {
             Side::Back => (f.reflectance, reflect(wi, m)),
             Side::Through => (1.0 - f.reflectance, refract(wi, m, f.cos_t, f.eta)),
         };
         if share <= 0.0 || (wo.z > 0.0) != (side == Side::Back) || wo.z == 0.0 {
-            continue;
+            return;
         }
         let passes = match microfacet.kind {
             Distribution::Phong => {
@@ -106,6 +106,6 @@ fn scattered(microfacet: &Microfacet, cos: f32, eta: f32, nodes: &[(f64, f64)], 
             },
         };
         sum += f64::from(share * passes) * weight;
-    }
+    });
     sum.min(1.0)
 }

@@ -68,8 +68,13 @@ impl Level {
         let mut bounds = Bounds::EMPTY;
         boxes.iter().for_each(|b| bounds.union(b));
         let (bvh, packets) = Bvh::build(&boxes, |items, packets: &mut Vec<Packet>| {
-            let flat = |&&i: &&u32| matches!(kind(primitives[i as usize].tag), Kind::Triangle(_));
-            let (triangles, others): (Vec<&u32>, Vec<&u32>) = items.iter().partition(flat);
+            let is_triangle = |&i: &u32| matches!(kind(primitives[i as usize].tag), Kind::Triangle(_));
+            // Most leaves hold nothing else.
+            if items.iter().all(is_triangle) {
+                packets.extend(items.chunks(WIDTH).map(|lanes| packet(primitives, lanes, true)));
+                return;
+            }
+            let (triangles, others): (Vec<u32>, Vec<u32>) = items.iter().partition(|i| is_triangle(i));
             for (list, are_triangles) in [(triangles, true), (others, false)] {
                 packets.extend(list.chunks(WIDTH).map(|lanes| packet(primitives, lanes, are_triangles)));
             }
@@ -112,9 +117,9 @@ impl Level {
     }
 }
 
-fn packet(primitives: &[Primitive], lanes: &[&u32], are_triangles: bool) -> Packet {
+fn packet(primitives: &[Primitive], lanes: &[u32], are_triangles: bool) -> Packet {
     let mut packet = Packet { triangles: Block::EMPTY, shape: [u32::MAX; WIDTH], tag: [0; WIDTH], others: 0 };
-    for (lane, &&i) in lanes.iter().enumerate() {
+    for (lane, &i) in lanes.iter().enumerate() {
         let p = &primitives[i as usize];
         (packet.shape[lane], packet.tag[lane]) = (p.shape, p.tag);
         if are_triangles {

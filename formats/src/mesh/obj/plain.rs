@@ -200,7 +200,12 @@ impl BufRead for Plain<'_> {
     /// A whole line at once: `tobj` reads nothing else.
     fn read_line(&mut self, out: &mut String) -> io::Result<usize> {
         self.fill_buf()?;
-        out.push_str(self.line);
+        if out.is_empty() {
+            // As large as it must be, without the steps of growth.
+            *out = self.line.to_owned();
+        } else {
+            out.push_str(self.line);
+        }
         Ok(std::mem::take(&mut self.line).len())
     }
 }
