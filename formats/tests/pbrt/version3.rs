@@ -65,6 +65,26 @@ fn one_old_word_does_not_make_a_new_scene_old() {
     );
 }
 
+/// A sampler is changed soon: the lights and materials around it say what was meant.
+#[test]
+fn one_new_setting_does_not_make_an_old_scene_new() {
+    let old = "Film \"image\" Sampler \"independent\" WorldBegin LightSource \"infinite\" \"rgb L\" [ 1 .5 .25 ]\n\
+        Material \"matte\" \"rgb Kd\" [.2 .3 .4] Shape \"sphere\"";
+    assert_eq!(
+        problems(old),
+        [
+            "scene.pbrt:1:22: sampler `independent` is of pbrt-v4; pbrt-v3 does not read it",
+            "scene.pbrt:1:6: a scene of pbrt-v3 or before (film `image`), which is read by the rules of pbrt-v3",
+        ]
+    );
+    // A material of pbrt-v4 would be another one in pbrt-v3.
+    let new = problems(&old.replace("matte", "diffuse"));
+    assert!(
+        new.iter().any(|text| text.ends_with("film `image` is of pbrt-v3; pbrt-v4 does not read it")),
+        "{new:?}"
+    );
+}
+
 #[test]
 fn glass_is_tinted_on_both_sides_and_rough_by_two_numbers() {
     let (_, kind) =

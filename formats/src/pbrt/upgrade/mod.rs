@@ -31,8 +31,10 @@ pub(super) struct Old {
     /// Of pbrt-v3 and before.
     three: Vec<Mark>,
     known: HashSet<String>,
-    /// The first of pbrt-v4.
-    four: Option<Mark>,
+    /// Of pbrt-v4.
+    four: Vec<Mark>,
+    /// Whether materials or directives are of pbrt-v4, of which pbrt-v3 would make another picture.
+    surely_four: bool,
     slips: Vec<Slip>,
     losses: Vec<Diagnostic>,
 }
@@ -70,13 +72,15 @@ impl Old {
         Some(kind)
     }
 
-    /// The version of what was read: v4 where anything is of v4, v3 where anything else is of v3.
+    /// The version of what was read. Samplers, films and integrators are often changed in files that are otherwise of
+    /// another version: they count for v4 only where not more is of v3.
     pub fn version(&self) -> Version {
-        if self.four.is_none() && !self.three.is_empty() { Version::Three } else { Version::Four }
+        if self.surely_four || self.three.len() <= self.four.len() { Version::Four } else { Version::Three }
     }
 
     /// What is to be said now that the version is known.
     pub fn finish(mut self, policy: Policy) -> Vec<Diagnostic> {
+        let version = self.version();
         // Parameters were read before the directives around them.
         self.three.sort_by_key(|mark| (mark.span.file, mark.span.start));
         let mut problems = self.losses;
@@ -85,18 +89,27 @@ impl Old {
                 problems.push(policy.judge(Fault::Mistake, problem, &instead));
             }
         }
-        match (self.four, self.three.first()) {
-            (None, Some(Mark { what, span })) => {
-                let text =
-                    format!("a scene of pbrt-v3 or before ({what}), which is read by the rules of pbrt-v3");
-                problems.push(Diagnostic::new(Severity::Note, text, Some(*span)));
+        let of_another = |marks: &[Mark], [theirs, ours]: [&str; 2], first: &Mark| -> Vec<Diagnostic> {
+            let warn = |mark: &Mark| {
+                let text = format!("{} is of pbrt-{theirs}; pbrt-{ours} does not read it", mark.what);
+                Diagnostic::warning(text, Some(mark.span))
+                    .label(first.span, format!("{} makes this a scene of pbrt-{ours}", first.what))
+            };
+            marks.iter().map(warn).collect()
+        };
+        match (version, self.three.first(), self.four.first()) {
+            (Version::Three, Some(first), _) => {
+                let text = format!(
+                    "a scene of pbrt-v3 or before ({}), which is read by the rules of pbrt-v3",
+                    first.what
+                );
+                problems.push(Diagnostic::new(Severity::Note, text, Some(first.span)));
+                problems.extend(of_another(&self.four, ["v4", "v3"], first));
             }
-            (Some(four), _) => problems.extend(self.three.iter().map(|old| {
-                let text = format!("{} is of pbrt-v3; pbrt-v4 does not read it", old.what);
-                Diagnostic::warning(text, Some(old.span))
-                    .label(four.span, format!("{} makes this a scene of pbrt-v4", four.what))
-            })),
-            (None, None) => {}
+            (Version::Four, _, Some(first)) => {
+                problems.extend(of_another(&self.three, ["v3", "v4"], first));
+            }
+            _ => {}
         }
         problems
     }
@@ -116,8 +129,11 @@ impl Old {
         };
         if has(table::ONLY_THREE) {
             self.found(kind_span(d), &what());
-        } else if self.four.is_none() && has(table::ONLY_FOUR) {
-            self.four = Some(Mark { what: what(), span: kind_span(d) });
+        } else if has(table::ONLY_FOUR) {
+            self.surely_four |= !matches!(class, "Sampler" | "Film" | "Integrator");
+            if self.known.insert(what()) {
+                self.four.push(Mark { what: what(), span: kind_span(d) });
+            }
         }
     }
 
