@@ -47,7 +47,7 @@ pub struct Plan {
 impl Plan {
     /// Of a task. Runs the pilot that decides how indirect light is computed, if the settings leave it open.
     pub fn of(task: Task<'_>) -> Self {
-        let (facts, settings, pixels) = (task.facts, task.settings, task.view.film.pixel_count());
+        let (facts, settings) = (task.facts, task.settings);
         let mut notes = Vec::new();
         if !facts.lit {
             notes.push("no emitter: the picture is black".to_owned());

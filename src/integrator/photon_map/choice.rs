@@ -24,16 +24,22 @@ const MOST_RAYS: f64 = 8.0;
 const MOST_SAMPLES: f64 = 8.0;
 const MOST_OF_PICTURE: f64 = (1 << 17) as f64;
 
-/// A map that is seen directly must be this much better than the other estimators to be taken: it is biased by its
-/// radius, which the pilot does not see.
-const CLEARLY: f64 = 0.7;
+/// What the measured error of an estimator is multiplied by before they are compared. The pilot does not see bias: a map
+/// that is seen directly is blurred by its radius, one at the second surface hardly, and without one there is none.
+fn with_bias(indirect: Indirect) -> f64 {
+    match indirect {
+        Indirect::Density => 1.4,
+        Indirect::Trace => 0.85,
+        Indirect::Gather | Indirect::Auto => 1.0,
+    }
+}
 
 /// How far the light paths of a map may be from what the plan would take.
 const LEAST_SHARE: f64 = 0.25;
 const MOST_SHARE: f64 = 2.0;
 
 /// Passes of the render that the pilot has in mind, in which radii shrink.
-const PASSES: u32 = 64;
+const PASSES: u32 = 16;
 
 /// Where each map sends its light.
 pub(super) type Aims = [Option<Aim>; 2];
@@ -243,9 +249,9 @@ fn best_rays([one, four]: [Rated; 2]) -> Rated {
     found
 }
 
-/// The candidate with the least error, a map that is seen directly only if it is clearly better.
+/// The candidate with the least error.
 fn best(rated: &[Rated]) -> Option<Rated> {
-    let cost = |r: &Rated| if r.indirect == Indirect::Density { r.error / CLEARLY } else { r.error };
+    let cost = |r: &Rated| r.error * with_bias(r.indirect);
     rated.iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).copied()
 }
 

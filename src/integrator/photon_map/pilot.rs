@@ -23,9 +23,9 @@ const SIDE: u32 = 4;
 const ALONG: u32 = 8;
 
 /// How much the error that is left after a blur counts beside that of single pixels. Noise that differs from pixel to
-/// pixel hardly survives a blur, neither here nor in the eye; blotches do. With 4 an error of blotches counts
-/// as much as 4 times the variance in fine noise, between what relMSE (1) and LDR-FLIP (about 6) make of it.
-const BLURRED: f64 = 4.0;
+/// pixel hardly survives a blur, neither here nor in the eye; blotches do. With 2 an error of blotches counts
+/// almost as three times that variance in fine noise, between what relMSE (1) and LDR-FLIP (about 6) make of it.
+const BLURRED: f64 = 2.0;
 
 /// Luminance below this share of the picture's mean counts as if it were this.
 const DARK: f64 = 0.1;
@@ -304,5 +304,35 @@ impl Variance {
         for (sum, v) in self.maps.iter_mut().zip(other.maps) {
             *sum += weight * v;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::CounterRng;
+
+    /// Values with a known variance between passes, between samples and of what is left. Of 20 000 tables the means are
+    /// known to about √(2/(2·20 000)) = 0.7 % of the largest variance (2 degrees of freedom); 4 sigmas are 3 %.
+    #[test]
+    fn variances_of_passes_and_samples_are_told_apart() {
+        let mut rng = CounterRng::new(3, 0);
+        // Even in [-√3, √3]: variance 1.
+        let mut unit = || f64::from(rng.next_2d()[0] - 0.5) * 12f64.sqrt();
+        let (of_pass, of_sample, of_both) = (0.5, 2.0, 0.3);
+        let mut sums = [0.0; 2];
+        let tables = 20_000;
+        for _ in 0..tables {
+            let passes: [f64; PASSES] = std::array::from_fn(|_| unit() * of_pass);
+            let samples: [f64; SAMPLES] = std::array::from_fn(|_| unit() * of_sample);
+            let table: Table = std::array::from_fn(|p| {
+                std::array::from_fn(|k| 7.0 + passes[p] + samples[k] + unit() * of_both)
+            });
+            sums[0] += of_passes(&table) / f64::from(tables);
+            sums[1] += of_samples(&table) / f64::from(tables);
+        }
+        let largest = 0.25 + (0.09 / SAMPLES as f64);
+        assert!((sums[0] - 0.25).abs() < 0.03 * largest, "passes {}", sums[0]);
+        assert!((sums[1] - 4.09).abs() < 0.03 * 4.09, "samples {}", sums[1]);
     }
 }
