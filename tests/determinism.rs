@@ -15,9 +15,10 @@ fn body() -> String {
     [box_camera(20), walls("0.6"), lamp(0.4, "3"), sphere("0,-0.4,0", 0.5, BODY_GLASS)].concat()
 }
 
-const MODES: [&[(&str, &str)]; 6] = [
+const MODES: [&[(&str, &str)]; 7] = [
     &[("integrator", "path")],
     &[],
+    &[("indirect", "density")],
     &[("indirect", "gather")],
     &[("indirect", "trace")],
     &[("nee", "false"), ("lookup", "nearest"), ("photons", "stored:5000")],

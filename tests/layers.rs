@@ -37,7 +37,8 @@ fn layers_sum_to_the_beauty_and_agree_between_integrators() {
     let single = render(&scene, &[&photons[..], &[("caustic_map", "false")]].concat(), 128);
     let gathered = render(&scene, &[&photons[..], &[("indirect", "gather")]].concat(), 128);
     let traced = render(&scene, &[&photons[..], &[("indirect", "trace")]].concat(), 128);
-    for picture in [&path, &mapped, &off, &single, &gathered, &traced] {
+    let chosen = render(&scene, &[], 128);
+    for picture in [&path, &mapped, &off, &single, &gathered, &traced, &chosen] {
         assert_layers_sum(picture);
     }
     for channel in 0..3 {
@@ -58,6 +59,7 @@ fn layers_sum_to_the_beauty_and_agree_between_integrators() {
             assert_agree(&name("one map"), single.estimate(&[layer], channel), expected, bound);
             assert_agree(&name("gathered"), gathered.estimate(&[layer], channel), expected, bound);
             assert_agree(&name("traced"), traced.estimate(&[layer], channel), expected, bound);
+            assert_agree(&name("chosen"), chosen.estimate(&[layer], channel), expected, bound);
         }
         let pictures = [
             ("maps", &mapped),

@@ -19,6 +19,7 @@ mod depth;
 mod determinism;
 mod documents;
 mod environment;
+mod estimators;
 mod faults;
 mod flux;
 mod furnace;

@@ -53,6 +53,16 @@ impl Irradiance {
         (Self { places, deepest: map.deepest }, rays.iter().sum())
     }
 
+    /// How many places.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Memory of the places.
     pub fn bytes(&self) -> usize {
         self.places.bytes()

@@ -19,7 +19,11 @@ pub struct Place {
 
 /// Photons that a lookup of the first pass should find: with fewer the error grows fast, with more
 /// slowly (measured: 2.4 are four times worse, 100 slightly).
-const TARGET: usize = 25;
+pub const FOR_SIGHT: usize = 25;
+
+/// The same for irradiance that is read at the second rough surface: its blur is hardly seen, its noise is, since all
+/// camera paths of a pass share it (measured on four rooms: with 25 an error twice as large, with 300 no smaller).
+pub const FOR_GATHERING: usize = 100;
 
 /// Most places that are measured.
 pub const PLACES: usize = 1024;
@@ -32,11 +36,11 @@ const MOST_PIXELS: f32 = 8.0;
 /// No radius falls below this: a smaller square, or its inverse, leaves the range of f32.
 pub const LEAST: f32 = 1e-18;
 
-/// Radius within which a `share` of the places find [`TARGET`] photons or more. The search goes up to
+/// Radius within which a `share` of the places find `wanted` photons or more. The search goes up to
 /// a tenth of `scene_radius`, that of the bounding sphere; larger radii are extrapolated from the photons within it.
-pub fn measured(photons: &[Photon], places: &[Place], share: f32, scene_radius: f32) -> f32 {
+pub fn measured(photons: &[Photon], places: &[Place], wanted: usize, share: f32, scene_radius: f32) -> f32 {
     let most = largest(scene_radius);
-    let map = PhotonMap::build_for_nearest(photons, TARGET, most);
+    let map = PhotonMap::build_for_nearest(photons, wanted, most);
     let mut found = Vec::new();
     let mut hint = 0.0;
     let mut distances: Vec<f32> = places
@@ -44,13 +48,13 @@ pub fn measured(photons: &[Photon], places: &[Place], share: f32, scene_radius: 
         .map(|at| {
             map.nearest(
                 &Query { p: at.p, n: at.n, lift: at.lift, radius: most },
-                TARGET,
+                wanted,
                 &mut hint,
                 &mut found,
             );
-            if found.len() < TARGET {
+            if found.len() < wanted {
                 // Half a photon where there is none.
-                most * (TARGET as f32 / (found.len() as f32).max(0.5)).sqrt()
+                most * (wanted as f32 / (found.len() as f32).max(0.5)).sqrt()
             } else {
                 found.iter().map(|f| f.0).fold(0.0, f32::max).sqrt()
             }
@@ -120,6 +124,17 @@ pub fn photon_places(photons: &[Photon]) -> Vec<Place> {
 /// r² of pass `pass` over r² of pass 0: ∏ᵢ₌₁ (i + α)/(i + 1) (Knaus and Zwicker 2011).
 pub fn shrinkage(pass: u32, alpha: f64) -> f64 {
     (1..=pass).map(|i| (f64::from(i) + alpha) / (f64::from(i) + 1.0)).product()
+}
+
+/// Mean over passes of r² of pass 0 over r² of the pass: by how much the variance of a photon grows as radii shrink.
+pub fn growth(passes: u32, alpha: f64) -> f64 {
+    let mut square = 1.0;
+    let mut sum = 1.0;
+    for i in 1..passes {
+        square *= (f64::from(i) + alpha) / (f64::from(i) + 1.0);
+        sum += 1.0 / square;
+    }
+    sum / f64::from(passes.max(1))
 }
 
 #[cfg(test)]

@@ -195,7 +195,7 @@ impl Session {
 
     /// What a render with the present settings will do.
     pub fn plan(&self) -> Plan {
-        Plan::new(&self.facts, &self.settings, self.view.film.pixel_count())
+        Plan::of(self.task())
     }
 
     /// For the pass driver and the integrators.

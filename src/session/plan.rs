@@ -4,9 +4,9 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::integrator::Task;
 use crate::integrator::photon_map;
-use crate::scene::Facts;
-use crate::settings::{Count, IntegratorKind, Settings};
+use crate::settings::{Count, IntegratorKind};
 
 /// The parts of the renderer that a scene and its settings use; nothing else is paid for. Printed by
 /// `inspect` and `render -v`.
@@ -38,22 +38,25 @@ pub struct Plan {
     pub global_paths: Count,
     /// The same for the caustic map.
     pub caustic_paths: Count,
+    /// How indirect light is computed where a pilot has measured it.
+    pub indirect: Option<photon_map::Choice>,
     /// Why something is left out.
     pub notes: Vec<String>,
 }
 
 impl Plan {
-    /// For a picture of `pixels` pixels.
-    pub fn new(facts: &Facts, settings: &Settings, pixels: usize) -> Self {
+    /// Of a task. Runs the pilot that decides how indirect light is computed, if the settings leave it open.
+    pub fn of(task: Task<'_>) -> Self {
+        let (facts, settings) = (task.facts, task.settings);
         let mut notes = Vec::new();
         if !facts.lit {
             notes.push("no emitter: the picture is black".to_owned());
         }
-        let maps = match settings.integrator {
-            IntegratorKind::Path => photon_map::Plan::NOTHING,
+        let (maps, indirect) = match settings.integrator {
+            IntegratorKind::Path => (photon_map::Plan::NOTHING, None),
             IntegratorKind::PhotonMap => {
                 notes.extend(photon_map::Plan::notes(facts, settings));
-                photon_map::Plan::new(facts, settings, pixels)
+                photon_map::decided(task)
             }
         };
         Self {
@@ -70,6 +73,7 @@ impl Plan {
             instances: facts.instances,
             global_paths: maps.global_paths,
             caustic_paths: maps.caustic_paths,
+            indirect,
             notes,
         }
     }
@@ -89,6 +93,9 @@ impl fmt::Display for Plan {
         writeln!(f, "environment          {}", yes(self.environment))?;
         writeln!(f, "textures             {}", yes(self.textured))?;
         write!(f, "instances            {}", yes(self.instances))?;
+        if let Some(choice) = &self.indirect {
+            write!(f, "\nindirect light       {choice}")?;
+        }
         self.notes.iter().try_for_each(|n| write!(f, "\nnote: {n}"))
     }
 }

@@ -41,7 +41,7 @@ choice! {
 }
 choice! {
     /// How light that was scattered more than once reaches the first rough surface.
-    Indirect { Density = "density", Gather = "gather", Trace = "trace" }
+    Indirect { Auto = "auto", Density = "density", Gather = "gather", Trace = "trace" }
 }
 choice! {
     /// Density from all photons within the radius, or from the k nearest within it.

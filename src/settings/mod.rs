@@ -94,14 +94,14 @@ settings! {
     integrator: IntegratorKind = IntegratorKind::PhotonMap, "photonmap or path", "what computes the picture";
     mode: Mode = Mode::Progressive, "progressive or classic", "a new photon map each pass with shrinking radius, or one map for all passes";
     passes: u32 = 4, "a whole number from 1", "camera samples a pixel; in progressive mode also photon passes";
-    camera_samples: Samples = Samples(None), "a count or auto", "photon mapping: camera samples a pixel in each pass; auto is 1 (4 where indirect is not density), but more for pictures below 16384 pixels";
+    camera_samples: Samples = Samples(None), "a count or auto", "photon mapping: camera samples a pixel in each pass; auto is 1 (4 where indirect is not density), but more for pictures below 16384 pixels, and as measured with indirect=auto";
     max_depth: Limit = Limit::NONE, "a whole number or -1", "path segments from camera to lamp: 1 is emission seen directly, 2 adds direct light";
     rr_depth: u32 = 5, "a whole number from 1", "path segments before Russian roulette may end a camera path";
     hide_emitters: bool = false, "true or false", "lamps and environment are not seen directly";
     nee: bool = true, "true or false", "direct light by next event estimation rather than from first photon hits";
-    indirect: Indirect = Indirect::Density, "density, gather or trace", "indirect light by photon density at the first rough surface, at the second, or by path tracing";
+    indirect: Indirect = Indirect::Auto, "auto, density, gather or trace", "indirect light by photon density at the first rough surface, at the second, or by path tracing; auto measures which is best";
     gather_rays: Samples = Samples(None), "a count or auto", "directions in which each camera path looks for indirect light with indirect=gather";
-    photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels (at least 32768 with indirect=gather)";
+    photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels (at least 65536 with indirect=gather)";
     caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is the number of pixels";
     lookup: Lookup = Lookup::Radius, "radius or nearest", "density from all photons within the radius, or from the nearest ones";
     neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a global estimate when lookup=nearest; the farthest only bounds the disc";

@@ -22,7 +22,7 @@ impl PhotonMapper<'_> {
         scratch: &mut Scratch,
         out: &mut Radiance,
     ) {
-        let (scene, facts, settings) = (self.task.scene, self.task.facts, self.task.settings);
+        let (scene, facts, settings) = (self.task.scene, self.task.facts, &self.settings);
         let left = settings.max_depth.0 - depth;
         if settings.nee {
             let mis = facts.large_lamps;

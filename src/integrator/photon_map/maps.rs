@@ -72,8 +72,7 @@ const BEFORE_ALL: u32 = u32::MAX;
 
 impl Map {
     /// Of all light that no other owner accounts for.
-    pub fn global(task: &Task<'_>, plan: &Plan) -> Self {
-        let s = task.settings;
+    pub fn global(s: &Settings, plan: &Plan) -> Self {
         let settings = MapSettings {
             count: s.photons,
             planned: plan.global_paths,
@@ -89,8 +88,7 @@ impl Map {
     }
 
     /// Of light through specular surfaces.
-    pub fn caustic(task: &Task<'_>, plan: &Plan) -> Self {
-        let s = task.settings;
+    pub fn caustic(s: &Settings, plan: &Plan) -> Self {
         let settings = MapSettings {
             count: s.caustic_photons,
             planned: plan.caustic_paths,

@@ -4,9 +4,11 @@
 //! [`prepare`] measures what the settings leave open, [`maps`] traces and builds the maps of a pass,
 //! [`walk`] follows a camera path to where it gathers, and [`gather`] reads the maps there.
 
+mod choice;
 mod gather;
 mod maps;
 mod onward;
+mod pilot;
 mod plan;
 mod prepare;
 mod walk;
@@ -17,8 +19,9 @@ use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::Range;
 use crate::photon::radius;
 use crate::photon::trace::Halt;
-use crate::settings::{Indirect, Mode};
+use crate::settings::{Indirect, Mode, Settings};
 
+pub use choice::{Choice, decided};
 use maps::{Map, PassMap};
 pub use onward::Onward;
 pub use plan::Plan;
@@ -27,6 +30,8 @@ pub use plan::Plan;
 #[derive(Debug)]
 pub struct PhotonMapper<'a> {
     task: Task<'a>,
+    /// Those of the task, with what was measured in place of what they leave open.
+    settings: Settings,
     /// For pass 0, and for the passes after it.
     halts: [Halt<'a>; 2],
     global: Map,
@@ -58,21 +63,27 @@ impl<'a> PhotonMapper<'a> {
 
     /// [`PhotonMapper::new`] with one limit for pass 0 and what is measured before it, and one for the passes after it.
     pub fn halting(task: Task<'a>, halts: [Halt<'a>; 2]) -> Self {
-        let mut mapper = Self::unmeasured(task, halts);
-        mapper.prepare();
+        let (settings, aims) = choice::settled(task, halts);
+        let mut mapper = Self::unmeasured(task, settings, halts);
+        mapper.prepare(aims.map_or([None, None], |aims| aims.map(Some)));
         mapper
     }
 
-    fn unmeasured(task: Task<'a>, halts: [Halt<'a>; 2]) -> Self {
-        let plan = Plan::new(task.facts, task.settings, task.view.film.pixel_count());
-        let (global, caustic) = (Map::global(&task, &plan), Map::caustic(&task, &plan));
-        Self { task, halts, global, caustic, kept: OnceLock::new() }
+    fn unmeasured(task: Task<'a>, settings: Settings, halts: [Halt<'a>; 2]) -> Self {
+        let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
+        let (global, caustic) = (Map::global(&settings, &plan), Map::caustic(&settings, &plan));
+        Self { task, settings, halts, global, caustic, kept: OnceLock::new() }
+    }
+
+    /// The task with the settings that are in use.
+    fn task(&self) -> Task<'_> {
+        Task { settings: &self.settings, ..self.task }
     }
 
     /// Photons that a pass is expected to store in the global and in the caustic map, for a look at the
     /// memory before they are traced. 0 where the settings ask for few.
     pub fn expected_photons(task: Task<'a>) -> [u64; 2] {
-        let mut mapper = Self::unmeasured(task, [Halt::default(); 2]);
+        let mut mapper = Self::unmeasured(task, task.settings.clone(), [Halt::default(); 2]);
         if mapper.maps().iter().all(|map| map.expected().is_some()) {
             return mapper.maps().map(|map| map.expected().unwrap_or(0));
         }
@@ -87,12 +98,12 @@ impl<'a> PhotonMapper<'a> {
 
     /// Lobes that light is gathered from photons for.
     fn rough(&self) -> Range {
-        Range::rough(self.task.settings.glossy)
+        Range::rough(self.settings.glossy)
     }
 
     /// Lobes that camera paths follow like mirrors.
     fn glossy(&self) -> Range {
-        Range::glossy(self.task.settings.glossy)
+        Range::glossy(self.settings.glossy)
     }
 }
 
@@ -112,18 +123,18 @@ impl Integrator for PhotonMapper<'_> {
     fn samples_a_pass(&self) -> u32 {
         let film = &self.task.view.film;
         let pixels = film.width.saturating_mul(film.height).max(1);
-        let least = if self.task.settings.indirect == Indirect::Density { 1 } else { 4 };
-        self.task.settings.camera_samples.0.unwrap_or((SMALL_PICTURE / pixels).clamp(least, 64))
+        let least = if self.settings.indirect == Indirect::Density { 1 } else { 4 };
+        self.settings.camera_samples.0.unwrap_or((SMALL_PICTURE / pixels).clamp(least, 64))
     }
 
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {
         let mut stats = PassStats::default();
         let mut make = |pass| {
             let halt = self.halts[usize::from(pass > 0)];
-            let mut build = |map: &Map| map.build(&self.task, pass, halt, &mut stats);
+            let mut build = |map: &Map| map.build(&self.task(), pass, halt, &mut stats);
             Arc::new(Maps { global: build(&self.global), caustic: build(&self.caustic) })
         };
-        let maps = match self.task.settings.mode {
+        let maps = match self.settings.mode {
             Mode::Progressive => make(pass),
             Mode::Classic => self.kept.get_or_init(|| make(0)).clone(),
         };
@@ -131,7 +142,7 @@ impl Integrator for PhotonMapper<'_> {
     }
 
     fn sample(&self, maps: &Arc<Maps>, samples: &mut [CameraSample], scratch: &mut Scratch) {
-        if self.task.settings.indirect != Indirect::Density {
+        if self.settings.indirect != Indirect::Density {
             self.go_on(maps, samples, scratch);
             return;
         }

@@ -121,7 +121,7 @@ impl PhotonMapper<'_> {
         walks.clear();
         walks.extend(samples.iter().enumerate().map(|(i, sample)| Walk::start(i, sample.sampler)));
         active.clear();
-        if self.task.settings.max_depth.0 > 0 {
+        if self.settings.max_depth.0 > 0 {
             active.extend(0..samples.len());
         }
         while !active.is_empty() {
@@ -159,7 +159,7 @@ impl PhotonMapper<'_> {
         hit: Option<&Hit>,
         sample: &mut CameraSample,
     ) -> bool {
-        let (scene, settings) = (self.task.scene, self.task.settings);
+        let (scene, settings) = (self.task.scene, &self.settings);
         let caustics = stage.maps.caustic.is_some();
         walk.depth += 1;
         let known = caustics && walk.behind_specular();
@@ -215,7 +215,7 @@ impl PhotonMapper<'_> {
         sample: &mut CameraSample,
     ) {
         let (scene, facts) = (self.task.scene, self.task.facts);
-        let left = self.task.settings.max_depth.0 - walk.depth;
+        let left = self.settings.max_depth.0 - walk.depth;
         let lobes = if event == Event::Glossy { self.glossy() } else { self.rough() };
         let found = propose(scene, facts, vertex, lobes, true, left, &mut walk.sampler);
         let Some(light) = found else { return };
@@ -235,7 +235,7 @@ impl PhotonMapper<'_> {
         walk: &mut Walk,
         sample: &mut CameraSample,
     ) -> Option<Ray> {
-        let settings = self.task.settings;
+        let settings = &self.settings;
         let first = walk.at_first();
         let at = GatherPoint {
             vertex,
@@ -245,7 +245,7 @@ impl PhotonMapper<'_> {
         };
         let gathers = stage.maps.global.as_ref().filter(|_| settings.indirect == Indirect::Gather);
         if let Some(map) = gathers.filter(|map| !first && walk.reach > RESOLVED * map.estimator.radius) {
-            read_all(map, &at, stage.gather, &mut sample.out);
+            self.read_all(stage, map, &at, walk, sample);
             return None;
         }
         self.caustics(stage, &at, walk, sample);
@@ -285,7 +285,7 @@ impl PhotonMapper<'_> {
         let Some(map) = &stage.maps.caustic else { return };
         let (scene, facts) = (self.task.scene, self.task.facts);
         let mut rays = 0;
-        let corrected = self.task.settings.boundary && walk.at_first();
+        let corrected = self.settings.boundary && walk.at_first();
         let sampler = &mut walk.sampler;
         let boundary = corrected.then_some(Boundary { scene, facts, sampler, rays: &mut rays });
         let mut found = Radiance::default();
@@ -294,10 +294,31 @@ impl PhotonMapper<'_> {
         sample.out.add(if walk.at_first() { Layer::Caustic } else { Layer::Indirect }, found.sum());
     }
 
+    /// Adds all light that a surface sends back, where only its mean over many such surfaces is seen.
+    #[inline(always)]
+    fn read_all(
+        &self,
+        stage: &mut Stage<'_>,
+        map: &PassMap,
+        at: &GatherPoint<'_>,
+        walk: &mut Walk,
+        sample: &mut CameraSample,
+    ) {
+        let (gather, out) = (&mut *stage.gather, &mut sample.out);
+        if map.irradiance.as_ref().is_some_and(|known| known.add(at, map.estimator.radius, gather, out)) {
+            return;
+        }
+        let (scene, facts, sampler) = (self.task.scene, self.task.facts, &mut walk.sampler);
+        let mut rays = 0;
+        let boundary = self.settings.boundary.then_some(Boundary { scene, facts, sampler, rays: &mut rays });
+        map.estimator.estimate(&map.photons, at, boundary, gather, out);
+        stage.shadows.count(rays);
+    }
+
     /// Russian roulette from `rr_depth` on; false when it ends the path.
     #[inline(always)]
     fn survives(&self, walk: &mut Walk) -> bool {
-        let settings = self.task.settings;
+        let settings = &self.settings;
         if walk.depth < settings.rr_depth {
             return true;
         }
@@ -306,15 +327,6 @@ impl PhotonMapper<'_> {
         let survivor = roulette::survivor(walk.throughput, survival, &mut walk.sampler);
         walk.throughput = survivor.unwrap_or(Color::ZERO);
         survivor.is_some()
-    }
-}
-
-/// Adds all light that a surface sends back, where only its mean over many such surfaces is seen.
-#[inline(always)]
-fn read_all(map: &PassMap, at: &GatherPoint<'_>, gather: &mut Gather, out: &mut Radiance) {
-    let known = map.irradiance.as_ref();
-    if !known.is_some_and(|known| known.add(at, map.estimator.radius, gather, out)) {
-        map.estimator.estimate(&map.photons, at, None, gather, out);
     }
 }
 

@@ -7,7 +7,7 @@ use crate::settings::{Count, Indirect, Settings};
 const LEAST_PATHS: u64 = 1024;
 
 /// The same for a map that is read at the second rough surface: what it costs is shared by many lookups.
-const LEAST_GATHERED: u64 = 1 << 15;
+const LEAST_GATHERED: u64 = 1 << 16;
 
 /// The photon maps of a render; what is not needed is neither traced nor stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,8 @@ impl Plan {
         let deepest = settings.max_depth.0;
         // Glossy lobes are followed like mirrors, and throw caustics as they do.
         let caustics = lit && facts.sharper_than(settings.glossy) && rough && deepest >= 3;
-        let gathered = settings.indirect == Indirect::Gather;
+        // What is still to be chosen is counted as final gathering, which takes most light paths.
+        let gathered = matches!(settings.indirect, Indirect::Gather | Indirect::Auto);
         let traced = settings.indirect == Indirect::Trace;
         // Without next event estimation the map holds direct light as well, if it is seen directly.
         let least = if settings.nee || gathered { 3 } else { 2 };

@@ -4,6 +4,7 @@
 use super::PhotonMapper;
 use super::maps::Map;
 use super::walk::Step;
+use crate::emitter::Aim;
 use crate::math::Vec2;
 use crate::photon::radius;
 use crate::photon::trace::{Halt, Traced};
@@ -23,14 +24,17 @@ const COUNTED: u64 = 1 << 14;
 const MOST_PATHS_A_PHOTON: u64 = 1000;
 
 impl PhotonMapper<'_> {
-    /// Measures what the settings leave open.
-    pub(super) fn prepare(&mut self) {
+    /// Measures what the settings leave open. Where `aims` of a map are given they are taken.
+    pub(super) fn prepare(&mut self, aims: [Option<Option<Aim>>; 2]) {
         let wanted = self.maps().iter().any(|map| map.wanted());
         let places = if wanted { self.gather_places() } else { Vec::new() };
         let seen = radius::around(&places);
         let (scene, halt) = (self.task.scene, self.halts[0]);
-        for map in [&mut self.global, &mut self.caustic] {
-            map.take_aim(scene, &seen, halt);
+        for (map, aim) in [&mut self.global, &mut self.caustic].into_iter().zip(aims) {
+            match aim {
+                Some(known) => map.aim = known,
+                None => map.take_aim(scene, &seen, halt),
+            }
             map.count_paths(scene, halt);
             map.measure(scene, &places, halt);
         }
@@ -52,7 +56,7 @@ impl PhotonMapper<'_> {
 
     /// Where the camera ray through a position of the film gathers: the camera's walk, without light.
     fn gather_place(&self, film: Vec2, index: u32) -> Option<radius::Place> {
-        let (scene, view, settings) = (self.task.scene, self.task.view, self.task.settings);
+        let (scene, view, settings) = (self.task.scene, self.task.view, &self.settings);
         let mut sampler = Sampler::new(mix(settings.seed ^ 0x007a_d105), index);
         let mut ray = view.sensor.ray(film, sampler.next_2d());
         let mut length = view.sensor.near;
@@ -130,13 +134,13 @@ impl Map {
     fn radius_for(&self, traced: &Traced, gather_places: &[radius::Place], scene_radius: f32) -> f32 {
         if !self.seen_directly() {
             let places = radius::photon_places(&traced.photons);
-            return radius::measured(&traced.photons, &places, 0.5, scene_radius);
+            return radius::measured(&traced.photons, &places, radius::FOR_GATHERING, 0.5, scene_radius);
         }
         if self.owner() == Owner::GlobalMap {
-            return radius::measured(&traced.photons, gather_places, 0.5, scene_radius);
+            return radius::measured(&traced.photons, gather_places, radius::FOR_SIGHT, 0.5, scene_radius);
         }
         // Caustics are sharp where their photons crowd: their radius follows the densest quarter.
         let places = radius::photon_places(&traced.photons);
-        radius::measured(&traced.photons, &places, 0.25, scene_radius)
+        radius::measured(&traced.photons, &places, radius::FOR_SIGHT, 0.25, scene_radius)
     }
 }

@@ -42,7 +42,7 @@ impl PhotonMapper<'_> {
         sampler: &mut Sampler,
         scratch: &mut Scratch,
     ) -> Radiance {
-        let (scene, settings) = (self.task.scene, self.task.settings);
+        let (scene, settings) = (self.task.scene, &self.settings);
         let max_depth = settings.max_depth.0;
         let mut out = Radiance::default();
         let mut path = Carried { throughput: Color::ONE, class: PathClass::FROM_CAMERA };
@@ -139,7 +139,7 @@ impl PhotonMapper<'_> {
         if total <= 0.0 {
             return Step::End;
         }
-        let policy = self.task.settings.roulette;
+        let policy = self.settings.roulette;
         let roulette::Choice { scale, u: mut rest } =
             roulette::choice(policy, total, (u - through) / solid, sampler);
         if rest < smooth * scale {

@@ -1,0 +1,298 @@
+//! Which estimator computes indirect light, and how a pass divides its work: measured by a pilot of the scene where the
+//! settings leave it open.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::super::Task;
+use super::pilot::{Parts, Reference, Seen};
+use super::{PhotonMapper, Plan};
+use crate::emitter::Aim;
+use crate::photon::radius;
+use crate::photon::trace::Halt;
+use crate::sampling::mix;
+use crate::settings::{Count, Indirect, Mode, Samples, Settings};
+
+/// Light paths of the pilot for each map, at most.
+const PATHS: [u64; 2] = [1 << 13, 1 << 14];
+
+/// Most directions in which a camera path gathers.
+const MOST_RAYS: f64 = 8.0;
+
+/// Most camera samples a pixel in a pass, and of the whole picture: a pass should stay short.
+const MOST_SAMPLES: f64 = 8.0;
+const MOST_OF_PICTURE: f64 = (1 << 17) as f64;
+
+/// What the measured error of an estimator is multiplied by before they are compared. The pilot does not see bias: a map
+/// that is seen directly is blurred by its radius, one at the second surface hardly, and without one there is none.
+fn with_bias(indirect: Indirect) -> f64 {
+    match indirect {
+        Indirect::Density => 1.4,
+        Indirect::Trace => 0.85,
+        Indirect::Gather | Indirect::Auto => 1.0,
+    }
+}
+
+/// How far the light paths of a map may be from what the plan would take.
+const LEAST_SHARE: f64 = 0.25;
+const MOST_SHARE: f64 = 2.0;
+
+/// Passes of the render that the pilot has in mind, in which radii shrink.
+const PASSES: u32 = 16;
+
+/// Where each map sends its light.
+pub(super) type Aims = [Option<Aim>; 2];
+
+/// What a pilot found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Choice {
+    /// The estimator that was taken.
+    pub indirect: String,
+    /// Directions in which a camera path gathers.
+    pub gather_rays: u32,
+    /// Camera samples a pixel in each pass.
+    pub camera_samples: u32,
+    /// Light paths a pass for the global map.
+    pub photons: u64,
+    /// The same for the caustic map.
+    pub caustic_photons: u64,
+    /// Error × work of the other estimators, as a factor on that of the one that was taken.
+    pub others: Vec<(String, f64)>,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.indirect)?;
+        if self.indirect == Indirect::Gather.to_string() {
+            write!(f, " with {} rays", self.gather_rays)?;
+        }
+        write!(f, ", {} camera samples a pass", self.camera_samples)?;
+        for (i, (name, factor)) in self.others.iter().enumerate() {
+            let opening = if i == 0 { "; error × work measured by a pilot:" } else { "," };
+            write!(f, "{opening} {name} {factor:.2} times")?;
+        }
+        Ok(())
+    }
+}
+
+/// One estimator as the pilot saw it.
+struct Candidate<'a> {
+    indirect: Indirect,
+    mapper: PhotonMapper<'a>,
+    seen: Seen,
+}
+
+/// An estimator with the best division of its work.
+#[derive(Clone, Copy, Debug)]
+struct Rated {
+    indirect: Indirect,
+    gather_rays: u32,
+    parts: Parts,
+    /// Variance × work.
+    error: f64,
+    /// Which of the candidates was measured for it.
+    at: usize,
+}
+
+/// The settings with choices made where they are open, and where light is sent if that is known already.
+pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Aims>) {
+    match choose(task, halts) {
+        Some((settings, _, aims)) => (settings, Some(aims)),
+        None => (without_choice(task.settings), None),
+    }
+}
+
+/// The maps of a render, and what the pilot chose where something was open.
+pub fn decided(task: Task<'_>) -> (Plan, Option<Choice>) {
+    let (settings, choice) = match choose(task, [Halt::default(); 2]) {
+        Some((settings, choice, _)) => (settings, Some(choice)),
+        None => (without_choice(task.settings), None),
+    };
+    (Plan::new(task.facts, &settings, task.view.film.pixel_count()), choice)
+}
+
+/// Settings where nothing has to be measured.
+fn without_choice(settings: &Settings) -> Settings {
+    let indirect = if settings.indirect == Indirect::Auto { Indirect::Density } else { settings.indirect };
+    Settings { indirect, ..settings.clone() }
+}
+
+/// Whether a pilot has to choose. Settings of the global map speak of density estimation, as in renderers that know
+/// nothing else.
+fn is_open(task: &Task<'_>) -> bool {
+    let (s, d) = (task.settings, Settings::default());
+    let unsaid = (s.photons, s.radius, s.kernel, s.lookup) == (d.photons, d.radius, d.kernel, d.lookup)
+        && (s.neighbours, s.alpha) == (d.neighbours, d.alpha);
+    let plan = Plan::new(task.facts, s, task.view.film.pixel_count());
+    s.indirect == Indirect::Auto
+        && s.mode == Mode::Progressive
+        && s.nee
+        && s.caustic_map
+        && unsaid
+        && plan.global_map
+}
+
+fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice, Aims)> {
+    if !is_open(&task) {
+        return None;
+    }
+    let rays = task.settings.gather_rays.0;
+    let ways: &[(Indirect, u32)] = match rays {
+        Some(n) => &[(Indirect::Gather, n), (Indirect::Density, 1), (Indirect::Trace, 1)],
+        None => &[(Indirect::Gather, 1), (Indirect::Gather, 4), (Indirect::Density, 1), (Indirect::Trace, 1)],
+    };
+    let mut candidates: Vec<Candidate<'a>> = Vec::new();
+    for &(indirect, rays) in ways {
+        let mapper = pilot(task, halts, indirect, rays, &candidates);
+        let seen = mapper.look();
+        candidates.push(Candidate { indirect, mapper, seen });
+    }
+    let rated = rate(&task, &candidates, rays);
+    let best = best(&rated)?;
+    let (settings, choice) = divide(&task, best, &rated);
+    let chosen = candidates.swap_remove(best.at).mapper;
+    Some((settings, choice, [chosen.global.aim, chosen.caustic.aim]))
+}
+
+/// A mapper for the pilot, which takes over what others have measured.
+fn pilot<'a>(
+    task: Task<'a>,
+    halts: [Halt<'a>; 2],
+    indirect: Indirect,
+    rays: u32,
+    others: &[Candidate<'a>],
+) -> PhotonMapper<'a> {
+    let automatic = Plan::new(task.facts, task.settings, task.view.film.pixel_count());
+    let at_most = |count: Count, most: u64| match count {
+        Count::Paths(n) => Count::Paths(n.min(most)),
+        _ => Count::Paths(most),
+    };
+    let settings = Settings {
+        indirect,
+        gather_rays: Samples(Some(rays)),
+        seed: mix(task.settings.seed ^ 0x0b11_0701),
+        photons: at_most(automatic.global_paths, PATHS[0]),
+        caustic_photons: at_most(automatic.caustic_paths, PATHS[1]),
+        ..task.settings.clone()
+    };
+    let mut mapper = PhotonMapper::unmeasured(task, settings, halts);
+    // Light goes to the same places whoever gathers it.
+    let aims = match others.first() {
+        Some(Candidate { mapper, .. }) => [&mapper.global, &mapper.caustic].map(|map| Some(map.aim.clone())),
+        None => [None, None],
+    };
+    mapper.prepare(aims);
+    mapper
+}
+
+/// All candidates, and final gathering with the best number of directions.
+fn rate(task: &Task<'_>, candidates: &[Candidate<'_>], rays: Option<u32>) -> Vec<Rated> {
+    let looks: Vec<&Seen> = candidates.iter().map(|c| &c.seen).collect();
+    let reference = Reference::of(&looks);
+    let pixels = task.view.film.pixel_count();
+    let rated = |(at, c): (usize, &Candidate<'_>)| {
+        let parts = c.seen.parts(&reference, scale(task, &c.mapper), pixels);
+        let gather_rays = c.mapper.settings.gather_rays.0.unwrap_or(1);
+        Rated { indirect: c.indirect, gather_rays, parts, error: error(&parts), at }
+    };
+    let mut all: Vec<Rated> = candidates.iter().enumerate().map(rated).collect();
+    if rays.is_none()
+        && let [one, four, ..] = all[..]
+    {
+        all.splice(..2, [best_rays([one, four])]);
+    }
+    all
+}
+
+/// By how much the variance of a photon differs in the render: it goes with the area of the disc.
+fn scale(task: &Task<'_>, mapper: &PhotonMapper<'_>) -> [f64; 2] {
+    let settings = Settings { indirect: mapper.settings.indirect, ..task.settings.clone() };
+    let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
+    let pixel = radius::pixel(&mapper.gather_places());
+    let wanted = [plan.global_paths, plan.caustic_paths];
+    let mut scales = [1.0; 2];
+    for ((map, wanted), scale) in mapper.maps().into_iter().zip(wanted).zip(&mut scales) {
+        if let Count::Paths(n) = wanted
+            && map.paths > 0
+        {
+            let in_render = map.radius * (map.paths as f32 / n.max(1) as f32).sqrt();
+            let pixel = if map.seen_directly() { pixel } else { 0.0 };
+            let in_render = radius::clamped(in_render, pixel, task.scene.sphere.radius);
+            let area = f64::from(map.radius / in_render.max(radius::LEAST)).powi(2);
+            *scale = area * radius::growth(PASSES, f64::from(map.settings.alpha));
+        }
+    }
+    scales
+}
+
+/// Variance × work of the best division: (Σ √(variance · work))².
+fn error(parts: &Parts) -> f64 {
+    (parts.camera.root() + parts.maps[0].root() + parts.maps[1].root()).powi(2)
+}
+
+/// The best number of directions, told from one and four: variance is a + b/n, work is c + d·n, and their
+/// product is least at n = √(b·c / (a·d)).
+fn best_rays([one, four]: [Rated; 2]) -> Rated {
+    let line = |a: f64, b: f64| ((b - a) / 3.0, a - (b - a) / 3.0);
+    let [v1, v4] = [one, four].map(|r| r.parts.camera.variance);
+    let b = ((v1 - v4) / 0.75).clamp(0.0, v1);
+    let a = v1 - b;
+    let (d, c) = line(one.parts.camera.work, four.parts.camera.work);
+    let n = if a * d > 0.0 { (b * c.max(0.0) / (a * d)).sqrt() } else { MOST_RAYS };
+    let n = n.clamp(1.0, MOST_RAYS).round();
+    let mut found = if n <= 2.0 { one } else { four };
+    found.gather_rays = n as u32;
+    found.parts.camera.variance = a + b / n;
+    found.parts.camera.work = c + d * n;
+    found.error = error(&found.parts);
+    found
+}
+
+/// The candidate with the least error.
+fn best(rated: &[Rated]) -> Option<Rated> {
+    let cost = |r: &Rated| r.error * with_bias(r.indirect);
+    rated.iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).copied()
+}
+
+/// Settings with the work divided as is best for an estimator.
+fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
+    let given = task.settings;
+    let mut settings = Settings { indirect: best.indirect, ..given.clone() };
+    settings.gather_rays = Samples(Some(given.gather_rays.0.unwrap_or(best.gather_rays)));
+    let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
+    let Parts { camera, maps } = best.parts;
+    // Light paths for each camera sample of all pixels.
+    let ratio = maps.map(|map| if camera.share() > 0.0 { map.share() / camera.share() } else { 0.0 });
+    let usual = [plan.global_paths, plan.caustic_paths].map(|count| match count {
+        Count::Paths(n) => n as f64,
+        _ => 0.0,
+    });
+    let pixels = task.view.film.pixel_count().max(1) as f64;
+    let most = (MOST_OF_PICTURE / pixels).clamp(1.0, MOST_SAMPLES);
+    let needed = |i: usize| if ratio[i] > 0.0 { usual[i] / ratio[i] } else { most };
+    let needed = (0..2).filter(|&i| usual[i] > 0.0).map(needed).fold(1.0, f64::max);
+    let samples = given.camera_samples.0.unwrap_or(needed.min(most).round() as u32);
+    settings.camera_samples = Samples(Some(samples));
+    let paths = |i: usize| {
+        let wanted = ratio[i] * f64::from(samples);
+        wanted.clamp(LEAST_SHARE * usual[i], MOST_SHARE * usual[i]) as u64
+    };
+    if best.indirect != Indirect::Trace {
+        settings.photons = Count::Paths(paths(0));
+    }
+    if given.caustic_photons == Count::Auto && plan.caustic_map {
+        settings.caustic_photons = Count::Paths(paths(1));
+    }
+    let count = |count: Count| if let Count::Paths(n) = count { n } else { 0 };
+    let others = all.iter().filter(|r| r.indirect != best.indirect);
+    let choice = Choice {
+        indirect: best.indirect.to_string(),
+        gather_rays: best.gather_rays,
+        camera_samples: samples,
+        photons: count(settings.photons),
+        caustic_photons: count(settings.caustic_photons),
+        others: others.map(|r| (r.indirect.to_string(), r.error / best.error)).collect(),
+    };
+    (settings, choice)
+}
