@@ -1,12 +1,14 @@
 //! What each version of Mitsuba makes of the same words; right values are those of Mitsuba 3.9.1 unless a test says
 //! otherwise.
 
+use std::path::Path;
+
 use caustica_formats::ir::{
     BsdfKind, Color, ColorInput, EmitterKind, FloatInput, MeshFormat, ShapeKind, Transform,
 };
-use caustica_formats::{Read, ReadOptions};
+use caustica_formats::{Read, ReadOptions, read_scene};
 
-use crate::{failure, headlines, try_read, v3};
+use crate::{UNSEEN, failure, files, headlines, try_read, v3};
 
 fn read(text: &str, more: &[(&str, &str)]) -> Read {
     try_read(text, more, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
@@ -313,17 +315,15 @@ fn an_old_scene_without_sensor_gets_one_that_sees_all_of_it() {
         <shape type='disk'><transform name='toWorld'><translate x='1' y='2' z='5'/></transform></shape>
         <shape type='obj'><string name='filename' value='a.obj'/></shape>";
     let mesh = "v 0 1 2\nv 1 1 2\nv 1 2 2\nf 1 2 3\n";
-    let read = read(&format!("<scene version='0.6.0'>{shapes}</scene>"), &[("a.obj", mesh)]);
+    let files = files(&format!("<scene version='0.6.0'>{shapes}</scene>"), &[("a.obj", mesh)]);
+    let read = read_scene(&files, Path::new("scene.xml"), &ReadOptions::default()).unwrap();
     let [sensor] = &read.scene.sensors[..] else { panic!("{:?}", read.scene.sensors) };
     let place = sensor.to_world.point([0.0; 3]);
     let right = [1.0, 2.0, 1.0 - 2.0 / 22.5f64.to_radians().tan()];
     assert!((0..3).all(|i| (place[i] - right[i]).abs() < 1e-9), "{place:?}, not {right:?}");
     assert_eq!(sensor.to_world.vector([0.0, 0.0, 1.0]), [0.0, 0.0, 1.0]);
     assert_eq!((sensor.film.width, sensor.film.height), (768, 576));
-    assert!(
-        said(&read)
-            .contains(&"the scene has no sensor: a perspective one looks at all of it along +Z".to_owned())
-    );
+    assert!(said(&read).contains(&UNSEEN.to_owned()));
     // Mitsuba 3 renders nothing without one.
     let new = shapes.replace("toWorld", "to_world");
     assert!(
