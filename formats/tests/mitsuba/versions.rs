@@ -215,9 +215,7 @@ fn document_types_and_latin_1_are_read_and_entities_are_not() {
             .to_vec();
     bytes.extend(b"\xfcrfel'/></scene>");
     let files = caustica_formats::files::Memory([("scene.xml".into(), bytes)].into_iter().collect());
-    let read =
-        caustica_formats::read_scene(&files, std::path::Path::new("scene.xml"), &ReadOptions::default())
-            .unwrap();
+    let read = read_scene(&files, Path::new("scene.xml"), &ReadOptions::default()).unwrap();
     assert_eq!(read.scene.shapes[0].name.as_deref(), Some("würfel"));
 }
 
