@@ -8,7 +8,7 @@ use caustica_formats::files::Files;
 use caustica_formats::image::{self, Encoding};
 use caustica_formats::ir::{
     Bitmap, Color, ColorSlot, Fov, FovAxis, InlineMesh, Integrator, LightImage, MeshFile, Origin, Projection,
-    Scalar, Scene, Sensor, SpectrumRule, TextureEncoding, canonical,
+    RoughnessRemap, Scalar, Scene, Sensor, SpectrumRule, TextureEncoding, canonical,
 };
 use caustica_formats::mesh::{self, MeshOptions};
 use caustica_formats::spectrum::{conductor, ior, srgb_to_linear, to_linear_rgb};
@@ -74,12 +74,12 @@ fn rgb(value: &Value, slot: ColorSlot, rule: SpectrumRule) -> Option<Value> {
     to_linear_rgb(&color, slot, rule).ok().map(|rgb| json!({ "rgb": rgb }))
 }
 
-/// η and k in air, for metals that are given by names or colours.
-fn metal(fields: &mut serde_json::Map<String, Value>) {
-    let three = |value: &Value| -> Option<[f64; 3]> {
-        serde_json::from_value(value.get("Color")?.get("rgb")?.clone()).ok()
-    };
-    let colors = |v: [f64; 3]| json!({ "Color": { "rgb": v } });
+fn colors(v: [f64; 3]) -> Value {
+    json!({ "Color": { "rgb": v } })
+}
+
+/// η and k for metals that are given by names, which are no names of objects.
+fn named_metal(fields: &mut serde_json::Map<String, Value>) {
     if let Some(Value::Object(named)) = fields.get("Named")
         && let Some(metal) = named.get("name").and_then(Value::as_str).and_then(conductor)
     {
@@ -88,6 +88,29 @@ fn metal(fields: &mut serde_json::Map<String, Value>) {
         fields.remove("Named");
         fields.insert("EtaK".to_owned(), metal);
     }
+}
+
+/// α of a roughness that is a number.
+fn roughness(fields: &mut serde_json::Map<String, Value>) {
+    let Some(remap) =
+        fields.get("remap").and_then(|v| serde_json::from_value::<RoughnessRemap>(v.clone()).ok())
+    else {
+        return;
+    };
+    let number = |v: Option<&Value>| v.and_then(|v| v.get("Value")).and_then(Value::as_f64);
+    if let [Some(u), Some(v)] = ["alpha_u", "alpha_v"].map(|name| number(fields.get(name))) {
+        for (name, rough) in [("alpha_u", u), ("alpha_v", v)] {
+            fields.insert(name.to_owned(), json!({ "Value": remap.alpha(rough) }));
+        }
+        fields.insert("remap".to_owned(), json!(RoughnessRemap::None));
+    }
+}
+
+/// η and k in air, for metals that are given by colours.
+fn metal(fields: &mut serde_json::Map<String, Value>) {
+    let three = |value: &Value| -> Option<[f64; 3]> {
+        serde_json::from_value(value.get("Color")?.get("rgb")?.clone()).ok()
+    };
     if let Some(r) = fields.get("Reflectance").and_then(three) {
         let k = r.map(|r| r.clamp(0.0, 0.9999)).map(|r| 2.0 * (r / (1.0 - r)).sqrt());
         fields.remove("Reflectance");
@@ -115,6 +138,8 @@ fn simplify(value: &mut Value, slot: ColorSlot, rule: SpectrumRule, files: &dyn 
     match value {
         Value::Array(items) => items.iter_mut().for_each(|item| simplify(item, slot, rule, files)),
         Value::Object(fields) => {
+            named_metal(fields);
+            roughness(fields);
             fields.remove("name");
             fields.remove("origin");
             if let Some(mesh) = fields.remove("Mesh") {
@@ -149,10 +174,20 @@ fn described(
     let floats = |values: &[f32]| hash(values.iter().map(|v| (v + 0.0).to_bits()));
     json!({
         "positions": floats(positions.as_flattened()),
-        "normals": floats(normals.as_flattened()),
+        "normals": [normals.len(), mean(normals)],
         "uvs": floats(uvs.as_flattened()),
         "triangles": hash(triangles.as_flattened().iter().copied()),
     })
+}
+
+/// A weighted mean: a direction that is made to length 1 once more may differ in its last bit.
+fn mean(normals: &[[f32; 3]]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (i, normal) in normals.iter().enumerate() {
+        let weight = (i as f64 * 0.618).fract() / normals.len() as f64;
+        sum = std::array::from_fn(|c| sum[c] + weight * f64::from(normal[c]));
+    }
+    sum
 }
 
 fn inline(mesh: Value) -> Value {

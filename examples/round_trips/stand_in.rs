@@ -69,6 +69,7 @@ fn tent() -> Mesh {
         normals: vec![[0.0, 1.0, 0.0]; 4],
         uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         triangles: vec![[0, 2, 1], [0, 3, 2]],
+        computed_normals: false,
         attributes: Vec::new(),
     }
 }

@@ -4,6 +4,7 @@ mod accepted;
 mod daylight;
 mod extremes;
 mod faults;
+mod sides;
 mod table;
 mod version3;
 

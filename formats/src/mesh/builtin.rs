@@ -10,6 +10,7 @@ pub fn rectangle(mirrored: bool) -> Mesh {
         normals: Vec::new(),
         uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         triangles: if mirrored { vec![[0, 2, 1], [2, 0, 3]] } else { vec![[0, 1, 2], [2, 3, 0]] },
+        computed_normals: false,
         attributes: Vec::new(),
     }
 }

@@ -91,7 +91,8 @@ fn rebuild(mesh: &Mesh, groups: &mut Groups, sums: &[[f64; 3]]) -> Mesh {
         .map(|c| (mesh.triangles[c as usize / 3][c as usize % 3], groups.root(c), c))
         .collect();
     corners.sort_unstable();
-    let mut result = Mesh { triangles: vec![[0; 3]; mesh.triangles.len()], ..Mesh::default() };
+    let triangles = vec![[0; 3]; mesh.triangles.len()];
+    let mut result = Mesh { triangles, computed_normals: true, ..Mesh::default() };
     result.attributes = mesh.attributes.clone();
     let pairs = result.attributes.iter_mut().zip(&mesh.attributes);
     let (mut per_vertex, sources): (Vec<_>, Vec<_>) = pairs.filter(|(a, _)| !a.is_per_face()).unzip();

@@ -32,6 +32,9 @@ pub struct Mesh {
     pub positions: Vec<[f32; 3]>,
     /// Unit shading normals per vertex; empty when the mesh is flat-shaded.
     pub normals: Vec<[f32; 3]>,
+    /// Whether all normals were computed from the triangles. Those face where the winding in the world says, as
+    /// Mitsuba computes them after the transform: a mirror turns them. An author's normals keep their side.
+    pub computed_normals: bool,
     /// Per vertex; empty when absent.
     pub uvs: Vec<[f32; 2]>,
     /// Three vertices each, counter-clockwise as seen from the front.

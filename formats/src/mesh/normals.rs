@@ -6,6 +6,7 @@ use super::Mesh;
 /// Normalises the normals of `mesh` and computes those that are missing.
 pub(super) fn complete(mesh: &mut Mesh) {
     let mut missing = mesh.normals.is_empty();
+    mesh.computed_normals = missing && !mesh.positions.is_empty();
     for normal in &mut mesh.normals {
         *normal = unit(normal.map(f64::from)).unwrap_or([0.0; 3]);
         missing |= *normal == [0.0; 3];

@@ -65,7 +65,7 @@ pub fn read_serialized(bytes: &[u8], index: u32, options: &MeshOptions) -> Resul
         .chunks_exact(12)
         .map(|t| std::array::from_fn(|i| u32::from_le_bytes(word(&t[i * 4..]))))
         .collect();
-    let mesh = Mesh { positions, normals, uvs, triangles, attributes: Vec::new() };
+    let mesh = Mesh { positions, normals, uvs, triangles, ..Mesh::default() };
     check_indices(&mesh)?;
     let face_normals = options.face_normals || flags & FACE_NORMALS != 0;
     Ok(finish(mesh, &MeshOptions { face_normals, ..*options }))

@@ -27,6 +27,7 @@ mod sunsky;
 mod texture;
 mod tree;
 mod turned;
+mod unseen;
 mod upgrade;
 mod version;
 pub(crate) mod write;

@@ -110,8 +110,12 @@ impl<'a> Reader<'a> {
             }
         }
         self.integrators(&integrators);
-        if self.dialect == Dialect::Old && !self.scene.sensors.is_empty() {
-            self.scene.default_sensor = self.scene.sensors.len() - 1;
+        if self.dialect == Dialect::Old {
+            // One that could not be read was reported.
+            if !self.objects.iter().any(|object| object.class == Class::Sensor) {
+                self.default_sensor();
+            }
+            self.scene.default_sensor = self.scene.sensors.len().saturating_sub(1);
         }
         self.check_emitters();
         (self.scene, self.problems)

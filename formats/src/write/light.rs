@@ -162,6 +162,7 @@ impl Output<'_> {
                     normals: mesh.normals.clone(),
                     uvs: mesh.uvs.clone(),
                     triangles: mesh.triangles.clone(),
+                    computed_normals: false,
                     attributes: Vec::new(),
                 };
                 behind(whole, if shape.flip_normals { distance } else { -distance })

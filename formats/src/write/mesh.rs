@@ -15,6 +15,12 @@ impl Output<'_> {
         Ok(self.files.mesh(file)?.mesh.clone())
     }
 
+    /// Whether the mesh has no normals that its author gave.
+    pub fn faces_by_winding(&self, file: &MeshFile) -> Result<bool, WriteError> {
+        let mesh = self.mesh(file)?;
+        Ok(mesh.computed_normals || mesh.normals.is_empty())
+    }
+
     /// Whether a shape that is a mesh has any surface.
     pub fn has_area(&self, shape: &Shape) -> Result<bool, WriteError> {
         let any =
@@ -29,9 +35,9 @@ impl Output<'_> {
         })
     }
 
-    /// A PLY file of the mesh as it is rendered; `origin` is that of its shape.
-    pub fn make_ply(&mut self, file: &MeshFile, origin: Origin) -> Result<String, WriteError> {
-        let key = format!("mesh {file:?}");
+    /// A PLY file of the mesh as it is rendered; `origin` is that of its shape. `turned` reverses its normals.
+    pub fn make_ply(&mut self, file: &MeshFile, turned: bool, origin: Origin) -> Result<String, WriteError> {
+        let key = format!("mesh {turned} {file:?}");
         let mut stem = stem(&file.path);
         if let MeshFormat::Serialized { index } | MeshFormat::ObjPart { index } = file.format {
             stem = format!("{stem}-{index:03}");
@@ -42,7 +48,11 @@ impl Output<'_> {
                 let what = format!("the attribute `{name}` of a mesh, {size} numbers each");
                 output.lose(origin, what, "a mesh without it");
             }
-            Ok(write_ply(&with_sound_normals(Mesh::clone(&loaded.mesh))))
+            let mut mesh = with_sound_normals(Mesh::clone(&loaded.mesh));
+            if turned {
+                mesh.normals.as_flattened_mut().iter_mut().for_each(|v| *v = -*v);
+            }
+            Ok(write_ply(&mesh))
         })
     }
 
@@ -55,6 +65,7 @@ impl Output<'_> {
                 normals: mesh.normals.clone(),
                 uvs: mesh.uvs.clone(),
                 triangles: mesh.triangles.clone(),
+                computed_normals: false,
                 attributes: Vec::new(),
             })))
         })

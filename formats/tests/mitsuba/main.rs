@@ -22,8 +22,16 @@ fn files(scene: &str, more: &[(&str, &str)]) -> Memory {
     Memory(all.collect())
 }
 
+/// What a scene of 0.x without a sensor is told. Few scenes of these tests have one.
+const UNSEEN: &str = "the scene has no sensor: a perspective one looks at all of it along +Z";
+
 fn try_read(scene: &str, more: &[(&str, &str)], options: &ReadOptions) -> Result<Read, Box<Failure>> {
-    read_scene(&files(scene, more), Path::new("scene.xml"), options)
+    let mut read = read_scene(&files(scene, more), Path::new("scene.xml"), options);
+    match &mut read {
+        Ok(read) => read.warnings.retain(|warning| warning.message != UNSEEN),
+        Err(failure) => failure.diagnostics.retain(|problem| problem.message != UNSEEN),
+    }
+    read
 }
 
 /// The scene, which must have no problem at all.

@@ -1,12 +1,14 @@
 //! What each version of Mitsuba makes of the same words; right values are those of Mitsuba 3.9.1 unless a test says
 //! otherwise.
 
+use std::path::Path;
+
 use caustica_formats::ir::{
     BsdfKind, Color, ColorInput, EmitterKind, FloatInput, MeshFormat, ShapeKind, Transform,
 };
-use caustica_formats::{Read, ReadOptions};
+use caustica_formats::{Read, ReadOptions, read_scene};
 
-use crate::{failure, headlines, try_read, v3};
+use crate::{UNSEEN, failure, files, headlines, try_read, v3};
 
 fn read(text: &str, more: &[(&str, &str)]) -> Read {
     try_read(text, more, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
@@ -213,9 +215,7 @@ fn document_types_and_latin_1_are_read_and_entities_are_not() {
             .to_vec();
     bytes.extend(b"\xfcrfel'/></scene>");
     let files = caustica_formats::files::Memory([("scene.xml".into(), bytes)].into_iter().collect());
-    let read =
-        caustica_formats::read_scene(&files, std::path::Path::new("scene.xml"), &ReadOptions::default())
-            .unwrap();
+    let read = read_scene(&files, Path::new("scene.xml"), &ReadOptions::default()).unwrap();
     assert_eq!(read.scene.shapes[0].name.as_deref(), Some("würfel"));
 }
 
@@ -302,4 +302,34 @@ fn bsdfs_by_name_win_over_the_library_and_one_without_a_name_over_all() {
     // Mitsuba 3 knows no libraries.
     let new = obj("3.0.0", "").scene;
     assert_eq!((new.shapes.len(), new.shapes[0].bsdf), (1, None));
+}
+
+/// 45° across a scene that is 4 wide: 2/tan 22.5° away from its nearest point, as in Mitsuba 0.6.
+#[test]
+fn an_old_scene_without_sensor_gets_one_that_sees_all_of_it() {
+    let shapes = "<shape type='sphere'><float name='radius' value='2'/><point name='center' x='1' y='2' z='3'/></shape>
+        <shape type='cube'><transform name='toWorld'><translate x='1' y='1' z='7'/></transform></shape>
+        <shape type='cylinder'><point name='p0' x='1' y='2' z='4'/><point name='p1' x='1' y='2' z='6'/><float name='radius' value='1'/></shape>
+        <shape type='disk'><transform name='toWorld'><translate x='1' y='2' z='5'/></transform></shape>
+        <shape type='obj'><string name='filename' value='a.obj'/></shape>";
+    let mesh = "v 0 1 2\nv 1 1 2\nv 1 2 2\nf 1 2 3\n";
+    let files = files(&format!("<scene version='0.6.0'>{shapes}</scene>"), &[("a.obj", mesh)]);
+    let read = read_scene(&files, Path::new("scene.xml"), &ReadOptions::default()).unwrap();
+    let [sensor] = &read.scene.sensors[..] else { panic!("{:?}", read.scene.sensors) };
+    let place = sensor.to_world.point([0.0; 3]);
+    let right = [1.0, 2.0, 1.0 - 2.0 / 22.5f64.to_radians().tan()];
+    assert!((0..3).all(|i| (place[i] - right[i]).abs() < 1e-9), "{place:?}, not {right:?}");
+    assert_eq!(sensor.to_world.vector([0.0, 0.0, 1.0]), [0.0, 0.0, 1.0]);
+    assert_eq!((sensor.film.width, sensor.film.height), (768, 576));
+    assert!(said(&read).contains(&UNSEEN.to_owned()));
+    // Mitsuba 3 renders nothing without one.
+    let new = shapes.replace("toWorld", "to_world");
+    assert!(
+        try_read(
+            &format!("<scene version='3.0.0'>{new}</scene>"),
+            &[("a.obj", mesh)],
+            &ReadOptions::default()
+        )
+        .is_ok_and(|read| read.scene.sensors.is_empty())
+    );
 }

@@ -1,5 +1,8 @@
 //! How much light a rough dielectric surface lets through, tabulated.
 
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use rayon::prelude::*;
 
 use super::alpha_table::{AlphaTable, cosine_entry};
@@ -15,6 +18,14 @@ const ENTRIES: usize = 64;
 pub struct Transmittance {
     rows: AlphaTable<Row>,
 }
+
+/// Distribution, bits of α (none: any α) and of the relative index.
+type Key = (Distribution, Shadowing, Option<u32>, u32);
+
+/// A table has 256 bytes, or 6 kB for all α.
+const MOST_MADE: usize = 1024;
+
+static MADE: Mutex<VecDeque<(Key, Arc<Transmittance>)>> = Mutex::new(VecDeque::new());
 
 #[derive(Clone, Debug)]
 struct Row {
@@ -42,6 +53,26 @@ impl Transmittance {
         let alpha = |i: usize| ((i as f32 + 0.25) / (n as f32 - 0.75)).powi(2);
         let microfacet = |i| Microfacet::new(kind, shadowing, alpha(i), alpha(i));
         Self { rows: AlphaTable::new((0..n).map(|i| row(microfacet(i), eta, 24))) }
+    }
+
+    /// That of one α or, without, of all. Scenes have it many times, and each takes milliseconds: those made last are
+    /// kept for the whole program.
+    pub fn shared(kind: Distribution, shadowing: Shadowing, alpha: Option<f32>, eta: f32) -> Arc<Self> {
+        let key = (kind, shadowing, alpha.map(f32::to_bits), eta.to_bits());
+        let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = made().iter().find(|(of, _)| *of == key) {
+            return known.clone();
+        }
+        let table = Arc::new(match alpha {
+            Some(alpha) => Self::new(kind, shadowing, alpha, eta),
+            None => Self::all(kind, shadowing, eta),
+        });
+        let mut made = made();
+        if made.len() == MOST_MADE {
+            made.pop_front();
+        }
+        made.push_back((key, table.clone()));
+        table
     }
 
     /// Into the surface at cosθ from outside.

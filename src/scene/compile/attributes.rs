@@ -47,6 +47,7 @@ pub fn with_default_uvs(mesh: &Mesh) -> Mesh {
         normals: corners().filter_map(|i| mesh.normals.get(i).copied()).collect(),
         uvs: mesh.triangles.iter().flat_map(|_| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]).collect(),
         triangles: (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+        computed_normals: false,
         attributes: Vec::new(),
     }
 }

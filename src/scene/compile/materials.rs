@@ -44,8 +44,6 @@ pub struct MaterialTable {
     pub(super) coats: u32,
     /// Tabulated BSDFs by their files; `None` is one that cannot be read.
     tables: HashMap<PathBuf, Option<Arc<FourierTable>>>,
-    /// By distribution, bits of α (none: any α) and of the relative index.
-    transmittances: HashMap<(Distribution, Shadowing, Option<u32>, u32), Arc<Transmittance>>,
 }
 
 impl MaterialTable {
@@ -360,16 +358,6 @@ impl Compiler<'_> {
     pub(super) fn transmittance(&mut self, roughness: &Roughness, eta: f32) -> Arc<Transmittance> {
         let alpha = roughness.isotropic();
         let (kind, shadowing) = (roughness.kind, roughness.shadowing);
-        let table = self
-            .materials
-            .transmittances
-            .entry((kind, shadowing, alpha.map(f32::to_bits), eta.to_bits()))
-            .or_insert_with(|| {
-                Arc::new(match alpha {
-                    Some(alpha) => Transmittance::new(kind, shadowing, alpha, eta),
-                    None => Transmittance::all(kind, shadowing, eta),
-                })
-            });
-        table.clone()
+        Transmittance::shared(kind, shadowing, alpha, eta)
     }
 }

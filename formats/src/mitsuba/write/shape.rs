@@ -5,8 +5,8 @@ use super::element::Element;
 use super::plain::{plain_obj, plain_ply};
 use super::substitute;
 use crate::ir::{
-    AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, Origin, PartialQuadric, Shape,
-    ShapeGroup, ShapeKind, Transform,
+    AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup,
+    ShapeKind, Transform,
 };
 use crate::write::{WriteError, about};
 
@@ -84,7 +84,7 @@ impl Writer<'_, '_> {
         let plugin = |name: &str| Element::plugin("shape", name).id(shape.name.as_deref());
         let label = shape.name.as_deref().unwrap_or("mesh");
         Ok(Some(match &shape.kind {
-            ShapeKind::Mesh(file) => self.mesh(file, shape.origin, &|name| plugin(name))?,
+            ShapeKind::Mesh(file) => self.mesh(file, shape, &|name| plugin(name))?,
             ShapeKind::Inline(mesh) => {
                 let name = mesh.made_from.as_deref().filter(|_| shape.name.is_none()).unwrap_or(label);
                 let file = self.out.make_inline_ply(mesh, name)?;
@@ -137,7 +137,7 @@ impl Writer<'_, '_> {
     fn mesh(
         &mut self,
         file: &MeshFile,
-        origin: Origin,
+        shape: &Shape,
         plugin: &dyn Fn(&str) -> Element,
     ) -> Result<Element, WriteError> {
         let keep = file.max_smooth_angle.is_none()
@@ -150,9 +150,12 @@ impl Writer<'_, '_> {
                 }
             };
         if !keep {
-            let name = self.out.make_ply(file, origin)?;
+            let mesh = self.out.mesh(file)?;
+            // Those that Mitsuba computes itself are of the mirrored mesh.
+            let turned = mesh.computed_normals && shape.to_world.determinant3() < 0.0;
+            let name = self.out.make_ply(file, turned, shape.origin)?;
             let element = plugin("ply").comment(format!("made from {}", file.path.display()));
-            let flat = file.face_normals || self.out.mesh(file)?.normals.is_empty();
+            let flat = file.face_normals || mesh.normals.is_empty();
             return Ok(element.string("filename", &name).boolean_unless("face_normals", flat, false));
         }
         let name = self.out.carry(&file.path, "meshes");

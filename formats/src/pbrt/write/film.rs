@@ -30,7 +30,14 @@ impl Writer<'_, '_> {
         self.camera(text, sensor);
         self.film(text, &sensor.film);
         let known = ["zsobol", "paddedsobol", "sobol", "halton", "pmj02bn", "independent"];
-        let plugin = known.iter().find(|name| **name == sensor.sampler.plugin).unwrap_or(&known[0]);
+        let plugin = match known.iter().find(|name| **name == sensor.sampler.plugin) {
+            Some(name) => name,
+            None => {
+                let what = format!("the sampler `{}`", sensor.sampler.plugin);
+                self.out.lose(sensor.origin, what, format!("`{}` with as many samples", known[0]));
+                known[0]
+            }
+        };
         let count = i64::from(sensor.sampler.sample_count).min(i32::MAX.into());
         let mut p = Params::default().integer("pixelsamples", count);
         if let Ok(seed @ 1..) = i32::try_from(sensor.sampler.seed) {

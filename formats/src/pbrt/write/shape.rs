@@ -69,9 +69,10 @@ impl Writer<'_, '_> {
             let factor = self.despite_mask(mask.as_ref(), emission.origin);
             self.emission(&mut text, shape, emission, factor)?;
         }
-        // The side of Mitsuba's meshes is that of their winding in the world, pbrt's in object space.
+        // Without normals of the author, the side of Mitsuba's meshes is that of their winding in the world, pbrt's
+        // in object space.
         let by_world = match &shape.kind {
-            ShapeKind::Mesh(file) => !file.authored_normals,
+            ShapeKind::Mesh(file) => !file.authored_normals && self.out.faces_by_winding(file)?,
             _ => false,
         };
         let Some((name, mut p, inner)) = self.geometry(shape)? else { return Ok(()) };
@@ -183,7 +184,7 @@ impl Writer<'_, '_> {
             && file.format == MeshFormat::Ply
             && !file.flip_tex_coords
             && self.out.is_triangle_ply(file)?;
-        if keep { Ok(self.out.carry(&file.path, "meshes")) } else { self.out.make_ply(file, origin) }
+        if keep { Ok(self.out.carry(&file.path, "meshes")) } else { self.out.make_ply(file, false, origin) }
     }
 
     /// The named material, and the opacity of a mask around it.

@@ -127,6 +127,7 @@ pub fn form_of_kind<'a>(
             normals: mesh.normals.clone(),
             uvs: mesh.uvs.clone(),
             triangles: mesh.triangles.clone(),
+            computed_normals: false,
             attributes: Vec::new(),
         },
         ShapeKind::Sphere { center, radius } => {
@@ -200,6 +201,7 @@ pub fn add_mesh(
     if !mesh.normals.is_empty()
         && let Some(inverse) = to_level.inverse()
     {
+        let side = if mesh.computed_normals && to_level.determinant3() < 0.0 { -1.0 } else { 1.0 };
         record.normals = mesh
             .normals
             .par_iter()
@@ -208,8 +210,8 @@ pub fn add_mesh(
                 let n = n.map(f64::from);
                 let m = &inverse.0;
                 let t: [f64; 3] = std::array::from_fn(|i| m[0][i] * n[0] + m[1][i] * n[1] + m[2][i] * n[2]);
-                let length = t.iter().map(|x| x * x).sum::<f64>().sqrt();
-                if length > 0.0 { t.map(|x| (x / length) as f32) } else { [0.0; 3] }
+                let length = side * t.iter().map(|x| x * x).sum::<f64>().sqrt();
+                if length != 0.0 { t.map(|x| (x / length) as f32) } else { [0.0; 3] }
             })
             .collect();
     }
