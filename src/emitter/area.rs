@@ -163,9 +163,14 @@ impl Area {
         let t = sphere.intersect(&ray, f32::INFINITY).unwrap_or_else(|| sphere.middle_from(p).dot(dir));
         let local = sphere.local(ray.at(t));
         let pdf = 1.0 / (2.0 * PI * gap);
-        let value = textures
-            .eval(self.radiance, &Site { uv: local.uv, p: local.p, n: local.n, on: OnMesh::NONE })
-            / pdf;
+        let radiance = match self.radiance {
+            Param::Constant(c) => c,
+            Param::Texture(_) => {
+                let uv = sphere.uv(local.p);
+                textures.eval(self.radiance, &Site { uv, p: local.p, n: local.n, on: OnMesh::NONE })
+            }
+        };
+        let value = radiance / pdf;
         let n = if sphere.inward { -local.n } else { local.n };
         Some(DirectSample { dir, target: Some(self.above(local.p, n, p)), value, pdf })
     }

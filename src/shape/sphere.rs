@@ -21,13 +21,7 @@ impl Sphere {
     /// The point of the sphere in the unit direction `outward` from its middle.
     fn towards(&self, outward: DVec3) -> Local {
         let n = outward.as_vec3a();
-        let o = self.to_object.to_local(n);
-        let u = o.y.atan2(o.x) / (2.0 * PI);
-        Local {
-            p: (self.center + outward * self.radius).as_vec3a(),
-            n: if self.inward { -n } else { n },
-            uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, o.z.clamp(-1.0, 1.0).acos() / PI),
-        }
+        Local { p: (self.center + outward * self.radius).as_vec3a(), n: if self.inward { -n } else { n } }
     }
 
     /// From `p` to the middle.
@@ -63,6 +57,12 @@ impl Shape for Sphere {
         self.towards((p.as_dvec3() - self.center).normalize())
     }
 
+    fn uv(&self, p: Vec3) -> Vec2 {
+        let o = self.to_object.to_local((p.as_dvec3() - self.center).normalize().as_vec3a());
+        let u = o.y.atan2(o.x) / (2.0 * PI);
+        Vec2::new(if u < 0.0 { u + 1.0 } else { u }, o.z.clamp(-1.0, 1.0).acos() / PI)
+    }
+
     fn partials(&self, p: Vec3) -> [Vec3; 2] {
         let o = self.to_object.to_local((p.as_dvec3() - self.center).normalize().as_vec3a());
         let r = (o.x * o.x + o.y * o.y).sqrt();
@@ -78,7 +78,7 @@ impl Shape for Sphere {
 
     fn sample_area(&self, u: Vec2) -> AreaSample {
         let local = self.towards(warp::sphere(u).as_dvec3().normalize());
-        AreaSample { p: local.p, n: local.n, uv: local.uv }
+        AreaSample { p: local.p, n: local.n, uv: self.uv(local.p) }
     }
 
     fn magnitude(&self, p: Vec3) -> f32 {
