@@ -1,4 +1,4 @@
-//! Rays side by side, to find out quickly which of them may meet a sphere.
+//! Rays side by side, for tests of many rays against one shape.
 
 use super::Sphere;
 use crate::math::simd::Wide;
@@ -7,13 +7,9 @@ use crate::math::{LIFT, Ray};
 /// Rays, one in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Lines<const N: usize, W: Wide<N>> {
-    o: [W; 3],
-    d: [W; 3],
-    tmax: W,
-    /// Squared length of `d`.
-    length2: W,
-    /// Largest rounding error of a coordinate of the origin, with what is computed from it.
-    error: W,
+    pub(super) o: [W; 3],
+    pub(super) d: [W; 3],
+    pub(super) tmax: W,
 }
 
 /// Below this squared length of a direction, products lose digits.
@@ -24,7 +20,6 @@ impl<const N: usize, W: Wide<N>> Lines<N, W> {
     #[inline(always)]
     pub fn new(rays: [&Ray; N], isa: W::Isa) -> Self {
         let (mut o, mut d, mut tmax) = ([[0.0; N]; 3], [[0.0; N]; 3], [0.0; N]);
-        let mut error = [0.0; N];
         for (lane, ray) in rays.into_iter().enumerate() {
             let (from, along) = (ray.o.to_array(), ray.d.to_array());
             for axis in 0..3 {
@@ -32,15 +27,11 @@ impl<const N: usize, W: Wide<N>> Lines<N, W> {
                 d[axis][lane] = along[axis];
             }
             tmax[lane] = ray.tmax;
-            error[lane] = ray.o.abs().element_sum() * LIFT;
         }
-        let d = [W::load(isa, &d[0]), W::load(isa, &d[1]), W::load(isa, &d[2])];
         Self {
             o: [W::load(isa, &o[0]), W::load(isa, &o[1]), W::load(isa, &o[2])],
-            d,
+            d: [W::load(isa, &d[0]), W::load(isa, &d[1]), W::load(isa, &d[2])],
             tmax: W::load(isa, &tmax),
-            length2: d[0] * d[0] + d[1] * d[1] + d[2] * d[2],
-            error: W::load(isa, &error),
         }
     }
 
@@ -51,19 +42,23 @@ impl<const N: usize, W: Wide<N>> Lines<N, W> {
         let zero = W::splat(isa, 0.0);
         let [cx, cy, cz] = sphere.center.as_vec3().to_array();
         let o = [self.o[0] - W::splat(isa, cx), self.o[1] - W::splat(isa, cy), self.o[2] - W::splat(isa, cz)];
-        let toward = zero - (o[0] * self.d[0] + o[1] * self.d[1] + o[2] * self.d[2]);
+        let d = self.d;
+        let toward = zero - (o[0] * d[0] + o[1] * d[1] + o[2] * d[2]);
+        let length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         // The nearest point of the segment. What is not a number stays so, and counts as near.
-        let t = toward / self.length2;
+        let t = toward / length2;
         let t = zero.select(t.less(zero), t);
         let t = self.tmax.select(self.tmax.less(t), t);
-        let p = [o[0] + self.d[0] * t, o[1] + self.d[1] * t, o[2] + self.d[2] * t];
+        let p = [o[0] + d[0] * t, o[1] + d[1] * t, o[2] + d[2] * t];
         let distance2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
         // The error of the distance is below nine roundings of the numbers it was made from; 32 are allowed.
+        let size = |x: W| x.max(zero - x);
+        let from = size(self.o[0]) + size(self.o[1]) + size(self.o[2]);
         let radius = sphere.radius as f32;
         let own = radius + (cx.abs() + cy.abs() + cz.abs() + radius) * LIFT;
-        let reach = W::splat(isa, own) + self.error;
+        let reach = W::splat(isa, own) + from * W::splat(isa, LIFT);
         let far = (reach * reach).less(distance2);
-        W::bits(W::and_not(W::and(far, W::splat(isa, SHORT).less(self.length2)), zero.equal(zero)))
+        W::bits(W::and_not(W::and(far, W::splat(isa, SHORT).less(length2)), zero.equal(zero)))
     }
 }
 

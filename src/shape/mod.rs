@@ -12,7 +12,7 @@ pub mod triangle;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use lines::Lines;
-pub use sphere::Sphere;
+pub use sphere::{Cone, Sphere};
 
 use crate::math::{Bounds, Ray, Vec2, Vec3, closed_enum};
 

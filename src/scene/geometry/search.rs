@@ -113,7 +113,8 @@ impl Geometry {
     ) {
         for some in which.chunks(N) {
             let together: [&Ray; N] = std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]);
-            let mut bundle = Bundle::<N, W>::new(together, isa);
+            let lines = Lines::<N, W>::new(together, isa);
+            let mut bundle = Bundle::new(&lines);
             for (face, i) in small.faces.iter().zip(0..) {
                 bundle.add(&face.corners, i);
             }
@@ -128,10 +129,6 @@ impl Geometry {
                     instance: NO_INSTANCE,
                 });
             }
-            if small.others.is_empty() {
-                continue;
-            }
-            let lines = Lines::<N, W>::new(together, isa);
             for other in &small.others {
                 let shape = &self.world.analytic[other.analytic as usize];
                 let mut may = lines_near(&lines, shape, some.len());
@@ -169,22 +166,20 @@ impl Geometry {
     ) {
         for some in rays.chunks(N) {
             let together: [&Ray; N] = std::array::from_fn(|l| &some[l.min(some.len() - 1)]);
-            let bundle = Bundle::<N, W>::new(together, isa);
+            let lines = Lines::<N, W>::new(together, isa);
+            let bundle = Bundle::new(&lines);
             let mut blocked = 0;
             for face in &small.faces {
                 blocked |= bundle.blocked(&face.corners);
             }
-            if !small.others.is_empty() {
-                let lines = Lines::<N, W>::new(together, isa);
-                for other in &small.others {
-                    let shape = &self.world.analytic[other.analytic as usize];
-                    let mut may = lines_near(&lines, shape, some.len()) & !blocked;
-                    while may != 0 {
-                        let l = may.trailing_zeros();
-                        may &= may - 1;
-                        let ray = &some[l as usize];
-                        blocked |= u32::from(shape.intersect(ray, ray.tmax).is_some()) << l;
-                    }
+            for other in &small.others {
+                let shape = &self.world.analytic[other.analytic as usize];
+                let mut may = lines_near(&lines, shape, some.len()) & !blocked;
+                while may != 0 {
+                    let l = may.trailing_zeros();
+                    may &= may - 1;
+                    let ray = &some[l as usize];
+                    blocked |= u32::from(shape.intersect(ray, ray.tmax).is_some()) << l;
                 }
             }
             for l in 0..some.len() {
