@@ -2,9 +2,9 @@ use std::f32::consts::PI;
 
 use super::table::Table;
 use super::{DirectSample, Emission, EmissionBounds, Light, SceneSphere};
-use crate::math::{Color, Frame, LIFT, Ray, Vec2, Vec3};
+use crate::math::{Color, Frame, LIFT, Vec2, Vec3};
 use crate::sampling::{Density, Discrete, warp};
-use crate::shape::{Analytic, AreaSample, Shape, triangle};
+use crate::shape::{Analytic, AreaSample, Cone, Shape, Sphere, triangle};
 use crate::spectrum::luminance;
 use crate::texture::{OnMesh, Param, Site, Textures};
 
@@ -138,10 +138,10 @@ impl Area {
 
     /// A sphere seen from outside is sampled within its cone: no sample is wasted on its far side.
     #[inline]
-    fn visible_cone(&self, p: Vec3) -> Option<(&crate::shape::Sphere, f32)> {
+    fn visible_cone(&self, p: Vec3) -> Option<(&Sphere, Cone)> {
         match &self.surface {
             Surface::Analytic(Analytic::Sphere(s)) if !s.inward || self.sides == Sides::Both => {
-                s.cone(p).map(|gap| (s, gap))
+                s.cone(p).map(|cone| (s, cone))
             }
             _ => None,
         }
@@ -152,20 +152,20 @@ impl Area {
         &self,
         textures: &Textures,
         p: Vec3,
-        sphere: &crate::shape::Sphere,
-        gap: f32,
+        sphere: &Sphere,
+        cone: &Cone,
         u: Vec2,
     ) -> Option<DirectSample> {
-        let axis = Frame::from_normal(sphere.middle_from(p).normalize());
-        let dir = axis.to_world(warp::cone(u, gap));
-        // A direction on the cone's rim may miss by rounding; the point nearest to it then serves.
-        let ray = Ray::new(p, dir);
-        let t = sphere.intersect(&ray, f32::INFINITY).unwrap_or_else(|| sphere.middle_from(p).dot(dir));
-        let local = sphere.local(ray.at(t));
-        let pdf = 1.0 / (2.0 * PI * gap);
-        let value = textures
-            .eval(self.radiance, &Site { uv: local.uv, p: local.p, n: local.n, on: OnMesh::NONE })
-            / pdf;
+        let (dir, local) = sphere.sample_cone(cone, u);
+        let pdf = 1.0 / (2.0 * PI * cone.gap);
+        let radiance = match self.radiance {
+            Param::Constant(c) => c,
+            Param::Texture(_) => {
+                let uv = sphere.uv(local.p);
+                textures.eval(self.radiance, &Site { uv, p: local.p, n: local.n, on: OnMesh::NONE })
+            }
+        };
+        let value = radiance / pdf;
         let n = if sphere.inward { -local.n } else { local.n };
         Some(DirectSample { dir, target: Some(self.above(local.p, n, p)), value, pdf })
     }
@@ -185,8 +185,8 @@ impl Area {
 impl Light for Area {
     #[inline(always)]
     fn sample_direct(&self, textures: &Textures, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        if let Some((sphere, gap)) = self.visible_cone(p) {
-            return self.sample_cone(textures, p, sphere, gap, u);
+        if let Some((sphere, cone)) = self.visible_cone(p) {
+            return self.sample_cone(textures, p, sphere, &cone, u);
         }
         let s = self.surface.sample(u);
         let d = s.p - p;
@@ -242,8 +242,8 @@ impl Light for Area {
 
     #[inline(always)]
     fn pdf_direct_surface(&self, p: Vec3, d: Vec3, q: Vec3, n: Vec3) -> f32 {
-        if let Some((_, gap)) = self.visible_cone(p) {
-            return 1.0 / (2.0 * PI * gap);
+        if let Some((_, cone)) = self.visible_cone(p) {
+            return 1.0 / (2.0 * PI * cone.gap);
         }
         let cos = d.dot(n).abs();
         if cos > 0.0 { (q - p).length_squared() / (cos * self.area) } else { 0.0 }

@@ -157,7 +157,8 @@ impl PathTracer<'_> {
             from: walk.from,
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
-        let s = match sight.meet(scene, ray, hit, carried, &mut sample.out) {
+        let next = sight.meet(scene, ray, hit, carried, &mut sample.out);
+        let s = match &next {
             Next::Escape => return false,
             Next::Behind => {
                 walk.depth -= 1;
@@ -169,7 +170,7 @@ impl PathTracer<'_> {
         if walk.depth >= self.max_depth {
             return false;
         }
-        let vertex = Vertex::new(scene, &s, -ray.d);
+        let vertex = Vertex::new(scene, s, -ray.d);
         self.light(i, walk, &vertex, sample, shadows);
         self.scatter(ray, walk, &vertex, &mut sample.sampler)
     }

@@ -13,6 +13,7 @@ use crate::scene::View;
 /// Rows of a block: a unit of parallel work is a band of the picture this high, walked in squares so
 /// that neighbouring lookups share cache lines.
 const BLOCK: usize = 8;
+const SQUARE: usize = 32;
 
 /// The sums before a pass.
 #[derive(Default)]
@@ -93,14 +94,14 @@ impl<I: Integrator> Bands<'_, I> {
         let mut scratch = Scratch::default();
         let mut rejected = Rejected::default();
         let rows = (height - b * BLOCK).min(BLOCK);
-        let capacity = BLOCK * BLOCK;
+        let capacity = BLOCK * SQUARE;
         let mut square = Square {
             samples: Vec::with_capacity(capacity),
             weights: Vec::with_capacity(capacity),
             starts: Vec::new(),
             places: Vec::with_capacity(capacity),
         };
-        for column in (0..width).step_by(BLOCK) {
+        for column in (0..width).step_by(SQUARE) {
             if self.halt.stopped() || self.halt.late() {
                 return (scratch, rejected, false);
             }
@@ -143,7 +144,7 @@ impl<I: Integrator> Bands<'_, I> {
         square.starts.clear();
         square.places.clear();
         for row in 0..rows {
-            for x in column..(column + BLOCK).min(width) {
+            for x in column..(column + SQUARE).min(width) {
                 self.draw_pixel(x0 + x, y0 + b * BLOCK + row, square);
                 square.places.push(row * width + x);
             }

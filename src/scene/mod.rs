@@ -31,6 +31,8 @@ pub struct ShapeRecord {
     pub flip: bool,
     /// The shading frame follows ∂p/∂u, because the material asks for it.
     pub oriented: bool,
+    /// What it looks like depends on texture coordinates, or they are shown.
+    pub varies: bool,
     /// Corners as indices into `normals` and `uvs`; empty where both are.
     pub triangles: Vec<[u32; 3]>,
     /// The author's numbers of the triangles, where some were split; empty where not.

@@ -14,7 +14,7 @@ pub struct Surface {
     pub ng: Vec3,
     /// Shading frame.
     pub frame: Frame,
-    /// Texture coordinates.
+    /// Texture coordinates; 0 on analytic shapes on which nothing depends on them.
     pub uv: Vec2,
     /// ∂p/∂u and ∂p/∂v along `frame.s` and `frame.t`, for shapes whose material asks for them.
     pub tangents: [Vec2; 2],
@@ -111,7 +111,7 @@ impl Scene {
                     p: l.p,
                     ng: n,
                     frame: Frame::from_normal(n),
-                    uv: l.uv,
+                    uv: if shape.varies { level.analytic[i as usize].uv(l.p) } else { Vec2::ZERO },
                     tangents: NO_TANGENTS,
                     lift: extent * LIFT,
                     shape: index,

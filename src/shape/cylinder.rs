@@ -47,12 +47,13 @@ impl Shape for Cylinder {
         let phi = l.y.atan2(l.x);
         let z = l.z.clamp(0.0, self.length);
         let n = self.axis.to_world(Vec3::new(phi.cos(), phi.sin(), 0.0));
-        let u = phi / (2.0 * PI);
-        Local {
-            p: self.p0 + self.axis.n * z + n * self.radius,
-            n: if self.inward { -n } else { n },
-            uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, z / self.length),
-        }
+        Local { p: self.p0 + self.axis.n * z + n * self.radius, n: if self.inward { -n } else { n } }
+    }
+
+    fn uv(&self, p: Vec3) -> Vec2 {
+        let l = self.axis.to_local(p - self.p0);
+        let u = l.y.atan2(l.x) / (2.0 * PI);
+        Vec2::new(if u < 0.0 { u + 1.0 } else { u }, l.z.clamp(0.0, self.length) / self.length)
     }
 
     fn partials(&self, p: Vec3) -> [Vec3; 2] {
@@ -70,7 +71,7 @@ impl Shape for Cylinder {
         let p =
             self.p0 + self.axis.to_world(Vec3::new(cos * self.radius, sin * self.radius, u.y * self.length));
         let local = self.local(p);
-        AreaSample { p: local.p, n: local.n, uv: local.uv }
+        AreaSample { p: local.p, n: local.n, uv: self.uv(local.p) }
     }
 
     fn magnitude(&self, _p: Vec3) -> f32 {

@@ -44,15 +44,15 @@ impl Shape for Disk {
     }
 
     fn local(&self, p: Vec3) -> Local {
-        let c = self.coordinates(p);
         let n = self.normal.as_dvec3();
         let above = n.dot(p.as_dvec3() - self.center);
+        Local { p: (p.as_dvec3() - n * above).as_vec3a(), n: self.normal }
+    }
+
+    fn uv(&self, p: Vec3) -> Vec2 {
+        let c = self.coordinates(p);
         let phi = c.y.atan2(c.x) / (2.0 * PI);
-        Local {
-            p: (p.as_dvec3() - n * above).as_vec3a(),
-            n: self.normal,
-            uv: Vec2::new(c.length(), if phi < 0.0 { phi + 1.0 } else { phi }),
-        }
+        Vec2::new(c.length(), if phi < 0.0 { phi + 1.0 } else { phi })
     }
 
     fn partials(&self, p: Vec3) -> [Vec3; 2] {
@@ -68,7 +68,7 @@ impl Shape for Disk {
     fn sample_area(&self, u: Vec2) -> AreaSample {
         let d = warp::disk(u);
         let local = self.local((self.center + (self.u * d.x + self.v * d.y).as_dvec3()).as_vec3a());
-        AreaSample { p: local.p, n: local.n, uv: local.uv }
+        AreaSample { p: local.p, n: local.n, uv: self.uv(local.p) }
     }
 
     fn magnitude(&self, p: Vec3) -> f32 {

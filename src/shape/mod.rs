@@ -5,12 +5,14 @@
 
 mod cylinder;
 mod disk;
+mod lines;
 mod sphere;
 pub mod triangle;
 
 pub use cylinder::Cylinder;
 pub use disk::Disk;
-pub use sphere::Sphere;
+pub use lines::Lines;
+pub use sphere::{Cone, Sphere};
 
 use crate::math::{Bounds, Ray, Vec2, Vec3, closed_enum};
 
@@ -21,8 +23,6 @@ pub struct Local {
     pub p: Vec3,
     /// Unit normal of the front side.
     pub n: Vec3,
-    /// Of the shape's own parametrisation, in [0, 1]².
-    pub uv: Vec2,
 }
 
 /// A point chosen with density 1/area.
@@ -43,8 +43,11 @@ closed_enum! {
         /// lengths of `ray.d`.
         fn intersect(&self, ray: &Ray, tmax: f32) -> Option<f32>;
 
-        /// The nearest point of the shape to `p`, which lies on it up to rounding, with its normal and uv.
+        /// The nearest point of the shape to `p`, which lies on it up to rounding, with its normal.
         fn local(&self, p: Vec3) -> Local;
+
+        /// Coordinates in [0, 1]² of the shape's own parametrisation at `p`, which lies on the shape up to rounding.
+        fn uv(&self, p: Vec3) -> Vec2;
 
         /// Largest number whose rounding to f32 is in the point `p` of [`Shape::local`]: how far off the shape that
         /// may lie, in units of 2⁻²⁴ of it.

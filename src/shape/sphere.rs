@@ -21,26 +21,50 @@ impl Sphere {
     /// The point of the sphere in the unit direction `outward` from its middle.
     fn towards(&self, outward: DVec3) -> Local {
         let n = outward.as_vec3a();
-        let o = self.to_object.to_local(n);
-        let u = o.y.atan2(o.x) / (2.0 * PI);
-        Local {
-            p: (self.center + outward * self.radius).as_vec3a(),
-            n: if self.inward { -n } else { n },
-            uv: Vec2::new(if u < 0.0 { u + 1.0 } else { u }, o.z.clamp(-1.0, 1.0).acos() / PI),
-        }
+        Local { p: (self.center + outward * self.radius).as_vec3a(), n: if self.inward { -n } else { n } }
     }
 
-    /// From `p` to the middle.
-    pub fn middle_from(&self, p: Vec3) -> Vec3 {
-        (self.center - p.as_dvec3()).as_vec3a()
+    /// How the sphere looks from `p`; `None` inside or on it.
+    #[inline]
+    pub fn cone(&self, p: Vec3) -> Option<Cone> {
+        let middle = self.center - p.as_dvec3();
+        let sin2 = (self.radius * self.radius / middle.length_squared()) as f32;
+        let cos = (1.0 - sin2).sqrt();
+        (sin2 > 0.0 && sin2 < 0.9999).then(|| Cone {
+            middle: middle.as_vec3a(),
+            sin2,
+            gap: sin2 / (1.0 + cos),
+        })
     }
 
-    /// 1 − cos of the half-angle under which the sphere is seen from `p`; `None` inside or on it.
-    pub fn cone(&self, p: Vec3) -> Option<f32> {
-        let d2 = (self.center - p.as_dvec3()).length_squared();
-        let sin2 = (self.radius * self.radius / d2) as f32;
-        (sin2 < 0.9999).then(|| sin2 / (1.0 + (1.0 - sin2).sqrt()))
+    /// A direction within the cone of the sphere, even over its solid angle, and the point that is seen there.
+    #[inline]
+    pub fn sample_cone(&self, cone: &Cone, u: Vec2) -> (Vec3, Local) {
+        let axis = Frame::from_normal(cone.middle.normalize());
+        let w = warp::cone(u, cone.gap);
+        // In the triangle of the viewer, the point and the middle: sine and cosine of the angle at the point, by the
+        // law of sines; then of that at the middle, over the sine of that at the viewer. Nothing cancels.
+        let sin = (w.x * w.x + w.y * w.y).sqrt();
+        let sin_point = (sin / cone.sin2.sqrt()).min(1.0);
+        let cos_point = (1.0 - sin_point * sin_point).max(0.0).sqrt();
+        let across = w.z / cone.sin2.sqrt() - cos_point;
+        let outward =
+            axis.to_world(Vec3::new(w.x * across, w.y * across, -(cos_point * w.z + sin_point * sin)));
+        let n = if self.inward { -outward } else { outward };
+        let p = (self.center + outward.as_dvec3() * self.radius).as_vec3a();
+        (axis.to_world(w), Local { p, n })
     }
+}
+
+/// A sphere as it looks from a point outside.
+#[derive(Clone, Copy, Debug)]
+pub struct Cone {
+    /// From the point to the middle.
+    middle: Vec3,
+    /// Squared sine of the half-angle.
+    sin2: f32,
+    /// 1 − its cosine.
+    pub gap: f32,
 }
 
 impl Shape for Sphere {
@@ -63,6 +87,12 @@ impl Shape for Sphere {
         self.towards((p.as_dvec3() - self.center).normalize())
     }
 
+    fn uv(&self, p: Vec3) -> Vec2 {
+        let o = self.to_object.to_local((p.as_dvec3() - self.center).normalize().as_vec3a());
+        let u = o.y.atan2(o.x) / (2.0 * PI);
+        Vec2::new(if u < 0.0 { u + 1.0 } else { u }, o.z.clamp(-1.0, 1.0).acos() / PI)
+    }
+
     fn partials(&self, p: Vec3) -> [Vec3; 2] {
         let o = self.to_object.to_local((p.as_dvec3() - self.center).normalize().as_vec3a());
         let r = (o.x * o.x + o.y * o.y).sqrt();
@@ -78,7 +108,7 @@ impl Shape for Sphere {
 
     fn sample_area(&self, u: Vec2) -> AreaSample {
         let local = self.towards(warp::sphere(u).as_dvec3().normalize());
-        AreaSample { p: local.p, n: local.n, uv: local.uv }
+        AreaSample { p: local.p, n: local.n, uv: self.uv(local.p) }
     }
 
     fn magnitude(&self, p: Vec3) -> f32 {

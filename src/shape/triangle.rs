@@ -1,6 +1,7 @@
 //! Watertight ray–triangle test (Woop, Benthin, Wald 2013): neighbours that share an edge compute the
 //! same edge function up to its sign, so no ray slips between them.
 
+use super::Lines;
 use crate::math::simd::Wide;
 use crate::math::{Ray, Vec3};
 
@@ -13,24 +14,21 @@ pub struct Shear {
     o: [f32; 3],
 }
 
+/// The axes across a ray along each axis, forward and backward: the winding of a triangle, and with it the sign of the
+/// edge functions, then means the same for every ray.
+const ACROSS: [[[usize; 2]; 3]; 2] = [[[1, 2], [2, 0], [0, 1]], [[2, 1], [0, 2], [1, 0]]];
+
 impl Shear {
     /// For a ray of any length.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.d.to_array();
         let a = ray.d.abs();
-        let kz = if a.x > a.y {
-            if a.x > a.z { 0 } else { 2 }
-        } else if a.y > a.z {
-            1
-        } else {
-            2
-        };
-        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        // Keeps the winding, so that the sign of the edge functions means the same for every ray.
-        if d[kz] < 0.0 {
-            std::mem::swap(&mut kx, &mut ky);
-        }
+        // No branch: which axis it is cannot be predicted.
+        let along_x = (a.x > a.y) & (a.x > a.z);
+        let along_y = !(a.x > a.y) & (a.y > a.z);
+        let kz = 2 - 2 * usize::from(along_x) - usize::from(along_y);
+        let [kx, ky] = ACROSS[usize::from(d[kz] < 0.0)][kz];
         let inv = 1.0 / d[kz];
         let o = ray.o.to_array();
         Self { k: [kx, ky, kz], s: [d[kx] * inv, d[ky] * inv, inv], o: [o[kx], o[ky], o[kz]] }
@@ -106,30 +104,48 @@ pub struct Bundle<const N: usize, W: Wide<N>> {
 pub type Corners = [[f32; 4]; 3];
 
 impl<const N: usize, W: Wide<N>> Bundle<N, W> {
-    /// Unused lanes must repeat a ray.
+    /// Nothing met yet. It is what [`Shear::new`] does, without a branch.
     #[inline(always)]
-    pub fn new(rays: [&Ray; N], isa: W::Isa) -> Self {
-        let (mut k, mut o, mut s) = ([[0; N]; 3], [[0.0; N]; 3], [[0.0; N]; 3]);
-        let mut tmax = [0.0; N];
-        for (lane, ray) in rays.into_iter().enumerate() {
-            let shear = Shear::new(ray);
-            for axis in 0..3 {
-                k[axis][lane] = shear.k[axis] as u32;
-                o[axis][lane] = shear.o[axis];
-                s[axis][lane] = shear.s[axis];
-            }
-            tmax[lane] = ray.tmax;
-        }
+    pub fn new(rays: &Lines<N, W>) -> Self {
+        let Lines { o, d, tmax, .. } = *rays;
+        let isa = tmax.isa();
         let zero = W::splat(isa, 0.0);
+        let a = [d[0].max(zero - d[0]), d[1].max(zero - d[1]), d[2].max(zero - d[2])];
+        let along_x = W::and(a[1].less(a[0]), a[2].less(a[0]));
+        let along_y = W::and_not(a[1].less(a[0]), a[2].less(a[1]));
+        // The axis along the ray, the next one, and the one after it.
+        let z = Self::choose(along_x, along_y, d);
+        let backward = z.less(zero);
+        let [x, y] = Self::turned(backward, along_x, along_y, d);
+        let inv = W::splat(isa, 1.0) / z;
+        let [ox, oy] = Self::turned(backward, along_x, along_y, o);
+        let number = |i: u32| W::splat(isa, f32::from_bits(i));
+        let axes = [number(0), number(1), number(2)];
+        let [kx, ky] = Self::turned(backward, along_x, along_y, axes);
+        let kz = Self::choose(along_x, along_y, axes);
         Self {
-            k: [W::index(isa, &k[0]), W::index(isa, &k[1]), W::index(isa, &k[2])],
-            o: [W::load(isa, &o[0]), W::load(isa, &o[1]), W::load(isa, &o[2])],
-            s: [W::load(isa, &s[0]), W::load(isa, &s[1]), W::load(isa, &s[2])],
-            t: W::load(isa, &tmax),
+            k: [kx.as_index(), ky.as_index(), kz.as_index()],
+            o: [ox, oy, Self::choose(along_x, along_y, o)],
+            s: [x * inv, y * inv, inv],
+            t: tmax,
             b1: zero,
             b2: zero,
             triangle: W::splat(isa, f32::from_bits(u32::MAX)),
         }
+    }
+
+    /// `v[0]` where the ray runs along x, `v[1]` where along y, else `v[2]`.
+    #[inline(always)]
+    fn choose(along_x: W::Mask, along_y: W::Mask, v: [W; 3]) -> W {
+        v[0].select(along_x, v[1].select(along_y, v[2]))
+    }
+
+    /// The two axes across the ray, in the order that keeps the winding.
+    #[inline(always)]
+    fn turned(backward: W::Mask, along_x: W::Mask, along_y: W::Mask, v: [W; 3]) -> [W; 2] {
+        let x = Self::choose(along_x, along_y, [v[1], v[2], v[0]]);
+        let y = Self::choose(along_x, along_y, [v[2], v[0], v[1]]);
+        [y.select(backward, x), x.select(backward, y)]
     }
 
     #[inline(always)]

@@ -71,9 +71,8 @@ impl Wide for Avx2 {
         HasAvx2(())
     }
     #[inline(always)]
-    fn index(_: HasAvx2, x: &[u32; WIDTH]) -> __m256i {
-        // SAFETY: see the module; the load reads the eight integers of `x`.
-        unsafe { _mm256_loadu_si256(x.as_ptr().cast()) }
+    fn as_index(self) -> __m256i {
+        unsafe { _mm256_castps_si256(self.0) }
     }
     #[inline(always)]
     fn pick(x: &[f32; 4], index: __m256i) -> Self {
@@ -141,9 +140,8 @@ impl Wide<16> for Avx512 {
         HasAvx512(())
     }
     #[inline(always)]
-    fn index(_: HasAvx512, x: &[u32; 16]) -> __m512i {
-        // SAFETY: see the module; the load reads the sixteen integers of `x`.
-        unsafe { _mm512_loadu_si512(x.as_ptr().cast()) }
+    fn as_index(self) -> __m512i {
+        unsafe { _mm512_castps_si512(self.0) }
     }
     #[inline(always)]
     fn pick(x: &[f32; 4], index: __m512i) -> Self {

@@ -21,8 +21,8 @@ pub trait Wide<const N: usize = WIDTH>:
     type Index: Copy;
     /// What made this value proves it again.
     fn isa(self) -> Self::Isa;
-    /// Numbers 0..4 for [`Wide::pick`].
-    fn index(isa: Self::Isa, x: &[u32; N]) -> Self::Index;
+    /// Numbers 0..4 for [`Wide::pick`], from lanes that hold them as bits.
+    fn as_index(self) -> Self::Index;
     /// Lane l is `x[index[l]]`.
     fn pick(x: &[f32; 4], index: Self::Index) -> Self;
     /// `x` in every lane.
@@ -87,8 +87,8 @@ impl Wide for Portable {
     type Mask = [bool; WIDTH];
     type Index = [u32; WIDTH];
     fn isa(self) {}
-    fn index(_: (), x: &[u32; WIDTH]) -> Self::Index {
-        *x
+    fn as_index(self) -> Self::Index {
+        self.0.map(f32::to_bits)
     }
     fn pick(x: &[f32; 4], index: Self::Index) -> Self {
         Self(index.map(|i| x[i as usize % 4]))

@@ -45,12 +45,46 @@ impl Face {
     }
 }
 
+/// So few primitives that rays are tested against all of them.
+#[derive(Debug)]
+pub(super) struct Small {
+    /// All triangles, in the order of the packets.
+    pub(super) faces: Vec<Face>,
+    pub(super) others: Vec<Other>,
+}
+
+/// An analytic shape among few primitives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Other {
+    pub(super) packet: u32,
+    pub(super) lane: u32,
+    /// Index into `Level::analytic`.
+    pub(super) analytic: u32,
+}
+
+impl Small {
+    /// `None` if there are instances.
+    fn new(packets: &[Packet], primitives: usize) -> Option<Self> {
+        let others = packets.iter().zip(0..).filter(|(p, _)| p.others > 0).flat_map(|(p, packet)| {
+            (0..p.others).map(move |lane| match kind(p.tag[lane as usize]) {
+                Kind::Analytic(analytic) => Some(Other { packet, lane, analytic }),
+                _ => None,
+            })
+        });
+        let others = others.collect::<Option<Vec<_>>>()?;
+        // Lanes are filled one after another, triangles first.
+        let triangles = primitives - others.len();
+        let faces = (0..triangles).map(|i| Face::new(&packets[i / WIDTH].triangles, i % WIDTH)).collect();
+        Some(Self { faces, others })
+    }
+}
+
 /// One level: packets of primitives and the tree over them.
 #[derive(Debug)]
 pub struct Level {
     pub(super) packets: Vec<Packet>,
-    /// All triangles in the order of the packets, when there is no tree and nothing else.
-    pub(super) flat: Vec<Face>,
+    /// What there is, when there is no tree and there are no instances.
+    pub(super) small: Option<Small>,
     /// How many there are.
     pub primitives: usize,
     /// Shapes with models of their own.
@@ -79,12 +113,9 @@ impl Level {
                 packets.extend(list.chunks(WIDTH).map(|lanes| packet(primitives, lanes, are_triangles)));
             }
         });
-        let flat = if bvh.is_flat() && packets.iter().all(|p| p.others == 0) {
-            (0..primitives.len()).map(|i| Face::new(&packets[i / WIDTH].triangles, i % WIDTH)).collect()
-        } else {
-            Vec::new()
-        };
-        Self { packets, flat, primitives: primitives.len(), analytic, bvh, bounds }
+        let finite = boxes.iter().filter(|b| b.min.is_finite() && b.max.is_finite()).count();
+        let small = if bvh.is_flat() { Small::new(&packets, finite) } else { None };
+        Self { packets, small, primitives: primitives.len(), analytic, bvh, bounds }
     }
 
     /// Memory of the tree and of the packets.
@@ -110,7 +141,7 @@ impl Level {
         let (packet, lane) = (hit.packet as usize, hit.lane as usize % WIDTH);
         // In large scenes, loading a stored face takes longer than computing it from the packet, which the
         // traversal has just brought into the cache.
-        match self.flat.get(packet * WIDTH + lane) {
+        match self.small.as_ref().and_then(|small| small.faces.get(packet * WIDTH + lane)) {
             Some(face) => *face,
             None => Face::new(&self.packets[packet].triangles, lane),
         }

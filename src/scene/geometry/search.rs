@@ -2,12 +2,14 @@
 
 use std::ops::Range;
 
+use super::level::{Other, Small};
 use super::primitive::{Kind, kind};
 use super::{Geometry, Hit, Level, NO_INSTANCE};
 use crate::accel::Visitor;
 use crate::math::Ray;
 use crate::math::simd::{Wide, widest_bundle, widest_wide};
 use crate::shape::triangle::{Bundle, Nearest, Shear, WIDTH};
+use crate::shape::{Analytic, Lines};
 
 impl Geometry {
     /// Nearest hit in (0, tmax).
@@ -92,26 +94,28 @@ impl Geometry {
 
     /// [`Geometry::closest`] of `rays[i]` into `hits[i]` for all `i` of `which`.
     pub fn closest_each(&self, rays: &[Ray], which: &[usize], hits: &mut [Option<Hit>]) {
-        if self.world.flat.is_empty() {
+        let Some(small) = &self.world.small else {
             which.iter().for_each(|&i| hits[i] = self.closest(&rays[i]));
             return;
-        }
-        widest_bundle!(Geometry::closest_flat; geometry: &Geometry = self, rays: &[Ray] = rays,
+        };
+        widest_bundle!(Geometry::closest_small; geometry: &Geometry = self, small: &Small = small, rays: &[Ray] = rays,
             which: &[usize] = which, hits: &mut [Option<Hit>] = hits => ())
     }
 
     #[inline(always)]
-    fn closest_flat<const N: usize, W: Wide<N>>(
+    fn closest_small<const N: usize, W: Wide<N>>(
         &self,
+        small: &Small,
         rays: &[Ray],
         which: &[usize],
         hits: &mut [Option<Hit>],
         isa: W::Isa,
     ) {
         for some in which.chunks(N) {
-            let mut bundle =
-                Bundle::<N, W>::new(std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]), isa);
-            for (face, i) in self.world.flat.iter().zip(0..) {
+            let together: [&Ray; N] = std::array::from_fn(|l| &rays[some[l.min(some.len() - 1)]]);
+            let lines = Lines::<N, W>::new(together, isa);
+            let mut bundle = Bundle::new(&lines);
+            for (face, i) in small.faces.iter().zip(0..) {
                 bundle.add(&face.corners, i);
             }
             let (triangle, [t, b1, b2]) = bundle.found();
@@ -125,27 +129,58 @@ impl Geometry {
                     instance: NO_INSTANCE,
                 });
             }
+            for other in &small.others {
+                let shape = &self.world.analytic[other.analytic as usize];
+                let mut may = lines_near(&lines, shape, some.len());
+                while may != 0 {
+                    let i = some[may.trailing_zeros() as usize];
+                    may &= may - 1;
+                    let before = hits[i].as_ref().map_or(rays[i].tmax, |hit| hit.t);
+                    if let Some(t) = shape.intersect(&rays[i], before) {
+                        let Other { packet, lane, .. } = *other;
+                        hits[i] = Some(Hit { t, b1: 0.0, b2: 0.0, packet, lane, instance: NO_INSTANCE });
+                    }
+                }
+            }
         }
     }
 
     /// [`Geometry::occluded`] of each ray.
     pub fn occluded_each(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
         occluded.clear();
-        if self.world.flat.is_empty() {
+        let Some(small) = &self.world.small else {
             occluded.extend(rays.iter().map(|ray| self.occluded(ray)));
             return;
-        }
-        widest_bundle!(Geometry::occluded_flat; geometry: &Geometry = self, rays: &[Ray] = rays,
+        };
+        widest_bundle!(Geometry::occluded_small; geometry: &Geometry = self, small: &Small = small, rays: &[Ray] = rays,
             occluded: &mut Vec<bool> = occluded => ())
     }
 
     #[inline(always)]
-    fn occluded_flat<const N: usize, W: Wide<N>>(&self, rays: &[Ray], occluded: &mut Vec<bool>, isa: W::Isa) {
+    fn occluded_small<const N: usize, W: Wide<N>>(
+        &self,
+        small: &Small,
+        rays: &[Ray],
+        occluded: &mut Vec<bool>,
+        isa: W::Isa,
+    ) {
         for some in rays.chunks(N) {
-            let bundle = Bundle::<N, W>::new(std::array::from_fn(|l| &some[l.min(some.len() - 1)]), isa);
+            let together: [&Ray; N] = std::array::from_fn(|l| &some[l.min(some.len() - 1)]);
+            let lines = Lines::<N, W>::new(together, isa);
+            let bundle = Bundle::new(&lines);
             let mut blocked = 0;
-            for face in &self.world.flat {
+            for face in &small.faces {
                 blocked |= bundle.blocked(&face.corners);
+            }
+            for other in &small.others {
+                let shape = &self.world.analytic[other.analytic as usize];
+                let mut may = lines_near(&lines, shape, some.len()) & !blocked;
+                while may != 0 {
+                    let l = may.trailing_zeros();
+                    may &= may - 1;
+                    let ray = &some[l as usize];
+                    blocked |= u32::from(shape.intersect(ray, ray.tmax).is_some()) << l;
+                }
             }
             for l in 0..some.len() {
                 occluded.push(blocked >> l & 1 == 1);
@@ -191,6 +226,16 @@ impl Geometry {
             }
             Kind::Triangle(_) => false,
         })
+    }
+}
+
+/// Which of the first `count` rays may meet the shape.
+#[inline(always)]
+fn lines_near<const N: usize, W: Wide<N>>(lines: &Lines<N, W>, shape: &Analytic, count: usize) -> u32 {
+    let all = u32::MAX >> (u32::BITS as usize - count);
+    match shape {
+        Analytic::Sphere(sphere) => lines.near(sphere) & all,
+        Analytic::Disk(_) | Analytic::Cylinder(_) => all,
     }
 }
 

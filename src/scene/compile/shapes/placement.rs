@@ -36,6 +36,7 @@ pub fn add_shape(
         emitter: None,
         flip: shape.flip_normals,
         oriented: b.oriented(material),
+        varies: shines_by_texture(shape) || b.varies(material),
         triangles: Vec::new(),
         authored: Vec::new(),
         normals: Vec::new(),
@@ -46,7 +47,8 @@ pub fn add_shape(
         Form::Triangles(mesh) => Some(mesh.as_ref()),
         Form::Quadric(_) => None,
     };
-    let varies = shines_by_texture(shape) || b.varies(material);
+    let varies = record.varies;
+    record.varies |= b.options.keep_uvs;
     // Without authored uv, the pieces of a split triangle would have other uv than the whole.
     let own_uvs = |m: &Mesh| !m.uvs.is_empty() || !varies;
     // Only the world has its origin near the camera; groups do not.
@@ -63,7 +65,7 @@ pub fn add_shape(
         Form::Triangles(whole) => {
             let mesh = mesh.unwrap_or(whole);
             // Layers may show the texture coordinates of all.
-            let uvs_matter = varies || b.options.keep_uvs;
+            let uvs_matter = record.varies;
             add_triangles(b, shape, mesh, to_level, index, uvs_matter, level, &mut record)
         }
         Form::Quadric(quadric) => add_quadric(b, shape, quadric, to_level, index, level, &mut record),
