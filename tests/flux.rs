@@ -1,15 +1,17 @@
 //! Energy: what lamps emit is stored, absorbed or has left; nothing else happens to it.
 
 use caustica::emitter::Aim;
-use caustica::math::Color;
-use caustica::photon::trace::{Halt, TraceJob, Traced, aim, trace, trace_until};
+use caustica::math::{Color, Vec3};
+use caustica::photon::aim::{Sights, aim};
+use caustica::photon::radius::Place;
+use caustica::photon::trace::{Halt, TraceJob, Traced, trace, trace_until};
 use caustica::sampling::Sampler;
 use caustica::scene::Scene;
 use caustica::spectrum::rgb;
 use caustica::transport::Owner;
 
 use crate::support::{
-    DOWN, SIGMAS, Stage, area, camera, diffuse, pbrt_scene, rectangle, room_with_window, scene, sphere,
+    DOWN, SIGMAS, Stage, UP, area, camera, diffuse, pbrt_scene, rectangle, room_with_window, scene, sphere,
 };
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
@@ -165,25 +167,92 @@ fn light_aimed_through_a_window_is_not_more() {
                   <rgb name='irradiance' value='5'/></emitter>";
     let scene = scene(&format!("{}{room}{lights}", camera("0,0,0", "0,1,0", 40.0, 4)));
     let job = |key, paths| TraceJob { next_event: true, ..job(key, paths, u32::MAX) };
-    let aim =
-        aim(&scene, &job(7, 1 << 17), &scene.sphere, Halt::default()).expect("few paths find the window");
-    // Mean and standard error of the stored flux over traces, and all photons.
-    let stored = |aim: Option<&Aim>, traces: u64| {
-        let traces: Vec<_> =
-            (0..traces).map(|key| trace_until(&scene, &job(key, 1 << 20), aim, Halt::default())).collect();
-        let flux = |t: &Traced| t.photons.iter().map(|p| f64::from(p.flux.lanes()[1])).sum::<f64>();
-        let n = traces.len() as f64;
-        let mean = traces.iter().map(flux).sum::<f64>() / n;
-        let square = traces.iter().map(|t| (flux(t) - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        (mean, (square / n).sqrt(), traces.iter().map(|t| t.photons.len()).sum::<usize>() / traces.len())
+    // Nothing tells where the map is read: photons count alike.
+    let aim = aimed(&scene, &job(7, 1 << 17), &[]).expect("few paths find the window");
+    let stored = |aim, traces: u64| {
+        let flux = |key| brought(&scene, &job(key, 1 << 20), aim, |_| true);
+        mean((0..traces).map(flux).collect())
     };
     let (even, even_error, few) = stored(None, 16);
     let (aimed, aimed_error, many) = stored(Some(&aim), 4);
     println!(
         "even {even:.4} ± {even_error:.4} in {few} photons, aimed {aimed:.4} ± {aimed_error:.4} in {many}"
     );
-    assert!(many > 50 * few);
+    assert!(many > 50.0 * few);
     assert!((aimed - even).abs() < SIGMAS * even_error.hypot(aimed_error));
+}
+
+/// How paths start for a map that is read at `places`, which stand for pixels of the size 0.1.
+fn aimed(scene: &Scene, job: &TraceJob, places: &[Place]) -> Option<Aim> {
+    let sights = Sights { places, apart: 1.0, first: true, second: false, direct: true };
+    aim(scene, job, &sights, Halt::default())
+}
+
+/// Flux and number of the photons of a trace that land where `counts` says.
+fn brought(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, counts: impl Fn(Vec3) -> bool) -> [f64; 2] {
+    let Traced { photons, .. } = trace_until(scene, job, aim, Halt::default());
+    let found = photons.iter().filter(|p| counts(p.p));
+    found.fold([0.0, 0.0], |[flux, n], p| [flux + f64::from(p.flux.lanes()[1]), n + 1.0])
+}
+
+/// Mean flux, its standard error, and the mean number of photons.
+fn mean(traces: Vec<[f64; 2]>) -> (f64, f64, f64) {
+    let n = traces.len() as f64;
+    let [flux, photons] = [0, 1].map(|i| traces.iter().map(|t| t[i]).sum::<f64>() / n);
+    let square = traces.iter().map(|t| (t[0] - flux).powi(2)).sum::<f64>() / (n - 1.0);
+    (flux, (square / n).sqrt(), photons)
+}
+
+const GLASS: &str =
+    "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+
+/// Places all over the square of the half side `half` on the floor, around `center`.
+fn floor_places(center: Vec3, half: f32) -> Vec<Place> {
+    let at = |i: u32| ((i as f32 + 0.5) / 8.0 - 1.0) * half;
+    let place = |i: u32| {
+        let p = center + Vec3::new(at(i % 16), 0.0, at(i / 16));
+        Place { p, n: Vec3::Y, lift: 1e-6, footprint: 0.15 * half }
+    };
+    (0..256).map(place).collect()
+}
+
+/// A ball of glass of a tenth of the floor, five times as far from the lamp as the floor is wide. Aimed light brings
+/// as much through it as light that is sent everywhere, in over a hundred times as many photons a path; lamps of every kind
+/// that has a heading of its own.
+#[test]
+fn light_that_heads_for_a_small_ball_is_not_more() {
+    let floor = rectangle(0.5, UP, &diffuse("0.5"));
+    let ball = sphere("0,0.05,0", 0.05, GLASS);
+    let down = "<transform name='to_world'><lookat origin='0,5,0' target='0,0,0' up='1,0,0'/></transform>";
+    let panel = rectangle(0.3, "<lookat origin='0,5,0' target='0,0,0' up='1,0,0'/>", &area("3"));
+    let lamps = [
+        "<emitter type='point'><point name='position' value='0,5,0'/></emitter>".to_owned(),
+        format!("<emitter type='spot'><float name='cutoff_angle' value='20'/>{down}</emitter>"),
+        panel,
+    ];
+    for lamp in lamps {
+        let scene = scene(&format!("{}{floor}{ball}{lamp}", camera("0,0.3,0.5", "0,0,0", 20.0, 4)));
+        let job = |key, paths| TraceJob {
+            owner: Owner::CausticMap,
+            next_event: true,
+            caustic_map: true,
+            ..job(key, paths, u32::MAX)
+        };
+        let center = -Vec3::from(scene.origin.map(|x| x as f32));
+        let places = floor_places(center, 0.2);
+        let aim = aimed(&scene, &job(7, 1 << 17), &places).expect("few paths find the ball");
+        let stored = |aim, traces: u64, paths| {
+            mean((0..traces).map(|key| brought(&scene, &job(key, paths), aim, |_| true)).collect())
+        };
+        let (even, even_error, few) = stored(None, 32, 1 << 18);
+        let (aimed, aimed_error, many) = stored(Some(&aim), 16, 1 << 14);
+        println!(
+            "even {even:.4e} ± {even_error:.1e} in {few}, aimed {aimed:.4e} ± {aimed_error:.1e} in {many}"
+        );
+        assert!(many / f64::from(1 << 14) > 100.0 * few / f64::from(1 << 18), "{lamp}");
+        assert!((aimed - even).abs() < SIGMAS * even_error.hypot(aimed_error), "{lamp}");
+        assert!(aimed_error < 0.05 * aimed, "{lamp}");
+    }
 }
 
 /// Half of the metal is a mirror, where photons are of no use. The density next to it would be too low without them:

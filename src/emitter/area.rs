@@ -208,30 +208,37 @@ impl Light for Area {
     fn sample_emission(
         &self,
         textures: &Textures,
-        _bounds: &EmissionBounds<'_>,
+        bounds: &EmissionBounds<'_>,
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
         let (place, density) = self.places.as_ref().map_or((place, 1.0), |p| p.choose(place));
         let s = self.surface.sample(place);
-        let (mut n, mut u, mut sides) = (s.n, direction, 1.0);
-        if self.sides == Sides::Both {
-            sides = 2.0;
-            u.x *= 2.0;
-            if u.x >= 1.0 {
-                (u.x, n) = (u.x - 1.0, -n);
+        let both = self.sides == Sides::Both;
+        let sides = if both { 2.0 } else { 1.0 };
+        let own = |mut u: Vec2| {
+            let mut n = s.n;
+            if both {
+                u.x *= 2.0;
+                if u.x >= 1.0 {
+                    (u.x, n) = (u.x - 1.0, -n);
+                }
             }
-        }
-        let d = Frame::from_normal(n).to_world(warp::cosine_hemisphere(u));
-        let flux = textures.eval(self.radiance, &site(&s)) * (sides * PI * self.area / density);
-        let cos = n.dot(d).max(0.0);
+            Frame::from_normal(n).to_world(warp::cosine_hemisphere(u))
+        };
+        let cosine = |d: Vec3| if both { s.n.dot(d).abs() } else { s.n.dot(d).max(0.0) };
+        let (d, weight) = bounds.head(s.p, direction, own, |d| cosine(d) / (sides * PI));
+        let n = if both && s.n.dot(d) < 0.0 { -s.n } else { s.n };
+        let flux = textures.eval(self.radiance, &site(&s)) * (sides * PI * self.area * weight / density);
+        let cos = cosine(d);
         (flux.max_element() > 0.0).then_some(Emission {
             o: s.p + n * self.lift,
             d,
             cos,
             flux,
             position: Density::Finite(density / self.area),
-            direction: Density::Finite(cos / (sides * PI)),
+            direction: Density::Finite(cos / (sides * PI * weight)),
+            weight,
         })
     }
 

@@ -73,6 +73,7 @@ impl Light for Collimated {
             flux,
             position: Density::Finite(1.0 / self.area()),
             direction: Density::Delta,
+            weight: 1.0,
         })
     }
 

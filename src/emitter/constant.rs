@@ -34,7 +34,7 @@ impl Light for Constant {
         direction: Vec2,
     ) -> Option<Emission> {
         let d = warp::sphere(direction);
-        let entry = bounds.enter(d, place)?;
+        let entry = bounds.enter(d, place);
         let flux = self.power(textures, &bounds.sphere) * entry.weight;
         Some(Emission::from_infinity(entry, d, flux, Density::Finite(UNIFORM)))
     }

@@ -26,7 +26,7 @@ impl Light for Directional {
         place: Vec2,
         _direction: Vec2,
     ) -> Option<Emission> {
-        let entry = bounds.enter(self.direction, place)?;
+        let entry = bounds.enter(self.direction, place);
         let flux = self.power(textures, &bounds.sphere) * entry.weight;
         Some(Emission::from_infinity(entry, self.direction, flux, Density::Delta))
     }

@@ -18,7 +18,7 @@ mod spot;
 mod sunsky;
 mod table;
 
-pub use aim::{Aim, EmissionBounds, Entry, EntrySegment};
+pub use aim::{Aim, EmissionBounds, Entry, EntrySegment, PathFound, Start, Starts, Targets};
 pub use area::{Area, MeshTriangle, Sides, Surface};
 pub use collimated::Collimated;
 pub use constant::Constant;
@@ -89,12 +89,21 @@ pub struct Emission {
     pub position: Density,
     /// Of `d`, given `o`.
     pub direction: Density,
+    /// Density with which the lamp chooses by itself over that of a choice made by [`EmissionBounds`].
+    pub weight: f32,
 }
 
 impl Emission {
     /// From a lamp at a point.
     fn from_point(o: Vec3, d: Vec3, flux: Color, direction: f32) -> Self {
-        Self { o, d, cos: 1.0, flux, position: Density::Delta, direction: Density::Finite(direction) }
+        let direction = Density::Finite(direction);
+        Self { o, d, cos: 1.0, flux, position: Density::Delta, direction, weight: 1.0 }
+    }
+
+    /// The same for a lamp whose own density of `d` is `weight` times that of the choice made.
+    fn headed((d, weight): (Vec3, f32), o: Vec3, flux: Color, own: f32) -> Option<Self> {
+        let flux = flux * weight;
+        (flux.max_element() > 0.0).then(|| Self { weight, ..Self::from_point(o, d, flux, own / weight) })
     }
 
     /// From all around, for a direction to look along with the radiance over its density, and the density: at a place
@@ -103,15 +112,15 @@ impl Emission {
         (dir, value, pdf): (Vec3, Color, f32),
         bounds: &EmissionBounds<'_>,
         place: Vec2,
-    ) -> Option<Self> {
-        let entry = bounds.enter(-dir, place)?;
+    ) -> Self {
+        let entry = bounds.enter(-dir, place);
         let flux = value * (bounds.sphere.disk() * entry.weight);
-        Some(Self::from_infinity(entry, -dir, flux, Density::Finite(pdf)))
+        Self::from_infinity(entry, -dir, flux, Density::Finite(pdf))
     }
 
     /// From infinity.
     fn from_infinity(entry: Entry, d: Vec3, flux: Color, direction: Density) -> Self {
-        Self { o: entry.o, d, cos: 1.0, flux, position: entry.density, direction }
+        Self { o: entry.o, d, cos: 1.0, flux, position: entry.density, direction, weight: entry.weight }
     }
 }
 

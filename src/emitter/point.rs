@@ -34,7 +34,9 @@ impl Light for Point {
         direction: Vec2,
     ) -> Option<Emission> {
         let flux = self.power(textures, &bounds.sphere);
-        Some(Emission::from_point(self.position, warp::sphere(direction), flux, 1.0 / (4.0 * PI)))
+        let even = 1.0 / (4.0 * PI);
+        let headed = bounds.head(self.position, direction, warp::sphere, |_| even);
+        Emission::headed(headed, self.position, flux, even)
     }
 
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {

@@ -112,16 +112,21 @@ impl Light for Spot {
     fn sample_emission(
         &self,
         textures: &Textures,
-        _bounds: &EmissionBounds<'_>,
+        bounds: &EmissionBounds<'_>,
         _place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
         let gap = 2.0 * (self.cutoff * 0.5).sin().powi(2);
-        let local = warp::cone(direction, gap);
-        let (d, area) = match &self.stretched {
-            None => (self.frame.to_world(local), 1.0),
-            Some(m) => m.leave(local),
+        let Some(m) = &self.stretched else {
+            let even = 1.0 / (2.0 * PI * gap);
+            let own = |u| self.frame.to_world(warp::cone(u, gap));
+            let inside = |d: Vec3| if self.frame.to_local(d).z >= 1.0 - gap { even } else { 0.0 };
+            let headed = bounds.head(self.position, direction, own, inside);
+            let flux = self.toward(textures, self.frame.to_local(headed.0)) / even;
+            return Emission::headed(headed, self.position, flux, even);
         };
+        let local = warp::cone(direction, gap);
+        let (d, area) = m.leave(local);
         let solid = 2.0 * PI * gap * area;
         let flux = self.toward(textures, local) * solid;
         (flux.max_element() > 0.0).then(|| Emission::from_point(self.position, d, flux, 1.0 / solid))

@@ -189,7 +189,7 @@ impl Light for SunSky {
         place: Vec2,
         direction: Vec2,
     ) -> Option<Emission> {
-        Emission::of_background(self.sample(direction)?, bounds, place)
+        Some(Emission::of_background(self.sample(direction)?, bounds, place))
     }
 
     #[inline(always)]

@@ -1,5 +1,6 @@
 //! Photons: tracing them from the lamps, storing, finding and weighing them.
 
+pub mod aim;
 mod boundary;
 pub mod estimate;
 mod find;

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::Photon;
 use crate::bsdf::{Event, Range, Transport, adjoint_correction};
-use crate::emitter::{Aim, Emitter, EntrySegment, SceneSphere};
+use crate::emitter::{Aim, Emission};
 use crate::film::Rejected;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::{Sampler, mix};
-use crate::scene::{LightStart, Scene};
+use crate::scene::Scene;
 use crate::transport::roulette::Length;
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Owner, PathClass, Vertex, roulette};
@@ -79,7 +79,7 @@ const LEAST_CHUNKS: u64 = 32;
 
 /// Runs `trace` on every chunk of the paths, in parallel, and returns the results in order. Chunks skipped because of
 /// `halt` give the default; the first `least` chunks ignore the deadline.
-fn in_chunks<T: Default + Send>(
+pub(super) fn in_chunks<T: Default + Send>(
     paths: u64,
     least: u64,
     halt: Halt<'_>,
@@ -99,14 +99,18 @@ pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
     trace_until(scene, job, None, Halt::default())
 }
 
-/// [`trace`] with light from infinity sent where `aim` says, with fewer paths if the deadline comes first, and
+/// [`trace`] with light sent where `aim` says, with fewer paths if the deadline comes first, and
 /// without a result if work is cancelled.
 pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> Traced {
     let chunks = in_chunks(job.paths, LEAST_CHUNKS, halt, |paths| {
         let mut out = Traced { paths: paths.end - paths.start, ..Traced::default() };
         // A single path may take long; the result of cancelled work is discarded anyway.
         for i in paths.take_while(|_| !halt.stopped()) {
-            trace_path(scene, job, aim, i, &mut out);
+            let mut sampler = path_sampler(job, i);
+            let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
+            if let Some(start) = scene.sample_aimed(pick, place, direction, aim) {
+                follow(scene, job, &start.emission, &mut sampler, &mut out);
+            }
         }
         out
     });
@@ -130,72 +134,22 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<
     all
 }
 
-/// If more than this share of the paths from infinity leave photons, they need no aim.
-const ENOUGH: f64 = 0.2;
-
-/// Where to send light from infinity: around what the camera sees (`seen`) if the scene is much larger; otherwise
-/// where a pilot of `job`, and a second one aimed by the first, found that it leaves photons. `None` if unaimed light
-/// does well, or if none leaves photons.
-pub fn aim(scene: &Scene, job: &TraceJob, seen: &SceneSphere, halt: Halt<'_>) -> Option<Aim> {
-    if !scene.emitters.iter().any(Emitter::is_infinite) {
-        return None;
-    }
-    if let Some(aim) = Aim::around(&scene.sphere, seen) {
-        return Some(aim);
-    }
-    let (met, found) = entry_segments(scene, job, None, halt);
-    if found.len() as f64 > ENOUGH * met as f64 {
-        return None;
-    }
-    let coarse = Aim::new(&scene.sphere, &found)?;
-    let again = TraceJob { key: mix(job.key), ..*job };
-    let (_, found) = entry_segments(scene, &again, Some(&coarse), halt);
-    let few: Vec<EntrySegment> =
-        found.iter().step_by(found.len().div_ceil(SEGMENTS).max(1)).copied().collect();
-    Aim::new(&scene.sphere, &few).or(Some(coarse))
-}
-
-/// Most entry segments that an aim is made from.
-const SEGMENTS: usize = 2048;
-
-/// How many paths from infinity met the scene, and the first segments of those that left photons.
-fn entry_segments(
-    scene: &Scene,
-    job: &TraceJob,
-    aim: Option<&Aim>,
-    halt: Halt<'_>,
-) -> (u64, Vec<EntrySegment>) {
-    let chunks = in_chunks(job.paths, 0, halt, |paths| {
-        let (mut met, mut found) = (0, Vec::new());
-        let mut out = Traced::default();
-        for i in paths.take_while(|_| !halt.stopped()) {
-            out.photons.clear();
-            let Some(first) = trace_path(scene, job, aim, i, &mut out) else { continue };
-            met += 1;
-            let weight: f32 = out.photons.iter().map(|p| p.flux.max_element()).sum();
-            if weight > 0.0 {
-                found.push(EntrySegment { weight, ..first });
-            }
-        }
-        (met, found)
-    });
-    (chunks.iter().map(|c: &(u64, _)| c.0).sum(), chunks.into_iter().flat_map(|c| c.1).collect())
-}
-
-/// Traces one path. Returns the first segment of light from infinity; `None` for other light, and for paths that miss
-/// the scene.
-fn trace_path(
-    scene: &Scene,
-    job: &TraceJob,
-    aim: Option<&Aim>,
-    index: u64,
-    out: &mut Traced,
-) -> Option<EntrySegment> {
+/// The random numbers of a path.
+#[inline(always)]
+pub(super) fn path_sampler(job: &TraceJob, index: u64) -> Sampler {
     // Sobol indices have 32 bits; every further 2³² paths use a family of their own.
-    let mut sampler = Sampler::new(job.key ^ mix(index >> 32), index as u32);
-    let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-    let LightStart { emission: start, from_infinity, .. } =
-        scene.sample_aimed(pick, place, direction, aim)?;
+    Sampler::new(job.key ^ mix(index >> 32), index as u32)
+}
+
+/// Follows a path from its start. Returns the first surface point; `None` if it misses the scene.
+#[inline]
+pub(super) fn follow(
+    scene: &Scene,
+    job: &TraceJob,
+    start: &Emission,
+    sampler: &mut Sampler,
+    out: &mut Traced,
+) -> Option<Vec3> {
     let mut flux = start.flux / job.paths as f32;
     let mut ray = Ray::new(start.o, start.d);
     let mut class = PathClass::FROM_LAMP;
@@ -204,9 +158,7 @@ fn trace_path(
     loop {
         out.rays += 1;
         let Next::Surface(surface) = walk::next(scene, &mut ray, Lamps::Solid) else { return first };
-        if depth == 1 && from_infinity {
-            first = Some(EntrySegment { from: start.o, to: surface.p, weight: 0.0 });
-        }
+        first.get_or_insert(surface.p);
         let vertex = Vertex::new(scene, &surface, -ray.d);
         let kept = job.all || class.owner(job.next_event, job.caustic_map) == job.owner;
         if kept && holds_photons(scene, job, &vertex) {
@@ -217,11 +169,11 @@ fn trace_path(
         if depth.saturating_add(2) > job.max_depth {
             return first;
         }
-        let Some((d, next, event)) = scatter(job, &vertex, flux, &mut sampler) else { return first };
+        let Some((d, next, event)) = scatter(job, &vertex, flux, sampler) else { return first };
         let length = Length { segments: depth, most: job.max_depth };
         let survival = roulette::light_survival(flux, next, length);
         flux = if survival < 1.0 {
-            let Some(survivor) = roulette::survivor(next, survival, &mut sampler) else { return first };
+            let Some(survivor) = roulette::survivor(next, survival, sampler) else { return first };
             survivor
         } else {
             next

@@ -1,6 +1,7 @@
 //! Random and low-discrepancy numbers that depend only on (seed, pass, index, dimension), and the
 //! distributions sampled with them.
 
+mod bins;
 mod density;
 mod distribution;
 mod hash;
@@ -8,6 +9,7 @@ mod sampler;
 mod sobol;
 pub mod warp;
 
+pub use bins::{AXES, Bins, Found, Grown};
 pub use density::Density;
 pub use distribution::Discrete;
 pub use hash::{CounterRng, mix};

@@ -1,7 +1,7 @@
 //! What shines in a scene: emission met by rays, light sampled at a point, starts of light paths.
 
 use super::{Scene, Surface};
-use crate::emitter::{Aim, DirectSample, Emission, EmissionBounds, Emitter, SceneSphere};
+use crate::emitter::{Aim, DirectSample, Emission, EmissionBounds, Emitter, SceneSphere, Start, Starts};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::Discrete;
 use crate::spectrum::luminance;
@@ -10,10 +10,13 @@ use crate::texture::Textures;
 /// The start of a light path from one emitter of the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct LightStart {
-    /// Its flux is that of the emitter over `probability`; its densities are the emitter's own.
+    /// Its flux is that of the emitter over `probability` and over the density of its numbers where these are not
+    /// even; its densities are the emitter's own.
     pub emission: Emission,
-    /// With which the emitter was chosen.
+    /// With which the emitter was chosen, if by power.
     pub probability: f32,
+    /// What the emission was made of.
+    pub start: Start,
     /// The light comes from outside of the scene.
     pub from_infinity: bool,
 }
@@ -80,7 +83,8 @@ impl Scene {
         self.sample_aimed(pick, place, direction, None)
     }
 
-    /// [`Scene::sample_emission`] with light from infinity aimed by `aim`.
+    /// [`Scene::sample_emission`] aimed by `aim`.
+    #[inline]
     pub fn sample_aimed(
         &self,
         pick: f32,
@@ -88,16 +92,35 @@ impl Scene {
         direction: Vec2,
         aim: Option<&Aim>,
     ) -> Option<LightStart> {
+        let start = self.start(pick, place, direction, aim.and_then(|aim| aim.starts.as_ref()))?;
+        let bounds = aim.map_or(EmissionBounds::even(self.sphere), |aim| aim.bounds(self.sphere));
+        self.emission_of(start, &bounds)
+    }
+
+    /// The lamp that uniform numbers select, and the numbers for its emission. `None` without lamps.
+    #[inline]
+    pub fn start(&self, pick: f32, place: Vec2, direction: Vec2, starts: Option<&Starts>) -> Option<Start> {
         if self.emitters.is_empty() {
             return None;
         }
-        let (i, _) = self.emission.sample(pick);
-        let emitter = &self.emitters[i];
-        let bounds = EmissionBounds { sphere: self.sphere, aim };
-        let mut emission = emitter.sample_emission(&self.textures, &bounds, place, direction)?;
-        let probability = self.emission.probability(i);
-        emission.flux /= probability;
-        Some(LightStart { emission, probability, from_infinity: emitter.is_infinite() })
+        Some(match starts {
+            Some(starts) => starts.sample(&self.emission, pick, place, direction),
+            None => {
+                let at = [place.x, place.y, direction.x, direction.y];
+                Start { lamp: self.emission.sample(pick).0, at, density: 1.0 }
+            }
+        })
+    }
+
+    /// What a lamp makes of the numbers of a start.
+    #[inline]
+    pub fn emission_of(&self, start: Start, bounds: &EmissionBounds<'_>) -> Option<LightStart> {
+        let emitter = &self.emitters[start.lamp];
+        let mut emission =
+            emitter.sample_emission(&self.textures, bounds, start.place(), start.direction())?;
+        let probability = self.emission.probability(start.lamp);
+        emission.flux /= probability * start.density;
+        Some(LightStart { emission, probability, start, from_infinity: emitter.is_infinite() })
     }
 
     /// Total emitted power, W per channel.

@@ -6,10 +6,11 @@ use std::time::Instant;
 use super::super::{PassStats, Task};
 use super::{MANY, PILOT, Plan};
 use crate::bsdf::Range;
-use crate::emitter::{Aim, SceneSphere};
+use crate::emitter::Aim;
 use crate::math::kernel::KernelKind;
+use crate::photon::aim::{Sights, aim};
 use crate::photon::irradiance::Irradiance;
-use crate::photon::trace::{Halt, TraceJob, Traced, aim, trace_until};
+use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
 use crate::photon::{Estimator, PhotonMap, radius};
 use crate::sampling::mix;
 use crate::scene::Scene;
@@ -46,7 +47,7 @@ pub(super) struct Map {
     pub settings: MapSettings,
     /// Which photons it holds; `key` is its family of random numbers, before the pass is mixed in.
     job: TraceJob,
-    /// Where light from infinity is sent.
+    /// Where light is sent.
     pub aim: Option<Aim>,
     /// Light paths a pass.
     pub paths: u64,
@@ -131,18 +132,25 @@ impl Map {
         }
     }
 
-    /// The same told from a pilot; the camera looks at `seen`.
-    pub fn estimated(&mut self, scene: &Scene, seen: &SceneSphere) -> u64 {
+    /// The same told from a pilot; camera paths gather at `sights`.
+    pub fn estimated(&mut self, scene: &Scene, sights: &Sights<'_>) -> u64 {
         let Count::Paths(n) = self.settings.planned else { return 0 };
-        self.take_aim(scene, seen, Halt::default());
+        self.take_aim(scene, sights, Halt::default());
         let stored = self.pilot_photons(scene, PILOT, Halt::default());
         (n as f64 * stored as f64 / PILOT as f64) as u64
     }
 
-    /// Decides where light from infinity is sent.
-    pub fn take_aim(&mut self, scene: &Scene, seen: &SceneSphere, halt: Halt<'_>) {
+    /// Decides where light is sent.
+    pub fn take_aim(&mut self, scene: &Scene, sights: &Sights<'_>, halt: Halt<'_>) {
         if self.wanted() {
-            self.aim = aim(scene, &self.job_of(BEFORE_ALL, PILOT), seen, halt);
+            // Camera paths that go on read the caustic map wherever they come, and the other one where they end.
+            let sights = Sights {
+                first: self.seen_directly(),
+                second: sights.second || !self.seen_directly(),
+                direct: self.job.next_event,
+                ..*sights
+            };
+            self.aim = aim(scene, &self.job_of(BEFORE_ALL, PILOT), &sights, halt);
         }
     }
 

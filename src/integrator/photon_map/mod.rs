@@ -17,7 +17,6 @@ use std::sync::{Arc, OnceLock};
 
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::Range;
-use crate::photon::radius;
 use crate::photon::trace::Halt;
 use crate::settings::{Indirect, Mode, Settings};
 
@@ -87,9 +86,10 @@ impl<'a> PhotonMapper<'a> {
         if mapper.maps().iter().all(|map| map.expected().is_some()) {
             return mapper.maps().map(|map| map.expected().unwrap_or(0));
         }
-        let seen = radius::around(&mapper.gather_places());
+        let places = mapper.gather_places();
+        let sights = mapper.sights(&places);
         let Self { global, caustic, .. } = &mut mapper;
-        [global, caustic].map(|map| map.expected().unwrap_or_else(|| map.estimated(task.scene, &seen)))
+        [global, caustic].map(|map| map.expected().unwrap_or_else(|| map.estimated(task.scene, &sights)))
     }
 
     fn maps(&self) -> [&Map; 2] {

@@ -1,4 +1,4 @@
-//! Before the first pass: where light from infinity is sent, how many light paths a pass traces, and the
+//! Before the first pass: where light is sent, how many light paths a pass traces, and the
 //! first search radii.
 
 use super::PhotonMapper;
@@ -6,11 +6,12 @@ use super::maps::Map;
 use super::walk::Step;
 use crate::emitter::Aim;
 use crate::math::Vec2;
+use crate::photon::aim::Sights;
 use crate::photon::radius;
 use crate::photon::trace::{Halt, Traced};
 use crate::sampling::{Sampler, mix};
 use crate::scene::Scene;
-use crate::settings::{Count, Radius};
+use crate::settings::{Count, Indirect, Radius};
 use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Owner, Vertex};
 
@@ -23,21 +24,32 @@ const COUNTED: u64 = 1 << 14;
 /// Most light paths for each photon wanted: a map that hardly fills would otherwise take forever.
 const MOST_PATHS_A_PHOTON: u64 = 1000;
 
+/// Aimed light paths are at most this many times fewer than others would be.
+const MOST_COST: f64 = 8.0;
+
 impl PhotonMapper<'_> {
     /// Measures what the settings leave open. Where `aims` of a map are given they are taken.
     pub(super) fn prepare(&mut self, aims: [Option<Option<Aim>>; 2]) {
         let wanted = self.maps().iter().any(|map| map.wanted());
         let places = if wanted { self.gather_places() } else { Vec::new() };
-        let seen = radius::around(&places);
+        let sights = self.sights(&places);
         let (scene, halt) = (self.task.scene, self.halts[0]);
         for (map, aim) in [&mut self.global, &mut self.caustic].into_iter().zip(aims) {
             match aim {
                 Some(known) => map.aim = known,
-                None => map.take_aim(scene, &seen, halt),
+                None => map.take_aim(scene, &sights, halt),
             }
             map.count_paths(scene, halt);
             map.measure(scene, &places, halt);
         }
+    }
+
+    /// What the camera sees, for [`Map::take_aim`].
+    pub(super) fn sights<'p>(&self, places: &'p [radius::Place]) -> Sights<'p> {
+        let [_, _, w, h] = self.task.view.film.crop.map(|v| v as f32);
+        let apart = (w * h / radius::PLACES as f32).sqrt();
+        let second = self.task.settings.indirect != Indirect::Density;
+        Sights { places, apart, first: true, second, direct: true }
     }
 
     /// Where camera rays through a regular grid of the film gather.
@@ -89,6 +101,11 @@ impl Map {
     /// Decides how many light paths a pass traces.
     fn count_paths(&mut self, scene: &Scene, halt: Halt<'_>) {
         self.paths = match self.settings.planned {
+            // Aimed paths take longer, because more of them meet something: what they gain is not spent on more of them.
+            Count::Paths(n) if self.settings.count == Count::Auto => {
+                let cost = self.aim.as_ref().map_or(1.0, |aim| f64::from(aim.cost));
+                ((n as f64 / cost.clamp(1.0, MOST_COST)) as u64).max(1)
+            }
             Count::Paths(n) => n,
             Count::Auto => 0,
             Count::Stored(wanted) => {

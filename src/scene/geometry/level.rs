@@ -11,7 +11,7 @@ use crate::shape::triangle::{Block, Corners, WIDTH};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Packet {
     pub(super) triangles: Block,
-    shape: [u32; WIDTH],
+    pub(super) shape: [u32; WIDTH],
     pub(super) tag: [u32; WIDTH],
     /// Number of lanes in use if the packet holds no triangles, otherwise 0.
     pub(super) others: u32,

@@ -1,5 +1,6 @@
 //! Primitives and their trees: one level for the world, one per shape group that is instanced.
 
+mod extent;
 mod level;
 mod placement;
 mod primitive;

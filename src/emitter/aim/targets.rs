@@ -1,20 +1,22 @@
-//! Where light from infinity is sent.
+//! Spheres that light is sent towards.
 
 use std::collections::BTreeMap;
 
-use super::SceneSphere;
+use super::super::SceneSphere;
 use crate::math::{Frame, Vec2, Vec3};
 use crate::sampling::{Density, Discrete, warp};
 
-/// Spheres that get more of the paths from infinity than the rest of the scene: those through which paths came that
-/// left photons (windows, for example), or those around what the camera sees. Each path towards them carries less, so
-/// the light stays the same.
+/// Spheres that get more of the paths than the rest of the scene: those through which paths came that left photons
+/// (windows, for example), those around what the camera sees, or those around glass. Each path towards them carries
+/// less, so the light stays the same.
 #[derive(Clone, Debug)]
-pub struct Aim {
+pub struct Targets {
     /// Includes the whole scene, so that no light is lost.
     targets: Vec<SceneSphere>,
     /// Probabilities of the targets.
     choice: Discrete,
+    /// The target that is the whole scene.
+    everywhere: usize,
 }
 
 /// The first segment of a light path from infinity: from outside of the scene to what it meets there.
@@ -50,7 +52,7 @@ const WIDER: f32 = 2.0;
 /// Smallest radius, as a share of the scene's: single precision places light on the disk in steps of 2⁻²⁴ of it.
 const FINEST: f32 = 1.0 / 16384.0;
 
-impl Aim {
+impl Targets {
     /// From the first segments of paths that left photons. `None` if few targets do not cover them.
     pub fn new(scene: &SceneSphere, segments: &[EntrySegment]) -> Option<Self> {
         ACROSS.into_iter().find_map(|across| {
@@ -59,14 +61,30 @@ impl Aim {
             let center = |cell: Cell| scene.center + (Vec3::from(cell.map(|x| x as f32)) + 0.5) * size;
             // Half of a cell's diagonal.
             let radius = size * 0.75f32.sqrt();
-            let all: f64 = found.iter().map(|c| c.1).sum();
-            let shares = found.iter().map(|c| (1.0 - EVERYWHERE) * c.1 / all);
+            let shares = found.iter().map(|c| c.1);
             let cells = found.iter().map(|c| SceneSphere { center: center(c.0), radius });
-            Some(Self {
-                targets: std::iter::once(*scene).chain(cells).collect(),
-                choice: Discrete::new(std::iter::once(EVERYWHERE).chain(shares)),
-            })
+            Some(Self::with(scene, cells.zip(shares)))
         })
+    }
+
+    /// Equal shares to some of the things that photons can come from. `None` without any.
+    pub fn toward(scene: &SceneSphere, bodies: &[SceneSphere]) -> Option<Self> {
+        let some = bodies.iter().step_by(bodies.len().div_ceil(MOST).max(1));
+        let least = FINEST * scene.radius;
+        let wide = |body: &SceneSphere| SceneSphere { radius: body.radius.max(least), ..*body };
+        (!bodies.is_empty()).then(|| Self::with(scene, some.map(|body| (wide(body), 1.0))))
+    }
+
+    /// Targets and their weights, beside the whole scene.
+    fn with(scene: &SceneSphere, targets: impl Iterator<Item = (SceneSphere, f64)>) -> Self {
+        let (targets, weights): (Vec<_>, Vec<f64>) = targets.unzip();
+        let all: f64 = weights.iter().sum();
+        let shares = weights.iter().map(|weight| (1.0 - EVERYWHERE) * weight / all);
+        Self {
+            targets: std::iter::once(*scene).chain(targets).collect(),
+            choice: Discrete::new(std::iter::once(EVERYWHERE).chain(shares)),
+            everywhere: 0,
+        }
     }
 
     /// Equal shares to `seen`, to spheres around it that double in radius, and to the whole scene: on a vast floor,
@@ -81,7 +99,47 @@ impl Aim {
             .map(|radius| SceneSphere { center: seen.center, radius });
         let targets: Vec<SceneSphere> = near.chain([*scene]).collect();
         let choice = Discrete::new(targets.iter().map(|_| 1.0));
-        Some(Self { targets, choice })
+        let everywhere = targets.len() - 1;
+        Some(Self { targets, choice, everywhere })
+    }
+
+    /// The direction from `o` that `u` selects, for a lamp there that chooses by `own` with the density `pdf`, and the
+    /// weight of it: the lamp's own density over that of the choice made.
+    fn head(
+        &self,
+        o: Vec3,
+        u: Vec2,
+        own: impl FnOnce(Vec2) -> Vec3,
+        pdf: impl Fn(Vec3) -> f32,
+    ) -> (Vec3, f32) {
+        let (i, within) = self.choice.sample(u.x);
+        let u = Vec2::new(within, u.y);
+        // 1 − cos of a target's half angle; none from within, and for the scene.
+        let cone = |target: &SceneSphere| {
+            let (way, r2) = (target.center - o, target.radius * target.radius);
+            let sine2 = r2 / way.length_squared();
+            (sine2 < 1.0).then(|| (way, sine2 / (1.0 + (1.0 - sine2).sqrt())))
+        };
+        let chosen = if self.everywhere == i { None } else { cone(&self.targets[i]) };
+        let d = match chosen {
+            Some((way, gap)) => Frame::from_normal(way.normalize()).to_world(warp::cone(u, gap)),
+            None => own(u),
+        };
+        let natural = pdf(d);
+        let made = |(target, k): (&SceneSphere, usize)| {
+            let density = match if self.everywhere == k { None } else { cone(target) } {
+                None => natural,
+                // Rounding must not put a direction outside of the cone that it was chosen in: it would get a large
+                // weight.
+                Some((way, gap)) if k == i || way.dot(d) > 0.0 && way.cross(d).length() <= target.radius => {
+                    1.0 / (2.0 * std::f32::consts::PI * gap)
+                }
+                Some(_) => 0.0,
+            };
+            self.choice.probability(k) * density
+        };
+        let density: f32 = self.targets.iter().zip(0..).map(made).sum();
+        (d, if natural > 0.0 { natural / density } else { 0.0 })
     }
 
     /// A point of the disk, and its weight: the density of an even choice over that of the choice made.
@@ -97,11 +155,11 @@ impl Aim {
             .targets
             .iter()
             .zip(0..)
-            .filter(|(t, _)| (at(t) - place).length_squared() <= t.radius * t.radius)
-            .map(|(t, i)| self.choice.probability(i) * (scene.radius / t.radius).powi(2))
+            // As it was chosen in target `i`, it lies there whatever rounding says.
+            .filter(|(t, k)| *k == i || (at(t) - place).length_squared() <= t.radius * t.radius)
+            .map(|(t, k)| self.choice.probability(k) * (scene.radius / t.radius).powi(2))
             .sum();
-        // Rounding may put a place just outside of the target that it was chosen in.
-        (place, if relative > 0.0 { 1.0 / relative } else { 0.0 })
+        (place, 1.0 / relative)
     }
 }
 
@@ -146,7 +204,9 @@ pub struct EmissionBounds<'a> {
     /// The sphere around everything in the scene.
     pub sphere: SceneSphere,
     /// Where on the disk light starts; evenly all over it without.
-    pub aim: Option<&'a Aim>,
+    pub entrances: Option<&'a Targets>,
+    /// Where lamps in the scene send their light; as their kind does without.
+    pub headings: Option<&'a Targets>,
 }
 
 /// Where light from infinity enters.
@@ -161,23 +221,38 @@ pub struct Entry {
 }
 
 impl EmissionBounds<'_> {
-    /// Without an aim.
+    /// Evenly.
     pub fn even(sphere: SceneSphere) -> Self {
-        Self { sphere, aim: None }
+        Self { sphere, entrances: None, headings: None }
     }
 
-    /// Where light that travels along the unit direction `d` enters. `None` where rounding put it outside of
-    /// what it was aimed at.
-    pub fn enter(&self, d: Vec3, u: Vec2) -> Option<Entry> {
+    /// The direction in which a lamp at `o` sends light, and the density of the lamp's own choice over that of the
+    /// choice made. The lamp chooses by `own` with the density `pdf` per solid angle.
+    #[inline(always)]
+    pub fn head(
+        &self,
+        o: Vec3,
+        u: Vec2,
+        own: impl FnOnce(Vec2) -> Vec3,
+        pdf: impl Fn(Vec3) -> f32,
+    ) -> (Vec3, f32) {
+        match self.headings {
+            Some(targets) => targets.head(o, u, own, pdf),
+            None => (own(u), 1.0),
+        }
+    }
+
+    /// Where light that travels along the unit direction `d` enters.
+    pub fn enter(&self, d: Vec3, u: Vec2) -> Entry {
         let SceneSphere { center, radius } = self.sphere;
         let frame = Frame::from_normal(d);
-        let (at, weight) = match self.aim {
-            Some(aim) => aim.place(&self.sphere, &frame, u),
+        let (at, weight) = match self.entrances {
+            Some(entrances) => entrances.place(&self.sphere, &frame, u),
             None => (warp::disk(u) * radius, 1.0),
         };
         let o = center + frame.to_world(Vec3::new(at.x, at.y, -radius));
         let density = Density::Finite(1.0 / (self.sphere.disk() * weight));
-        (weight > 0.0).then_some(Entry { o, weight, density })
+        Entry { o, weight, density }
     }
 }
 
@@ -198,25 +273,23 @@ mod tests {
         ];
         let segment = |(to, weight): (Vec3, f32)| EntrySegment { from: to - Vec3::Z * 4.0, to, weight };
         let segments: Vec<EntrySegment> = [ends; 4].concat().into_iter().map(segment).collect();
-        even(sphere, &Aim::new(&sphere, &segments).expect("targets"), 4.0);
+        even(sphere, &Targets::new(&sphere, &segments).expect("targets"), 4.0);
         let seen = SceneSphere { center: Vec3::new(1.5, 2.5, 3.0), radius: 0.1 };
-        even(sphere, &Aim::around(&sphere, &seen).expect("much larger"), 5.0);
+        even(sphere, &Targets::around(&sphere, &seen).expect("much larger"), 5.0);
     }
 
-    fn even(sphere: SceneSphere, aim: &Aim, most: f32) {
-        let bounds = EmissionBounds { sphere, aim: Some(aim) };
+    fn even(sphere: SceneSphere, entrances: &Targets, most: f32) {
+        let bounds = EmissionBounds { sphere, entrances: Some(entrances), headings: None };
         let d = Vec3::new(0.2, -0.3, 0.9).normalize();
         let mut rng = CounterRng::new(5, 0);
         let n = 1_000_000;
         // By the first target, a quarter of the disk, all of it.
         let mut sums = [0.0f64; 3];
         let frame = Frame::from_normal(d);
-        let first = frame.to_local(aim.targets[1].center - sphere.center);
+        let first = frame.to_local(entrances.targets[1].center - sphere.center);
         let first = Vec2::new(first.x, first.y);
         for _ in 0..n {
-            let Some(Entry { o, weight, density }) = bounds.enter(d, Vec2::from(rng.next_2d())) else {
-                continue;
-            };
+            let Entry { o, weight, density } = bounds.enter(d, Vec2::from(rng.next_2d()));
             assert!((density.factor() * sphere.disk() * weight - 1.0).abs() < 1e-5);
             let local = frame.to_local(o - sphere.center);
             assert!((local.z + sphere.radius).abs() < 1e-5 && weight <= most * 1.001, "{weight}");

@@ -1,0 +1,155 @@
+//! Where the light paths of a map are sent, learned from pilots by the photons that land where the map is read.
+
+mod bodies;
+mod pilot;
+mod seen;
+
+pub use seen::Sights;
+
+use super::trace::{Halt, TraceJob};
+use crate::emitter::{Aim, EmissionBounds, Emitter, EntrySegment, PathFound, SceneSphere, Starts, Targets};
+use crate::scene::Scene;
+use crate::transport::Owner;
+use pilot::{Pilot, Task, Tried, gain};
+use seen::Seen;
+
+/// Paths of the first pilot, of one that looks closer where that found little, and of those that learned densities start.
+const FIRST: u64 = 1 << 14;
+const CLOSER: u64 = 1 << 17;
+const LATER: u64 = 1 << 15;
+
+/// A pilot of fewer paths that bring something says little.
+const FEW: f64 = 512.0;
+
+/// Share of the paths that start by power and even numbers: what pilots missed is not lost, and no path carries more
+/// than five times what it would without.
+const EVEN: f64 = 0.2;
+
+/// What a density has to gain in time to the same error.
+const WORTH: f64 = 1.3;
+
+/// The same where it was learned from few paths: more may sharpen it.
+const PROMISING: f64 = 1.1;
+
+/// If more than this share of the paths from infinity leave photons, they need no entrances.
+const ENOUGH: f64 = 0.2;
+
+/// Most entry segments that entrances are made from.
+const SEGMENTS: usize = 2048;
+
+/// How the paths of `job` should start, for a map that is read at `sights`. `None` if their lamps do well.
+pub fn aim(scene: &Scene, job: &TraceJob, sights: &Sights<'_>, halt: Halt<'_>) -> Option<Aim> {
+    if scene.emitters.is_empty() {
+        return None;
+    }
+    let seen = Seen::new(scene, sights);
+    let bodies = match job.owner {
+        Owner::CausticMap => bodies::sharp_bodies(scene, job.glossy),
+        _ => Vec::new(),
+    };
+    let task = Task { scene, job, seen: &seen, halt };
+    let aim = Aim { entrances: entrances(&task, &bodies), headings: None, starts: None, cost: 1.0 };
+    match starts(&task, &aim, &bodies) {
+        None if aim.entrances.is_none() => None,
+        None => Some(aim),
+        found => found,
+    }
+}
+
+/// Where light from infinity enters: around what the camera sees if the scene is much larger; otherwise where a pilot,
+/// and a second one through what the first found, brings photons. `None` if all of the disk does well.
+fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
+    let scene = task.scene;
+    if !scene.emitters.iter().any(Emitter::is_infinite) {
+        return None;
+    }
+    if let Some(entrances) = Targets::around(&scene.sphere, &task.seen.around) {
+        return Some(entrances);
+    }
+    let segments = |entrances: Option<&Targets>| {
+        let mut pilot = Pilot::default();
+        let bounds = EmissionBounds { sphere: scene.sphere, entrances, headings: None };
+        pilot.run(task, CLOSER, None, &bounds);
+        let (met, mut found) = pilot.entry_segments(&pilot.found(task));
+        let useful = found.len();
+        found = found.iter().step_by(useful.div_ceil(SEGMENTS).max(1)).copied().collect();
+        (pilot, useful as f64 > ENOUGH * met as f64, found)
+    };
+    let (pilot, enough, found): (Pilot, bool, Vec<EntrySegment>) = segments(None);
+    if enough {
+        return None;
+    }
+    let toward = || Targets::toward(&scene.sphere, &bodies::missed(bodies, &pilot));
+    let coarse = Targets::new(&scene.sphere, &found).or_else(toward)?;
+    let (_, _, found) = segments(Some(&coarse));
+    Targets::new(&scene.sphere, &found).or(Some(coarse))
+}
+
+/// `aim` with densities for the starts, and with headings for lamps in the scene where few paths bring something.
+/// `None` if these gain little.
+fn starts(task: &Task<'_>, aim: &Aim, bodies: &[SceneSphere]) -> Option<Aim> {
+    let mut pilot = Pilot::default();
+    pilot.run(task, FIRST, None, &aim.bounds(task.scene.sphere));
+    let found = pilot.found(task);
+    let few = pilot.share(&found) < ENOUGH;
+    let headings = if few { headings(task, bodies, &pilot) } else { None };
+    if headings.is_some() {
+        let mut pilot = Pilot::default();
+        let aim = Aim { headings, ..aim.clone() };
+        pilot.run(task, LATER, None, &aim.bounds(task.scene.sphere));
+        if let Some(refined) = refined(task, &aim, pilot) {
+            return Some(refined);
+        }
+    }
+    if pilot.share(&found) * (found.len() as f64) < FEW {
+        pilot.run(task, CLOSER, None, &aim.bounds(task.scene.sphere));
+    } else if halves_gain(task, &found) < PROMISING {
+        return None;
+    }
+    refined(task, aim, pilot)
+}
+
+/// Where lamps in the scene may send their light: to what throws caustics, or around what the camera sees.
+fn headings(task: &Task<'_>, bodies: &[SceneSphere], pilot: &Pilot) -> Option<Targets> {
+    let scene = task.scene;
+    if scene.emitters.iter().all(Emitter::is_infinite) {
+        None
+    } else if task.job.owner != Owner::CausticMap {
+        Targets::around(&scene.sphere, &task.seen.around)
+    } else if bodies.len() <= bodies::MOST {
+        Targets::toward(&scene.sphere, bodies)
+    } else {
+        Targets::toward(&scene.sphere, &bodies::missed(bodies, pilot))
+    }
+}
+
+/// `aim` with a density learned from a pilot, and refined by two more that it starts. `None` if it gains little.
+fn refined(task: &Task<'_>, aim: &Aim, mut pilot: Pilot) -> Option<Aim> {
+    let learn = |found: &[PathFound]| Starts::learn(&task.scene.emission, found, EVEN);
+    let bounds = aim.bounds(task.scene.sphere);
+    let first = learn(&pilot.found(task))?;
+    pilot.run(task, LATER, Some(first), &bounds);
+    let second = learn(&pilot.found(task))?;
+    pilot.run(task, LATER, Some(second), &bounds);
+    let found = pilot.found(task);
+    let gain = pilot.last_gain(&found);
+    if gain.time < WORTH {
+        return None;
+    }
+    Some(Aim { starts: Some(learn(&found)?), cost: gain.cost as f32, ..aim.clone() })
+}
+
+/// What a density gains on the paths of even number that was learned from the others.
+fn halves_gain(task: &Task<'_>, found: &[PathFound]) -> f64 {
+    let power = &task.scene.emission;
+    let half = |first: usize| found.iter().skip(first).step_by(2);
+    let odd: Vec<PathFound> = half(1).copied().collect();
+    let Some(starts) = Starts::learn(power, &odd, EVEN) else { return 1.0 };
+    let tried = half(0).map(|path| Tried {
+        path: *path,
+        density: f64::from(starts.density(power, path.lamp, path.found.at)),
+        drawn: 1.0,
+        weight: 1.0,
+    });
+    gain(tried).time
+}
