@@ -21,6 +21,14 @@ pub struct Place {
 /// slowly (measured: 2.4 are four times worse, 100 slightly).
 pub const FOR_SIGHT: usize = 25;
 
+/// The same for a map of `stored` caustic photons. Variance goes with 1/(n·r²) and the square of bias with r⁴, so that the
+/// radius of least error goes with n^(−1/6) (Silverman 1986) and the photons in it with n^(2/3): [`FOR_SIGHT`] at
+/// 2000 photons.
+pub fn for_caustics(stored: usize) -> usize {
+    let times = (stored as f32 / 2000.0).powf(2.0 / 3.0);
+    ((FOR_SIGHT as f32 * times) as usize).clamp(8, 200)
+}
+
 /// The same for irradiance that is read at the second rough surface: its blur is hardly seen, its noise is, since all
 /// camera paths of a pass share it (measured on four rooms: with 25 an error twice as large, with 300 no smaller).
 pub const FOR_GATHERING: usize = 100;

@@ -28,7 +28,7 @@ const MOST_OF_PICTURE: f64 = (1 << 17) as f64;
 /// that is seen directly is blurred by its radius, one at the second surface hardly, and without one there is none.
 fn with_bias(indirect: Indirect) -> f64 {
     match indirect {
-        Indirect::Density => 1.4,
+        Indirect::Density => 2.0,
         Indirect::Trace => 0.85,
         Indirect::Gather | Indirect::Auto => 1.0,
     }
@@ -51,8 +51,8 @@ pub struct Choice {
     pub indirect: String,
     /// Directions in which a camera path gathers.
     pub gather_rays: u32,
-    /// Camera samples a pixel in each pass.
-    pub camera_samples: u32,
+    /// Camera samples a pixel in each pass; without a value they follow the size of the picture.
+    pub camera_samples: Option<u32>,
     /// Light paths a pass for the global map.
     pub photons: u64,
     /// The same for the caustic map.
@@ -65,9 +65,13 @@ impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.indirect)?;
         if self.indirect == Indirect::Gather.to_string() {
-            write!(f, " with {} rays", self.gather_rays)?;
+            let plural = if self.gather_rays == 1 { "" } else { "s" };
+            write!(f, " with {} ray{plural}", self.gather_rays)?;
         }
-        write!(f, ", {} camera samples a pass", self.camera_samples)?;
+        if let Some(samples) = self.camera_samples {
+            let plural = if samples == 1 { "" } else { "s" };
+            write!(f, ", {samples} camera sample{plural} a pass")?;
+        }
         for (i, (name, factor)) in self.others.iter().enumerate() {
             let opening = if i == 0 { "; error × work measured by a pilot:" } else { "," };
             write!(f, "{opening} {name} {factor:.2} times")?;
@@ -177,9 +181,12 @@ fn pilot<'a>(
         ..task.settings.clone()
     };
     let mut mapper = PhotonMapper::unmeasured(task, settings, halts);
-    // Light goes to the same places whoever gathers it.
+    // Camera paths that go on read the maps at the same places; a map that is seen directly is read elsewhere.
     let aims = match others.first() {
-        Some(Candidate { mapper, .. }) => [&mapper.global, &mapper.caustic].map(|map| Some(map.aim.clone())),
+        Some(Candidate { mapper, .. }) => {
+            let global = (indirect != Indirect::Density).then(|| mapper.global.aim.clone());
+            [global, Some(mapper.caustic.aim.clone())]
+        }
         None => [None, None],
     };
     mapper.prepare(aims);
@@ -273,6 +280,9 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
     let needed = |i: usize| if ratio[i] > 0.0 { usual[i] / ratio[i] } else { most };
     let needed = (0..2).filter(|&i| usual[i] > 0.0).map(needed).fold(1.0, f64::max);
     let samples = given.camera_samples.0.unwrap_or(needed.min(most).round() as u32);
+    if best.indirect == Indirect::Density {
+        return (settings.clone(), report(&settings, &plan, best, all));
+    }
     settings.camera_samples = Samples(Some(samples));
     let paths = |i: usize| {
         let wanted = ratio[i] * f64::from(samples);
@@ -284,15 +294,23 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
     if given.caustic_photons == Count::Auto && plan.caustic_map {
         settings.caustic_photons = Count::Paths(paths(1));
     }
-    let count = |count: Count| if let Count::Paths(n) = count { n } else { 0 };
+    let choice = report(&settings, &plan, best, all);
+    (settings, choice)
+}
+
+/// What was chosen, for people. A map that is seen directly follows the plan, which knows the density that it needs.
+fn report(settings: &Settings, plan: &Plan, best: Rated, all: &[Rated]) -> Choice {
+    let count = |count: Count, automatic: Count| match (count, automatic) {
+        (Count::Paths(n), _) | (_, Count::Paths(n)) => n,
+        _ => 0,
+    };
     let others = all.iter().filter(|r| r.indirect != best.indirect);
-    let choice = Choice {
+    Choice {
         indirect: best.indirect.to_string(),
         gather_rays: best.gather_rays,
-        camera_samples: samples,
-        photons: count(settings.photons),
-        caustic_photons: count(settings.caustic_photons),
+        camera_samples: settings.camera_samples.0,
+        photons: count(settings.photons, plan.global_paths),
+        caustic_photons: count(settings.caustic_photons, plan.caustic_paths),
         others: others.map(|r| (r.indirect.to_string(), r.error / best.error)).collect(),
-    };
-    (settings, choice)
+    }
 }

@@ -158,6 +158,7 @@ impl Map {
         }
         // Caustics are sharp where their photons crowd: their radius follows the densest quarter.
         let places = radius::photon_places(&traced.photons);
-        radius::measured(&traced.photons, &places, radius::FOR_SIGHT, 0.25, scene_radius)
+        let wanted = radius::for_caustics(traced.photons.len());
+        radius::measured(&traced.photons, &places, wanted, 0.25, scene_radius)
     }
 }

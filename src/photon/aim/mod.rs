@@ -15,8 +15,8 @@ use seen::Seen;
 
 /// Paths of the first pilot, of one that looks closer where that found little, and of those that learned densities start.
 const FIRST: u64 = 1 << 14;
-const CLOSER: u64 = 1 << 17;
-const LATER: u64 = 1 << 15;
+const CLOSER: u64 = 1 << 16;
+const LATER: u64 = 1 << 14;
 
 /// A pilot of fewer paths that bring something says little.
 const FEW: f64 = 512.0;
