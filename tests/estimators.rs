@@ -3,9 +3,7 @@
 use caustica::film::STRIDE;
 use caustica::integrator::photon_map::decided;
 
-use crate::support::{
-    Stage, area, box_camera, diffuse, lamp, outcome, rectangle, scene, settings, sphere, walls,
-};
+use crate::support::{Stage, box_camera, diffuse, lamp, outcome, rectangle, scene, settings, sphere, walls};
 
 const SIDE: usize = 48;
 

@@ -85,7 +85,7 @@ fn killed_renders_resume_to_the_same_bytes() {
     for attempt in 0_u64.. {
         assert!(attempt < 400, "the render never ended");
         let mut child = spawned(&mut render(&output, &["--passes", "300", "--resume"]));
-        std::thread::sleep(Duration::from_millis(20 + attempt * 37 % 300 + attempt * 3));
+        std::thread::sleep(Duration::from_millis(20 + attempt * 37 % 300 + attempt * 20));
         signal_if_running(&mut child, &mut kills);
         if child.wait().expect("waited").success() {
             break;
