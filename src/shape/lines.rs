@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn no_ray_that_meets_the_sphere_is_missing() {
         let mut rng = CounterRng::new(7, 0);
-        let mut unit = || Vec3::from(warp::sphere(rng.next_2d().into()));
+        let mut unit = || warp::sphere(rng.next_2d().into());
         let scales = [1e-12f32, 1e-3, 1.0, 1e4, 1e12];
         for (i, scale) in scales.iter().cycle().take(20_000).enumerate() {
             let center = unit() * *scale;

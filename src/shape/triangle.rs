@@ -26,7 +26,7 @@ impl Shear {
         let a = ray.d.abs();
         // No branch: which axis it is cannot be predicted.
         let along_x = (a.x > a.y) & (a.x > a.z);
-        let along_y = !(a.x > a.y) & (a.y > a.z);
+        let along_y = (a.x <= a.y) & (a.y > a.z);
         let kz = 2 - 2 * usize::from(along_x) - usize::from(along_y);
         let [kx, ky] = ACROSS[usize::from(d[kz] < 0.0)][kz];
         let inv = 1.0 / d[kz];
