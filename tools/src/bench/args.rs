@@ -25,7 +25,7 @@ pub struct BenchArgs {
     /// pbrt:INTEGRATOR[,KEY=VALUE,...]; the others are compared with the first [default: caustica]
     #[arg(long = "config", value_name = "NAME", num_args = 1..)]
     pub configs: Vec<String>,
-    /// Render times in seconds; each is a point of the curve
+    /// CPU seconds of the render, over all threads and without loading; each is a point of the curve
     #[arg(long, value_name = "S,S,...", value_delimiter = ',', conflicts_with = "passes")]
     pub budgets: Vec<f64>,
     /// Passes (samples per pixel), instead of seconds
@@ -41,7 +41,7 @@ pub struct BenchArgs {
     /// --passes]
     #[arg(long, value_name = "SECONDS")]
     pub limit: Option<f64>,
-    /// Compare the times to this RMSE [default: one that all configurations reach]
+    /// Compare the CPU times to this RMSE [default: one that all configurations reach]
     #[arg(long, value_name = "E")]
     pub target_error: Option<f64>,
     /// Most path segments, for every renderer; -1 is no limit [default: the scene's]
@@ -154,7 +154,7 @@ impl BenchArgs {
 
     /// The points of a curve.
     pub(super) fn points(&self) -> Vec<Budget> {
-        let seconds = self.budgets.iter().map(|s| Budget::Seconds(*s));
+        let seconds = self.budgets.iter().map(|s| Budget::CpuSeconds(*s));
         seconds.chain(self.passes.iter().map(|n| Budget::Passes(*n))).collect()
     }
 }
