@@ -1,5 +1,7 @@
 //! How many passes take a given CPU time, from what other numbers of passes took.
 
+/// Share of a budget that a render must take to tell the passes of the whole.
+const SHARE: f64 = 0.25;
 /// Most passes of a measurement that is made only to know the cost.
 const MOST_MEASURED: u64 = 1 << 16;
 /// Most passes that are planned: a renderer whose passes seem to cost nothing would get endlessly many.
@@ -29,7 +31,7 @@ impl Costs {
     pub fn passes(&self, seconds: f64) -> Option<u32> {
         let (n, all, each) = self.largest()?;
         let several = self.0.iter().any(|(passes, _)| 2 * passes <= n);
-        let enough = several && each * n as f64 >= 0.1 * seconds;
+        let enough = several && each * n as f64 >= SHARE * seconds;
         if !enough && all < seconds && n < MOST_MEASURED {
             return None;
         }
@@ -41,7 +43,7 @@ impl Costs {
     /// The number of passes to measure next, if [`Self::passes`] knows none.
     pub fn next(&self, seconds: f64) -> u32 {
         let Some((n, _, each)) = self.largest() else { return 1 };
-        let factor = (0.2 * seconds / (each * n as f64)).ceil().clamp(2.0, 16.0) as u64;
+        let factor = (1.5 * SHARE * seconds / (each * n as f64)).ceil().clamp(2.0, 16.0) as u64;
         (n * factor).min(MOST_MEASURED) as u32
     }
 }
