@@ -211,6 +211,26 @@ fn budgets_are_cpu_seconds() {
     assert!(said.contains("pbrt:path 0.5 CPU s seed 1: "), "{said}");
 }
 
+/// Every scene and reference of the repository's own benchmark is there.
+#[test]
+fn the_bench_file_of_the_repository_renders() {
+    let f = Folder::new();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/bench.json").display().to_string();
+    let arguments =
+        ["bench", &file, "--config", "caustica:path", "--passes", "1", "--seeds", "1", "-o", "out"];
+    let (status, said) = f.caustica(&arguments, "");
+    assert_eq!(status, 0, "{said}");
+    let scenes = f.json("out/bench.json")["scenes"].as_array().unwrap().clone();
+    assert!(scenes.len() >= 6 && scenes.iter().all(|s| s["rows"][0]["points"][0]["seeds"] == 1), "{said}");
+    let glass = scenes.iter().find(|s| s["scene"] == "cornell-glass").unwrap();
+    // As reference/cornell-glass.toml says, which has it from the samples themselves.
+    let noise = glass["noise"]["rmse"].as_f64().unwrap();
+    assert!((noise / 0.007_638_31 - 1.0).abs() < 0.01, "{noise}");
+    let row = &glass["rows"][0];
+    // One thread; two ticks of a hundredth of a second for rounding, and as much between the two clocks' ends.
+    assert!(median(row, 0, "cpu_seconds") <= median(row, 0, "seconds") + 0.04, "{row}");
+}
+
 #[test]
 fn an_interrupted_bench_resumes() {
     let f = Folder::new();

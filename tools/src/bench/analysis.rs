@@ -1,6 +1,7 @@
 //! From records to what the tables and pages show.
 
 use super::machine::Machine;
+use super::noise::Noise;
 use super::reach::{Beside, curve};
 use super::record::{Budget, Record};
 use super::statistics::{
@@ -57,6 +58,8 @@ pub struct SceneResult {
     pub size: [usize; 2],
     /// Number of pixels that the reference's mask leaves out.
     pub left_out: usize,
+    /// Of the reference, if a file beside it tells; every error includes it.
+    pub noise: Option<Noise>,
     /// The RMSE to which times are compared.
     pub target_rmse: Option<f64>,
     /// When the first configuration has the error that each other one has at its largest budget.
@@ -139,7 +142,7 @@ impl SceneResult {
         let reach = rows.split_first().map_or_else(Vec::new, |(first, others)| {
             others.iter().filter_map(|row| Beside::new(&row.config, &row.records, &first.records)).collect()
         });
-        Self { scene: scene.to_owned(), reference, size, left_out: 0, target_rmse, reach, rows }
+        Self { scene: scene.to_owned(), reference, size, left_out: 0, noise: None, target_rmse, reach, rows }
     }
 }
 

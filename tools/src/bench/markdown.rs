@@ -16,6 +16,9 @@ pub fn render(analysis: &Analysis) -> String {
             scene.size[1],
             scene.reference.display()
         );
+        if let Some(noise) = scene.noise {
+            text += &format!("Every error includes the {noise}.\n\n");
+        }
         text += &points(scene);
     }
     analysis.notes.iter().for_each(|note| text += &format!("\n{note}.\n"));

@@ -9,6 +9,7 @@ mod files;
 mod judge;
 mod machine;
 mod markdown;
+mod noise;
 mod page;
 mod plan;
 mod plot;

@@ -43,6 +43,9 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
         if scene.left_out > 0 {
             html += &format!("<p>{} pixels are masked out.</p>\n", scene.left_out);
         }
+        if let Some(noise) = scene.noise {
+            html += &format!("<p>Every error includes the {noise}.</p>\n");
+        }
         for (title, f) in METRICS {
             html += &plot(scene, title, f, CPU).svg();
         }

@@ -7,6 +7,7 @@ use super::config::Config;
 use super::error::BenchError;
 use super::judge::{Judged, judge, load_sized};
 use super::machine::Machine;
+use super::noise::Noise;
 use super::plan::Costs;
 use super::record::{self, Budget, Record};
 use super::renderers::{Job, Made, Programs};
@@ -46,7 +47,8 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
         let result =
             SceneResult::new(&name, reference.clone(), size, names, &budgets, &measured, args.target_error);
         let left_out = mask.as_ref().map_or(0, Mask::left_out);
-        analysis.scenes.push(SceneResult { left_out, ..result });
+        let noise = Noise::beside(reference, &truth, mask.as_ref())?;
+        analysis.scenes.push(SceneResult { left_out, noise, ..result });
         all.extend(measured.records);
         truths.push(truth);
     }

@@ -22,6 +22,9 @@ pub fn write(analysis: &Analysis, out: &mut dyn Write) -> io::Result<()> {
             scene.size[1],
             scene.reference.display()
         )?;
+        if let Some(noise) = scene.noise {
+            writeln!(out, "{noise}")?;
+        }
         let wide = scene.rows.iter().map(|r| r.config.chars().count()).max().unwrap_or(0).max(13);
         write_points(scene, wide, out)?;
         if let Some(error) = scene.target_rmse {
