@@ -31,9 +31,9 @@ pub struct BenchArgs {
     /// Passes (samples per pixel), instead of seconds
     #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
     pub passes: Vec<u32>,
-    /// Renders of each point, with different seeds
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
-    pub seeds: u64,
+    /// Renders of each point, with different seeds [default: 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub seeds: Option<u64>,
     /// Folder for measurements, pictures, tables and the page; an interrupted run continues there
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
@@ -131,7 +131,7 @@ impl BenchArgs {
         if self.budgets.is_empty() && self.passes.is_empty() {
             (self.budgets, self.passes) = (file.budgets, file.passes);
         }
-        self.seeds = file.seeds.filter(|n| *n > 0).unwrap_or(self.seeds);
+        self.seeds = self.seeds.or(file.seeds.filter(|n| *n > 0));
         if let Some(output) = file.output.filter(|_| self.output == Path::new("bench")) {
             self.output = output;
         }
@@ -199,7 +199,9 @@ mod tests {
         .unwrap();
         let args = parse(&[path.to_str().unwrap()]).resolve().unwrap();
         assert_eq!(args.scenes, [folder.path().join("a.xml")]);
-        assert_eq!((args.budgets.as_slice(), args.seeds), ([1.0, 2.0].as_slice(), 5));
+        assert_eq!((args.budgets.as_slice(), args.seeds), ([1.0, 2.0].as_slice(), Some(5)));
+        let args = parse(&[path.to_str().unwrap(), "--seeds", "2", "--passes", "4"]).resolve().unwrap();
+        assert_eq!((args.points(), args.seeds), (vec![Budget::Passes(4)], Some(2)), "the command line wins");
         std::fs::write(&path, r#"{"scenes": [], "references": [], "bugdets": []}"#).unwrap();
         assert!(parse(&[path.to_str().unwrap()]).resolve().is_err());
     }

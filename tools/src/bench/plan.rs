@@ -37,7 +37,7 @@ impl Costs {
         }
         let once = all - each * n as f64;
         // Passes that cost nothing make this infinite.
-        Some(((seconds - once) / each).round().min(MOST).max(1.0) as u32)
+        Some((((seconds - once) / each).round().clamp(1.0, MOST) as u32).max(1))
     }
 
     /// The number of passes to measure next, if [`Self::passes`] knows none.

@@ -192,7 +192,7 @@ impl SceneRun<'_> {
     fn points(&self, configs: usize) -> Vec<(u64, Budget, usize)> {
         let budgets = self.args.points();
         let of_seed = |seed| budgets.iter().flat_map(move |b| (0..configs).map(move |c| (seed, *b, c)));
-        (0..self.args.seeds).flat_map(of_seed).collect()
+        (0..self.args.seeds.unwrap_or(SEEDS)).flat_map(of_seed).collect()
     }
 
     /// The passes for a budget, from renders that are made to know the cost.
@@ -256,7 +256,7 @@ impl SceneRun<'_> {
             seed,
             identity: identity.to_owned(),
             seconds,
-            cpu_seconds,
+            cpu_seconds: cpu_seconds.max(LEAST_CPU_SECONDS),
             peak_memory_bytes,
             passes,
             rmse,
@@ -271,6 +271,10 @@ impl SceneRun<'_> {
     }
 }
 
+/// Renders of each point, where the command line does not say.
+const SEEDS: u64 = 3;
+/// Half a tick of the clock that tells CPU time: shorter times are reported as 0, which has no logarithm.
+const LEAST_CPU_SECONDS: f64 = 0.005;
 /// The seed of renders that are made only to know the cost.
 const TRIAL_SEED: u64 = 1 << 20;
 
