@@ -14,7 +14,7 @@ use std::path::Path;
 
 const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1150px;margin:2em auto;padding:0 1em;color:#222}\
 table{border-collapse:collapse;margin:1em 0}th,td{padding:3px 10px;text-align:right;border-bottom:1px solid #ddd}\
-th:first-child,td:first-child{text-align:left}svg{display:block;margin:1em 0;max-width:100%;height:auto}\
+th:first-child,td:first-child{text-align:left}td{white-space:nowrap}svg{display:block;margin:1em 0;max-width:100%;height:auto}\
 .pictures{display:flex;flex-wrap:wrap;gap:14px}figure{margin:0;max-width:260px}figcaption{font-size:13px;\
 overflow-wrap:anywhere}img{image-rendering:pixelated;width:256px}.machine{background:#f3f3f3;padding:.5em .8em}\
 code{background:#f3f3f3;padding:0 3px}";
