@@ -41,6 +41,16 @@ impl Folder {
         assert_eq!(status, 0, "{said}");
     }
 
+    /// Makes a script the `pbrt` of the folder `bin`.
+    #[cfg(unix)]
+    fn pbrt(&self, script: &str) {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::create_dir(self.path("bin")).unwrap();
+        let stub = self.path("bin/pbrt");
+        std::fs::write(&stub, script).unwrap();
+        std::fs::set_permissions(&stub, std::fs::Permissions::from_mode(0o755)).unwrap();
+    }
+
     fn json(&self, name: &str) -> Value {
         serde_json::from_slice(&std::fs::read(self.path(name)).unwrap()).unwrap()
     }
@@ -98,13 +108,9 @@ exec "$CAUSTICA" render "$1" --integrator path --spp "$spp" --seed "$seed" --lay
 #[cfg(unix)]
 #[test]
 fn pbrt_is_given_the_scene_in_its_language() {
-    use std::os::unix::fs::PermissionsExt;
     let f = Folder::new();
     f.reference("truth.exr");
-    std::fs::create_dir(f.path("bin")).unwrap();
-    let stub = f.path("bin/pbrt");
-    std::fs::write(&stub, PBRT).unwrap();
-    std::fs::set_permissions(&stub, std::fs::Permissions::from_mode(0o755)).unwrap();
+    f.pbrt(PBRT);
     let scene = scene();
     let configs = ["--config", "caustica:path", "pbrt:path", "--passes", "4,16", "--seeds", "1"];
     let arguments = [&["bench", &scene, "--reference", "truth.exr", "-o", "out"], &configs[..]].concat();
@@ -127,6 +133,15 @@ fn pbrt_is_given_the_scene_in_its_language() {
     let ratio = median(theirs, 1, "rmse") / median(ours, 1, "rmse");
     assert!((0.75..1.33).contains(&ratio), "{ratio}");
     assert!(median(theirs, 1, "bias").abs() < 0.03);
+    let reach = &f.json("out/bench.json")["scenes"][0]["reach"][0];
+    assert_eq!(reach["config"], "pbrt:path");
+    let error = |i: usize| reach["reached"][i]["error"].as_f64().unwrap();
+    assert_eq!(error(1), median(theirs, 1, "relmse"));
+    assert_eq!(error(2), median(theirs, 1, "flip"));
+    let table = std::fs::read_to_string(f.path("out/bench.md")).unwrap();
+    assert!(table.contains("| cornell-diffuse | caustica:path | pbrt:path | "), "{table}");
+    let page = std::fs::read_to_string(f.path("out/bench.html")).unwrap();
+    assert!(page.contains("<td>cornell-diffuse</td><td>caustica:path</td><td>pbrt:path</td>"), "{page}");
 }
 
 /// A stand-in for a pbrt that never ends with more than four samples, together with a process that it has started.
@@ -142,13 +157,9 @@ exec "$CAUSTICA" render "$8" --integrator path --spp "$3" --quiet --layers none 
 #[cfg(unix)]
 #[test]
 fn endless_renders_are_stopped() {
-    use std::os::unix::fs::PermissionsExt;
     let f = Folder::new();
     f.reference("truth.exr");
-    std::fs::create_dir(f.path("bin")).unwrap();
-    let stub = f.path("bin/pbrt");
-    std::fs::write(&stub, ENDLESS).unwrap();
-    std::fs::set_permissions(&stub, std::fs::Permissions::from_mode(0o755)).unwrap();
+    f.pbrt(ENDLESS);
     let scene = scene();
     let configs = ["--config", "pbrt:path", "--passes", "4,16,32", "--seeds", "1", "--limit", "10"];
     let depth = ["--max-depth", "-1"];
@@ -164,7 +175,60 @@ fn endless_renders_are_stopped() {
     assert!(said.contains("16 passes   stopped after 10 s"), "{said}");
     let page = std::fs::read_to_string(f.path("out/bench.html")).unwrap();
     // In the table, and in the legend of every plot.
-    assert_eq!(page.matches("pbrt:path (16 passes: stopped after 10 s)").count(), 4, "{page}");
+    assert_eq!(page.matches("pbrt:path (16 passes: stopped after 10 s)").count(), 5, "{page}");
+}
+
+/// A stand-in for a pbrt whose samples take 5 ticks (50 ms) of CPU time each, beside 10 for loading.
+#[cfg(target_os = "linux")]
+const BURNER: &str = r#"#!/bin/sh
+spp=$3 out=$7
+while read -r line < /proc/self/stat; set -- $line; [ $((${14} + ${15})) -lt $((10 + 5 * spp)) ]; do :; done
+cp truth.exr "$out"
+"#;
+
+/// The number of passes is chosen so that the CPU time without loading is near the budget; budgets that are too short
+/// for a second pass are one point.
+#[cfg(target_os = "linux")]
+#[test]
+fn budgets_are_cpu_seconds() {
+    let f = Folder::new();
+    f.reference("truth.exr");
+    f.pbrt(BURNER);
+    let scene = scene();
+    let configs = ["--config", "pbrt:path", "--budgets", "0.01,0.02,0.5", "--seeds", "2"];
+    let arguments = [&["bench", &scene, "--reference", "truth.exr", "-o", "out"], &configs[..]].concat();
+    let (status, said) = f.caustica(&arguments, &format!("{}:/usr/bin:/bin", f.path("bin").display()));
+    assert_eq!(status, 0, "{said}");
+    let row = &f.json("out/bench.json")["scenes"][0]["rows"][0];
+    let points = row["points"].as_array().unwrap();
+    assert_eq!(points.len(), 2, "{said}");
+    assert_eq!((median(row, 0, "passes"), points[0]["seeds"].as_u64()), (1.0, Some(2)));
+    // Ten samples make half a second. The trials are of one, two and four samples, whose times are off by a tick or
+    // two, as is that of loading: 10 to 15 ticks for three samples.
+    let (passes, cpu) = (median(row, 1, "passes"), median(row, 1, "cpu_seconds"));
+    assert!((7.0..=16.0).contains(&passes), "{said}");
+    assert!((cpu - 0.05 * passes).abs() < 0.1, "{said}");
+    assert!(said.contains("pbrt:path 0.5 CPU s seed 1: "), "{said}");
+}
+
+/// Every scene and reference of the repository's own benchmark is there.
+#[test]
+fn the_bench_file_of_the_repository_renders() {
+    let f = Folder::new();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/bench.json").display().to_string();
+    let arguments =
+        ["bench", &file, "--config", "caustica:path", "--passes", "1", "--seeds", "1", "-o", "out"];
+    let (status, said) = f.caustica(&arguments, "");
+    assert_eq!(status, 0, "{said}");
+    let scenes = f.json("out/bench.json")["scenes"].as_array().unwrap().clone();
+    assert!(scenes.len() >= 6 && scenes.iter().all(|s| s["rows"][0]["points"][0]["seeds"] == 1), "{said}");
+    let glass = scenes.iter().find(|s| s["scene"] == "cornell-glass").unwrap();
+    // As reference/cornell-glass.toml says, which has it from the samples themselves.
+    let noise = glass["noise"]["rmse"].as_f64().unwrap();
+    assert!((noise / 0.007_638_31 - 1.0).abs() < 0.01, "{noise}");
+    let row = &glass["rows"][0];
+    // One thread; two ticks of a hundredth of a second for rounding, and as much between the two clocks' ends.
+    assert!(median(row, 0, "cpu_seconds") <= median(row, 0, "seconds") + 0.04, "{row}");
 }
 
 #[test]

@@ -34,7 +34,7 @@ enum Command {
     Inspect(Box<inspect::InspectArgs>),
     /// Compare an image with a reference, or a folder with a folder
     Compare(Box<caustica_tools::compare::CompareArgs>),
-    /// Measure error against time, or repeat a study of the parameters
+    /// Measure error against CPU time, or repeat a study of the parameters
     Bench(Box<caustica_tools::bench::BenchArgs>),
 }
 

@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::scene::SceneArgs;
+use super::summary::Cost;
 use super::{report, summary};
 use crate::math::kernel::KernelKind;
 use crate::render::{Budget, Outcome, Progress, Stop, Sums};
@@ -102,7 +103,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let layers = args.layers.as_deref().map(str::parse::<Layers>).transpose().map_err(Error::from)?;
     let started = Instant::now();
     let session = args.scene.open(args.quiet, layers)?;
-    let load_seconds = started.elapsed().as_secs_f64();
+    let load = (started.elapsed().as_secs_f64(), report::cpu_seconds());
     session.check_memory()?;
     let output = args.output(&session);
     let saver = Saver::new(args.checkpoint_path(&output), &session);
@@ -117,6 +118,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     interrupt.watch();
     let mut saver = saver;
     let outcome = args.render(&session, sums, saving.then_some(&mut saver), interrupt);
+    let cost = Cost::new(load, report::cpu_seconds());
     // A picture from before is worth more than a part of the first pass.
     let kept = outcome.statistics.passes == 0 && output.files.iter().any(|file| file.exists());
     // The picture first: it is what nobody wants to lose.
@@ -138,7 +140,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let pictures = if kept { &[] } else { &*output.files };
     let checkpoint = last.then_some(format!("{} (checkpoint)", saver.path.display()));
     let written = pictures.iter().map(|file| file.display().to_string()).chain(checkpoint);
-    args.summary(&session, written, &outcome, load_seconds)?;
+    args.summary(&session, written, &outcome, cost)?;
     Ok(if outcome.stop == Stop::Interrupted { interrupt.status() } else { 0 })
 }
 
@@ -245,17 +247,17 @@ impl RenderArgs {
         session: &Session,
         written: impl Iterator<Item = String>,
         outcome: &Outcome,
-        load_seconds: f64,
+        cost: Cost,
     ) -> Result<(), String> {
         if let Some(path) = &self.stats {
-            let value = summary::json(session, outcome, load_seconds);
+            let value = summary::json(session, outcome, cost);
             let text = serde_json::to_string_pretty(&value).map_err(|e| e.to_string())?;
             caustica_formats::image::atomic_write(path, text.as_bytes())
                 .map_err(|e| format!("cannot write `{}`: {e}", path.display()))?;
         }
         summary::warnings(outcome).iter().for_each(|line| report::line(line));
         if !self.quiet {
-            report::line(&summary::table(outcome, load_seconds));
+            report::line(&summary::table(outcome, cost.load_seconds));
             for file in written {
                 report::line(&format!("wrote {file}"));
             }

@@ -115,14 +115,34 @@ pub fn warnings(outcome: &Outcome) -> Vec<String> {
     lines
 }
 
+/// What the process took, beside the render's own seconds.
+#[derive(Clone, Copy)]
+pub struct Cost {
+    pub load_seconds: f64,
+    /// Processor time of all threads up to the end of loading; `None` where the system does not tell.
+    load_cpu_seconds: Option<f64>,
+    /// The same from there to the end of the last pass.
+    render_cpu_seconds: Option<f64>,
+}
+
+impl Cost {
+    /// From the wall and the processor time of loading, and the processor time at the end of the render.
+    pub fn new((load_seconds, load_cpu_seconds): (f64, Option<f64>), rendered: Option<f64>) -> Self {
+        let render_cpu_seconds = rendered.zip(load_cpu_seconds).map(|(all, load)| all - load);
+        Self { load_seconds, load_cpu_seconds, render_cpu_seconds }
+    }
+}
+
 /// The object that `--stats` writes.
-pub fn json(session: &Session, outcome: &Outcome, load_seconds: f64) -> serde_json::Value {
+pub fn json(session: &Session, outcome: &Outcome, cost: Cost) -> serde_json::Value {
     let error = outcome.pixels.relative_error(outcome.statistics.passes);
     serde_json::json!({
         "scene": session.path().display().to_string(),
         "scene_hash": session.hash(),
         "threads": rayon::current_num_threads(),
-        "load_seconds": load_seconds,
+        "load_seconds": cost.load_seconds,
+        "load_cpu_seconds": cost.load_cpu_seconds,
+        "render_cpu_seconds": cost.render_cpu_seconds,
         "peak_memory_bytes": report::peak_memory(),
         "relative_standard_error": error.is_finite().then_some(error),
         "stop": outcome.stop,

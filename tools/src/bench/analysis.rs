@@ -1,6 +1,8 @@
 //! From records to what the tables and pages show.
 
 use super::machine::Machine;
+use super::noise::Noise;
+use super::reach::{Beside, curve};
 use super::record::{Budget, Record};
 use super::statistics::{
     Curve, PowerLaw, Ratio, Reach, Spread, common_error, medians, power_law, time_ratio, time_to_error,
@@ -20,8 +22,10 @@ pub struct Point {
     pub passes: Spread,
     pub rmse: Spread,
     pub relmse: Spread,
+    pub relmse_trimmed: Spread,
     pub bias: Spread,
     pub flip: Spread,
+    pub hdr_flip: Spread,
     /// The picture of the first seed, relative to the folder of the run.
     pub image: PathBuf,
 }
@@ -31,10 +35,12 @@ pub struct Point {
 pub struct Row {
     pub config: String,
     pub points: Vec<Point>,
-    /// RMSE as a power of seconds.
+    /// RMSE as a power of CPU seconds.
     pub rmse_slope: Option<PowerLaw>,
+    /// The same between the two largest budgets: nearer to 0 where the error stops falling.
+    pub last_rmse_slope: Option<f64>,
     pub flip_slope: Option<PowerLaw>,
-    /// When it reaches the target error.
+    /// CPU time after which it has the target error.
     pub reach: Option<Reach>,
     /// That time divided by the first configuration's.
     pub ratio: Option<Ratio>,
@@ -52,8 +58,12 @@ pub struct SceneResult {
     pub size: [usize; 2],
     /// Number of pixels that the reference's mask leaves out.
     pub left_out: usize,
+    /// Of the reference, if a file beside it tells; every error includes it.
+    pub noise: Option<Noise>,
     /// The RMSE to which times are compared.
     pub target_rmse: Option<f64>,
+    /// When the first configuration has the error that each other one has at its largest budget.
+    pub reach: Vec<Beside>,
     pub rows: Vec<Row>,
 }
 
@@ -116,7 +126,7 @@ impl SceneResult {
             row.stopped = stopped.iter().filter(|s| s.config == row.config).cloned().collect();
         }
         rows.retain(|row| !row.points.is_empty() || !row.stopped.is_empty());
-        let curves: Vec<Curve> = rows.iter().map(Row::curve).collect();
+        let curves: Vec<Curve> = rows.iter().map(|row| curve(&row.records, |r| r.rmse)).collect();
         let measured = curves.iter().filter(|curve| !curve.is_empty());
         let target_rmse = target.or_else(|| common_error(&measured.map(medians).collect::<Vec<_>>()));
         if let Some(error) = target_rmse {
@@ -129,34 +139,32 @@ impl SceneResult {
                 first.ratio = None;
             }
         }
-        Self { scene: scene.to_owned(), reference, size, left_out: 0, target_rmse, rows }
+        let reach = rows.split_first().map_or_else(Vec::new, |(first, others)| {
+            others.iter().filter_map(|row| Beside::new(&row.config, &row.records, &first.records)).collect()
+        });
+        Self { scene: scene.to_owned(), reference, size, left_out: 0, noise: None, target_rmse, reach, rows }
     }
 }
 
 impl Row {
     fn new(config: &str, budgets: &[Budget], records: Vec<Record>) -> Self {
-        let mut points: Vec<Point> = budgets.iter().filter_map(|b| Point::new(*b, &records)).collect();
-        // Where a pass takes longer than two budgets, both give the same picture.
-        points.dedup_by(|b, a| matches!(b.budget, Budget::Seconds(_)) && a.passes.median == b.passes.median);
-        let law =
-            |f: fn(&Record) -> f64| power_law(&records.iter().map(|r| (r.seconds, f(r))).collect::<Vec<_>>());
+        let points: Vec<Point> = budgets.iter().filter_map(|b| Point::new(*b, &records)).collect();
+        let law = |f: fn(&Record) -> f64| {
+            power_law(&records.iter().map(|r| (r.cpu_seconds, f(r))).collect::<Vec<_>>())
+        };
+        let medians = medians(&curve(&records, |r| r.rmse));
+        let last = medians.len().checked_sub(2).and_then(|start| power_law(&medians[start..]));
         Self {
             config: config.to_owned(),
             points,
             rmse_slope: law(|r| r.rmse),
+            last_rmse_slope: last.map(|law| law.slope),
             flip_slope: law(|r| r.flip),
             reach: None,
             ratio: None,
             stopped: Vec::new(),
             records,
         }
-    }
-
-    fn curve(&self) -> Curve {
-        let of = |p: &Point| {
-            self.records.iter().filter(|r| r.budget == p.budget).map(|r| (r.seconds, r.rmse)).collect()
-        };
-        self.points.iter().map(of).collect()
     }
 
     /// The configuration, and what it did not do.
@@ -182,8 +190,10 @@ impl Point {
             passes: spread(|r| r.passes as f64),
             rmse: spread(|r| r.rmse),
             relmse: spread(|r| r.relmse),
+            relmse_trimmed: spread(|r| r.relmse_trimmed),
             bias: spread(|r| r.bias),
             flip: spread(|r| r.flip),
+            hdr_flip: spread(|r| r.hdr_flip),
             image: first.image.clone(),
         })
     }
@@ -203,13 +213,13 @@ mod tests {
                 records.push(record("b", t, seed, t, 2.0 * t.powf(-0.5)));
             }
         }
-        let budgets = [1.0, 4.0, 16.0].map(Budget::Seconds);
+        let budgets = [1.0, 4.0, 16.0].map(Budget::CpuSeconds);
         let names = ["a".to_owned(), "none".to_owned(), "b".to_owned()];
         let stopped =
-            vec![Stopped { config: "none".to_owned(), budget: Budget::Seconds(4.0), seconds: 100.0 }];
+            vec![Stopped { config: "none".to_owned(), budget: Budget::CpuSeconds(4.0), seconds: 100.0 }];
         let measured = Measured { records, stopped };
         let result = SceneResult::new("box", PathBuf::new(), [4, 4], &names, &budgets, &measured, None);
-        assert_eq!(result.rows[1].title(), "none (4 s: stopped after 100 s)");
+        assert_eq!(result.rows[1].title(), "none (4 CPU s: stopped after 100 s)");
         let measured = Measured { stopped: Vec::new(), ..measured };
         let result = SceneResult::new("box", PathBuf::new(), [4, 4], &names, &budgets, &measured, None);
         assert_eq!(result.rows.len(), 2);
@@ -217,18 +227,12 @@ mod tests {
         let ratio = result.rows[1].ratio.unwrap();
         assert!((ratio.value - 4.0).abs() < 1e-6 && !ratio.bound, "{ratio:?}");
         assert!((result.rows[1].rmse_slope.unwrap().slope + 0.5).abs() < 1e-9);
-    }
-
-    #[test]
-    fn budgets_shorter_than_a_pass_are_one_point() {
-        let records: Vec<Record> = [(1.0, 1), (2.0, 1), (8.0, 3)]
-            .map(|(budget, passes)| Record { passes, ..record("a", budget, 0, 2.5 * passes as f64, 0.5) })
-            .to_vec();
-        let measured = Measured { records, ..Measured::default() };
-        let budgets = [1.0, 2.0, 8.0].map(Budget::Seconds);
-        let names = ["a".to_owned()];
-        let result = SceneResult::new("box", PathBuf::new(), [4, 4], &names, &budgets, &measured, None);
-        let points: Vec<Budget> = result.rows[0].points.iter().map(|p| p.budget).collect();
-        assert_eq!(points, [Budget::Seconds(1.0), Budget::Seconds(8.0)]);
+        assert!((result.rows[1].last_rmse_slope.unwrap() + 0.5).abs() < 1e-9);
+        // The error of b after 16 s is that of a after 4.
+        let [beside] = result.reach.as_slice() else { panic!("{:?}", result.reach) };
+        assert!(
+            matches!(beside.reached[1].reach, Some(Reach::At(t)) if (t - 4.0).abs() < 1e-9),
+            "{beside:?}"
+        );
     }
 }

@@ -25,15 +25,15 @@ pub struct BenchArgs {
     /// pbrt:INTEGRATOR[,KEY=VALUE,...]; the others are compared with the first [default: caustica]
     #[arg(long = "config", value_name = "NAME", num_args = 1..)]
     pub configs: Vec<String>,
-    /// Render times in seconds; each is a point of the curve
+    /// CPU seconds of the render, over all threads and without loading; each is a point of the curve
     #[arg(long, value_name = "S,S,...", value_delimiter = ',', conflicts_with = "passes")]
     pub budgets: Vec<f64>,
     /// Passes (samples per pixel), instead of seconds
     #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
     pub passes: Vec<u32>,
-    /// Renders of each point, with different seeds
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
-    pub seeds: u64,
+    /// Renders of each point, with different seeds [default: 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub seeds: Option<u64>,
     /// Folder for measurements, pictures, tables and the page; an interrupted run continues there
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
@@ -41,7 +41,7 @@ pub struct BenchArgs {
     /// --passes]
     #[arg(long, value_name = "SECONDS")]
     pub limit: Option<f64>,
-    /// Compare the times to this RMSE [default: one that all configurations reach]
+    /// Compare the CPU times to this RMSE [default: one that all configurations reach]
     #[arg(long, value_name = "E")]
     pub target_error: Option<f64>,
     /// Most path segments, for every renderer; -1 is no limit [default: the scene's]
@@ -131,7 +131,7 @@ impl BenchArgs {
         if self.budgets.is_empty() && self.passes.is_empty() {
             (self.budgets, self.passes) = (file.budgets, file.passes);
         }
-        self.seeds = file.seeds.filter(|n| *n > 0).unwrap_or(self.seeds);
+        self.seeds = self.seeds.or(file.seeds.filter(|n| *n > 0));
         if let Some(output) = file.output.filter(|_| self.output == Path::new("bench")) {
             self.output = output;
         }
@@ -154,7 +154,7 @@ impl BenchArgs {
 
     /// The points of a curve.
     pub(super) fn points(&self) -> Vec<Budget> {
-        let seconds = self.budgets.iter().map(|s| Budget::Seconds(*s));
+        let seconds = self.budgets.iter().map(|s| Budget::CpuSeconds(*s));
         seconds.chain(self.passes.iter().map(|n| Budget::Passes(*n))).collect()
     }
 }
@@ -199,7 +199,9 @@ mod tests {
         .unwrap();
         let args = parse(&[path.to_str().unwrap()]).resolve().unwrap();
         assert_eq!(args.scenes, [folder.path().join("a.xml")]);
-        assert_eq!((args.budgets.as_slice(), args.seeds), ([1.0, 2.0].as_slice(), 5));
+        assert_eq!((args.budgets.as_slice(), args.seeds), ([1.0, 2.0].as_slice(), Some(5)));
+        let args = parse(&[path.to_str().unwrap(), "--seeds", "2", "--passes", "4"]).resolve().unwrap();
+        assert_eq!((args.points(), args.seeds), (vec![Budget::Passes(4)], Some(2)), "the command line wins");
         std::fs::write(&path, r#"{"scenes": [], "references": [], "bugdets": []}"#).unwrap();
         assert!(parse(&[path.to_str().unwrap()]).resolve().is_err());
     }

@@ -10,10 +10,13 @@ use std::path::Path;
 pub struct Judged {
     pub rmse: f64,
     pub relmse: f64,
+    pub relmse_trimmed: f64,
     /// Difference of the means, relative to the reference's.
     pub bias: f64,
     /// Mean LDR-FLIP.
     pub flip: f64,
+    /// Mean HDR-FLIP.
+    pub hdr_flip: f64,
 }
 
 /// Judges a picture.
@@ -21,13 +24,14 @@ pub struct Judged {
 /// # Panics
 /// If the sizes differ.
 pub fn judge(image: &Pixels, reference: &Pixels) -> Judged {
-    let options = CompareOptions { hdr: None, ..CompareOptions::default() };
-    let c = compare(image, reference, None, &options).comparison;
+    let c = compare(image, reference, None, &CompareOptions::default()).comparison;
     Judged {
         rmse: c.errors.rmse_all,
         relmse: c.errors.relmse,
+        relmse_trimmed: c.errors.relmse_trimmed,
         bias: c.bias.relative_all,
         flip: c.flip_ldr.stats.mean,
+        hdr_flip: c.flip_hdr.expect("the default options ask for HDR-FLIP").stats.mean,
     }
 }
 

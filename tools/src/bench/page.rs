@@ -3,9 +3,10 @@
 use super::analysis::{Analysis, Point, Row, SceneResult};
 use super::error::BenchError;
 use super::plot::{Plot, Series};
+use super::reach::MEASURES;
 use super::record::{Budget, Record};
 use super::statistics::Spread;
-use super::{table, thumbnail};
+use super::{markdown, table, thumbnail};
 use crate::compare::load;
 use crate::html::escape;
 use crate::pixels::Pixels;
@@ -13,7 +14,7 @@ use std::path::Path;
 
 const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1150px;margin:2em auto;padding:0 1em;color:#222}\
 table{border-collapse:collapse;margin:1em 0}th,td{padding:3px 10px;text-align:right;border-bottom:1px solid #ddd}\
-th:first-child,td:first-child{text-align:left}svg{display:block;margin:1em 0;max-width:100%;height:auto}\
+th:first-child,td:first-child{text-align:left}td{white-space:nowrap}svg{display:block;margin:1em 0;max-width:100%;height:auto}\
 .pictures{display:flex;flex-wrap:wrap;gap:14px}figure{margin:0;max-width:260px}figcaption{font-size:13px;\
 overflow-wrap:anywhere}img{image-rendering:pixelated;width:256px}.machine{background:#f3f3f3;padding:.5em .8em}\
 code{background:#f3f3f3;padding:0 3px}";
@@ -28,10 +29,11 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
          <style>{STYLE}</style></head><body>\n<h1>Error against time</h1>\n"
     );
     let machine = format!("<p class=\"machine\">Machine: {}</p>\n", escape(&analysis.machine.line()));
+    html += &reach_of_all(analysis);
     for (scene, truth) in analysis.scenes.iter().zip(truths) {
         html += &format!(
             "<h2>{}</h2>\n{machine}<p>{} × {} pixels, box filter; reference <code>{}</code>. Times are of the \
-             render without loading. Values are medians over seeds; ± is half the distance between the quartiles. \
+             render without loading; CPU time is that of all threads. Values are medians over seeds; ± is half the distance between the quartiles. \
              Small dots are single renders.</p>\n",
             escape(&scene.scene),
             scene.size[0],
@@ -41,11 +43,13 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
         if scene.left_out > 0 {
             html += &format!("<p>{} pixels are masked out.</p>\n", scene.left_out);
         }
-        for (title, f) in METRICS {
-            html += &plot(scene, title, f, WALL).svg();
+        if let Some(noise) = scene.noise {
+            html += &format!("<p>Every error includes the {noise}.</p>\n");
         }
-        // On a shared machine, processor time is the fairer measure.
-        html += &plot(scene, "RMSE", |r| r.rmse, CPU).svg();
+        for (title, f) in METRICS {
+            html += &plot(scene, title, f, CPU).svg();
+        }
+        html += &plot(scene, "RMSE", |r| r.rmse, WALL).svg();
         html += &reach_table(scene);
         html += &points_table(scene);
         html += &pictures(scene, truth, folder)?;
@@ -65,12 +69,16 @@ pub fn render(analysis: &Analysis, truths: &[Pixels], folder: &Path) -> Result<S
 }
 
 type Metric = fn(&Record) -> f64;
-const METRICS: [(&str, Metric); 3] =
-    [("RMSE", |r| r.rmse), ("relMSE", |r| r.relmse), ("LDR-FLIP", |r| r.flip)];
+const METRICS: [(&str, Metric); 4] = [
+    ("RMSE", |r| r.rmse),
+    ("relMSE", |r| r.relmse),
+    ("relMSE trimmed", |r| r.relmse_trimmed),
+    ("LDR-FLIP", |r| r.flip),
+];
 
 /// What runs along the x axis: its name in titles, its label, and its value.
 type Abscissa = (&'static str, &'static str, Metric);
-const WALL: Abscissa = ("time", "wall time of the render [s]", |r| r.seconds);
+const WALL: Abscissa = ("wall time", "wall time of the render [s]", |r| r.seconds);
 const CPU: Abscissa = ("CPU time", "processor time of all threads [s]", |r| r.cpu_seconds);
 
 fn plot(scene: &SceneResult, title: &str, f: Metric, (time, axis, x): Abscissa) -> Plot {
@@ -101,7 +109,7 @@ fn plot(scene: &SceneResult, title: &str, f: Metric, (time, axis, x): Abscissa) 
 fn reach_table(scene: &SceneResult) -> String {
     let Some(error) = scene.target_rmse else { return String::new() };
     let mut html = format!(
-        "<h3>Time to RMSE {error:.5}</h3>\n<table><tr><th>configuration</th><th>time</th><th>ratio to the first (95 % \
+        "<h3>CPU time to RMSE {error:.5}</h3>\n<table><tr><th>configuration</th><th>time</th><th>ratio to the first (95 % \
          interval over seeds)</th><th>fitted slope</th></tr>\n"
     );
     for row in &scene.rows {
@@ -117,36 +125,53 @@ fn reach_table(scene: &SceneResult) -> String {
 }
 
 fn points_table(scene: &SceneResult) -> String {
-    let mut html = String::from(
-        "<h3>All points</h3>\n<table><tr><th>configuration</th><th>budget</th><th>seeds</th><th>wall s</th><th>CPU s</th>\
-         <th>memory MB</th><th>passes</th><th>RMSE</th><th>±</th><th>relMSE</th><th>bias %</th><th>LDR-FLIP</th></tr>\n",
-    );
+    let mut html =
+        String::from("<h3>All points</h3>\n<table><tr><th>configuration</th><th>budget</th><th>seeds</th>");
+    table::COLUMNS.iter().for_each(|(name, _)| html += &format!("<th>{name}</th>"));
+    html += "</tr>\n";
     for row in &scene.rows {
         for p in &row.points {
-            let memory =
-                p.peak_memory_bytes.map_or_else(|| "–".to_owned(), |b| format!("{:.0}", b as f64 / 1e6));
-            html += &format!(
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2}</td><td>{:.2}</td><td>{memory}</td><td>{:.0}</td>\
-                 <td>{:.5}</td><td>{:.5}</td><td>{:.6}</td><td>{:+.3}</td><td>{:.4}</td></tr>\n",
-                escape(&row.config),
-                p.budget,
-                p.seeds,
-                p.seconds.median,
-                p.cpu_seconds.median,
-                p.passes.median,
-                p.rmse.median,
-                (p.rmse.high - p.rmse.low) / 2.0,
-                p.relmse.median,
-                100.0 * p.bias.median,
-                p.flip.median
-            );
+            html += &format!("<tr><td>{}</td><td>{}</td><td>{}</td>", escape(&row.config), p.budget, p.seeds);
+            table::cells(p).iter().for_each(|cell| html += &format!("<td>{cell}</td>"));
+            html += "</tr>\n";
         }
         for stopped in &row.stopped {
             html += &format!(
-                "<tr><td>{}</td><td>{}</td><td colspan=\"10\">{stopped}</td></tr>\n",
+                "<tr><td>{}</td><td>{}</td><td colspan=\"{}\">{stopped}</td></tr>\n",
                 escape(&row.config),
-                stopped.budget
+                stopped.budget,
+                table::COLUMNS.len() + 1
             );
+        }
+    }
+    html + "</table>\n"
+}
+
+/// When the first configuration has the error of the others, for all scenes.
+fn reach_of_all(analysis: &Analysis) -> String {
+    if analysis.scenes.iter().all(|scene| scene.reach.is_empty()) {
+        return String::new();
+    }
+    let mut html = format!(
+        "<h2>Reach</h2>\n<p>{}</p>\n<table><tr><th>scene</th><th>first</th><th>other</th><th>its CPU s</th>",
+        markdown::REACH.replace('<', "&lt;").replace('>', "&gt;").replace('`', "")
+    );
+    MEASURES.iter().for_each(|(name, _)| html += &format!("<th>{name}</th>"));
+    html += "</tr>\n";
+    for scene in &analysis.scenes {
+        let first = scene.rows.first().map_or("", |row| row.config.as_str());
+        for beside in &scene.reach {
+            html += &format!(
+                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2}</td>",
+                escape(&scene.scene),
+                escape(first),
+                escape(&beside.config),
+                beside.cpu_seconds
+            );
+            for reached in &beside.reached {
+                html += &format!("<td>{}</td>", escape(&table::reach(reached.reach)));
+            }
+            html += "</tr>\n";
         }
     }
     html + "</table>\n"
@@ -174,7 +199,8 @@ fn pictures(scene: &SceneResult, truth: &Pixels, folder: &Path) -> Result<String
     figure(truth, "reference")?;
     for row in &scene.rows {
         if let Some(p) = row.points.iter().find(|p| p.budget == common) {
-            let caption = format!("{}: {:.2} s, RMSE {:.4}", row.config, p.seconds.median, p.rmse.median);
+            let caption =
+                format!("{}: {:.2} CPU s, RMSE {:.4}", row.config, p.cpu_seconds.median, p.rmse.median);
             figure(&load(&folder.join(&p.image), None)?.pixels, &caption)?;
         }
     }
@@ -183,7 +209,7 @@ fn pictures(scene: &SceneResult, truth: &Pixels, folder: &Path) -> Result<String
 
 fn size(budget: Budget) -> f64 {
     match budget {
-        Budget::Seconds(s) => s,
+        Budget::CpuSeconds(s) => s,
         Budget::Passes(n) => f64::from(n),
     }
 }

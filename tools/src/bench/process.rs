@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     pub seconds: f64,
-    /// User and system time of all threads; `None` where the system does not report it.
+    /// User and system time of all threads and of all processes it has waited for; `None` where the system does not
+    /// report it.
     pub cpu_seconds: Option<f64>,
     /// Peak resident memory, as last seen while the process ran.
     pub peak_memory_bytes: Option<u64>,
@@ -113,14 +114,19 @@ fn parents() -> Vec<(u32, u32)> {
     entries.filter_map(parent).collect()
 }
 
-/// Whether the process has ended, and its CPU seconds, from /proc/PID/stat.
+/// Whether this system reports the CPU time of other processes.
+pub fn tells_cpu_time() -> bool {
+    std::fs::read_to_string("/proc/self/stat").ok().as_deref().and_then(parse_stat).is_some()
+}
+
+/// Whether the process has ended, and its CPU seconds with those of its ended children, from /proc/PID/stat.
 fn parse_stat(text: &str) -> Option<(bool, f64)> {
     // The name in parentheses may hold anything, so fields are counted from its end.
     let mut fields = text.rsplit_once(')')?.1.split_whitespace();
     let state = fields.next()?;
-    let user: f64 = fields.nth(10)?.parse().ok()?;
-    let system: f64 = fields.next()?.parse().ok()?;
-    Some((matches!(state, "Z" | "X"), (user + system) / TICKS))
+    // User and system time, its own and of its children.
+    let ticks: Vec<f64> = fields.skip(10).take(4).filter_map(|f| f.parse().ok()).collect();
+    (ticks.len() == 4).then(|| (matches!(state, "Z" | "X"), ticks.iter().sum::<f64>() / TICKS))
 }
 
 /// Peak of the resident memory in bytes, from /proc/PID/status.
@@ -148,8 +154,8 @@ mod tests {
 
     #[test]
     fn times_after_a_name_with_parentheses() {
-        let line = "12 (a) b (c)) Z 1 2 3 4 5 6 7 8 9 10 150 50 0 0 20 0 1 0 5 6";
-        assert_eq!(parse_stat(line), Some((true, 2.0)));
+        let line = "12 (a) b (c)) Z 1 2 3 4 5 6 7 8 9 10 150 50 30 20 20 0 1 0 5 6";
+        assert_eq!(parse_stat(line), Some((true, 2.5)));
         assert_eq!(parse_stat("12 (x) R 1"), None);
         assert_eq!(parse_peak("Name:\tx\nVmHWM:\t    2048 kB\n"), Some(2048 * 1024));
     }
@@ -163,6 +169,23 @@ mod tests {
             run(Command::new("sh").args(["-c", "i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done"]), None)
                 .unwrap();
         assert!(cost.seconds > 0.0 && cost.cpu_seconds.is_none_or(|c| c < 60.0));
+    }
+
+    /// Time asleep is not CPU time; that of a child is.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn cpu_time_is_that_of_the_process_and_its_children() {
+        let asleep = run(Command::new("sh").args(["-c", "sleep 1"]), None).unwrap();
+        // Starting a shell and `sleep` takes some milliseconds; half a second leaves room for a slow machine.
+        assert!(asleep.seconds >= 1.0 && asleep.cpu_seconds.unwrap() < 0.5, "{asleep:?}");
+        // The inner shell ends once it has taken 20 ticks, and the outer one takes hardly any.
+        let burn =
+            "while read -r line < /proc/self/stat; set -- $line; [ $((${14} + ${15})) -lt 20 ]; do :; done";
+        let mut command = Command::new("sh");
+        command.args(["-c", "sh -c \"$0\"; exit 0", burn]);
+        let busy = run(&mut command, None).unwrap();
+        // One tick for rounding; the loop looks at its time at every turn.
+        assert!((0.19..0.5).contains(&busy.cpu_seconds.unwrap()), "{busy:?}");
     }
 
     /// A shell that waits for another one, which would go on for ever.

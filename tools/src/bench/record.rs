@@ -12,14 +12,16 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Budget {
-    Seconds(f64),
+    /// CPU seconds of the render, without loading.
+    #[serde(rename = "cpu_seconds")]
+    CpuSeconds(f64),
     Passes(u32),
 }
 
 impl fmt::Display for Budget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Seconds(s) => write!(f, "{s} s"),
+            Self::CpuSeconds(s) => write!(f, "{s} CPU s"),
             Self::Passes(1) => f.write_str("1 pass"),
             Self::Passes(n) => write!(f, "{n} passes"),
         }
@@ -37,16 +39,21 @@ pub struct Record {
     pub identity: String,
     /// Wall time of the render, without loading.
     pub seconds: f64,
+    /// CPU time of the render, without loading; the wall time where the system does not report it.
     pub cpu_seconds: f64,
     pub peak_memory_bytes: Option<u64>,
     /// Passes or samples per pixel that were made.
     pub passes: u64,
     pub rmse: f64,
     pub relmse: f64,
+    /// relMSE without the largest 0.1 % of the pixels.
+    pub relmse_trimmed: f64,
     /// Difference of the means, relative to the reference's.
     pub bias: f64,
     /// Mean LDR-FLIP.
     pub flip: f64,
+    /// Mean HDR-FLIP.
+    pub hdr_flip: f64,
     /// The picture, relative to the folder of the run.
     pub image: PathBuf,
 }
@@ -103,21 +110,23 @@ pub fn fingerprint<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
 pub mod tests {
     use super::*;
 
-    pub fn record(config: &str, budget: f64, seed: u64, seconds: f64, rmse: f64) -> Record {
+    pub fn record(config: &str, budget: f64, seed: u64, cpu_seconds: f64, rmse: f64) -> Record {
         Record {
             scene: "box".to_owned(),
             config: config.to_owned(),
-            budget: Budget::Seconds(budget),
+            budget: Budget::CpuSeconds(budget),
             seed,
             identity: "0".to_owned(),
-            seconds,
-            cpu_seconds: 2.0 * seconds,
+            seconds: 2.0 * cpu_seconds,
+            cpu_seconds,
             peak_memory_bytes: Some(1 << 20),
             passes: (4.0 * budget) as _,
             rmse,
             relmse: rmse * rmse,
+            relmse_trimmed: rmse * rmse / 2.0,
             bias: 0.0,
             flip: rmse / 2.0,
+            hdr_flip: rmse,
             image: PathBuf::from("a.exr"),
         }
     }
@@ -134,8 +143,8 @@ pub mod tests {
         append(&path, &b).unwrap();
         let all = read(&path).unwrap();
         assert_eq!(all, [a, b.clone()]);
-        assert!(all[1].same_point(("box", "b", Budget::Seconds(2.0), 1, "0")));
-        assert!(!all[0].same_point(("box", "b", Budget::Seconds(2.0), 1, "0")));
+        assert!(all[1].same_point(("box", "b", Budget::CpuSeconds(2.0), 1, "0")));
+        assert!(!all[0].same_point(("box", "b", Budget::CpuSeconds(2.0), 1, "0")));
     }
 
     #[test]

@@ -7,9 +7,11 @@ use super::config::Config;
 use super::error::BenchError;
 use super::judge::{Judged, judge, load_sized};
 use super::machine::Machine;
+use super::noise::Noise;
+use super::plan::Costs;
 use super::record::{self, Budget, Record};
 use super::renderers::{Job, Made, Programs};
-use super::{files, page, table};
+use super::{files, markdown, page, process, table};
 use crate::compare::{Mask, load};
 use crate::pixels::Pixels;
 use std::io::Write;
@@ -24,7 +26,10 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
     let mut programs = Programs::new(args, caustica);
     files::make_folder(&args.output.join("images"))?;
     let (configs, skipped) = available(args, &mut programs, out)?;
-    let mut analysis = Analysis { machine, scenes: Vec::new(), skipped, notes: Vec::new() };
+    let wall = "this system does not report the CPU time of other processes: for caustica and pbrt, CPU times are \
+                wall times";
+    let notes = if process::tells_cpu_time() { Vec::new() } else { vec![wall.to_owned()] };
+    let mut analysis = Analysis { machine, scenes: Vec::new(), skipped, notes };
     let mut all = Vec::new();
     let mut truths = Vec::new();
     for (scene, reference) in args.scenes.iter().zip(&args.references) {
@@ -42,7 +47,8 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
         let result =
             SceneResult::new(&name, reference.clone(), size, names, &budgets, &measured, args.target_error);
         let left_out = mask.as_ref().map_or(0, Mask::left_out);
-        analysis.scenes.push(SceneResult { left_out, ..result });
+        let noise = Noise::beside(reference, &truth, mask.as_ref())?;
+        analysis.scenes.push(SceneResult { left_out, noise, ..result });
         all.extend(measured.records);
         truths.push(truth);
     }
@@ -83,6 +89,7 @@ fn write(
         .map_err(|source| BenchError::Json { path: folder.join("bench.json"), source })?;
     files::write(&folder.join("bench.json"), &json)?;
     files::write(&folder.join("bench.csv"), table::csv(records).as_bytes())?;
+    files::write(&folder.join("bench.md"), markdown::render(analysis).as_bytes())?;
     let html = page::render(analysis, truths, folder)?;
     files::write(&folder.join("bench.html"), html.as_bytes())?;
     writeln!(out, "\nwrote {}", folder.join("bench.html").display())?;
@@ -108,7 +115,8 @@ impl SceneRun<'_> {
     /// Fingerprint of everything but configuration, budget and seed that decides a record.
     fn identity(&self) -> Result<String, BenchError> {
         let (scene, reference) = (files::read(self.scene)?, files::read(self.reference)?);
-        let rest = format!("{:?} {:?} {:?}", self.args.max_depth, self.args.threads, self.mask);
+        // The first word stands for how times are measured.
+        let rest = format!("CPU {:?} {:?} {:?}", self.args.max_depth, self.args.threads, self.mask);
         Ok(record::fingerprint([scene.as_slice(), &reference, rest.as_bytes()]))
     }
 
@@ -122,31 +130,40 @@ impl SceneRun<'_> {
     ) -> Result<Measured, BenchError> {
         let (name, identity) = (self.name(), self.identity()?);
         let log = self.args.output.join("points.jsonl");
-        let known = record::read(&log)?;
+        let mut known = record::read(&log)?;
+        known.retain(|r| r.scene == name && r.identity == identity);
         let Measured { mut records, mut stopped } = Measured::default();
         let mut failed: Vec<&str> = Vec::new();
-        for (seed, budget, config) in self.points(configs) {
+        let mut plans: Vec<Plan> = configs.iter().map(|config| Plan::new(config, &known)).collect();
+        for (seed, budget, index) in self.points(configs.len()) {
+            let (config, plan) = (&configs[index], &mut plans[index]);
             let point = (name.as_str(), config.name.as_str(), budget, seed, identity.as_str());
-            if let Some(done) = known.iter().find(|r| r.same_point(point)) {
-                records.push(done.clone());
-                continue;
-            }
+            let done = known.iter().find(|r| r.same_point(point));
             let too_long = stopped.iter().any(|s: &Stopped| s.config == config.name && s.budget <= budget);
-            if too_long || failed.contains(&config.name.as_str()) {
+            if done.is_none() && (too_long || failed.contains(&config.name.as_str())) {
                 continue;
             }
-            match self.point(config, budget, seed, &identity) {
-                Ok((record, note)) => {
+            let measured = match done {
+                Some(r)
+                    if records.iter().any(|other| repeats(other, &r.config, r.budget, seed, r.passes)) =>
+                {
+                    Ok(None)
+                }
+                Some(r) => Ok(Some((r.clone(), None))),
+                None => self.point(config, plan, (budget, seed, &identity), &records),
+            };
+            match measured {
+                // Budgets that are too short for another pass would give the same picture.
+                Ok(None) => {}
+                Ok(Some((record, note))) => {
                     if let Some(note) = note.filter(|note| !analysis.notes.contains(note)) {
                         analysis.notes.push(note);
                     }
-                    writeln!(
-                        out,
-                        "{name} {} {budget} seed {seed}: {:.2} s, RMSE {:.5}, FLIP {:.4}",
-                        config.name, record.seconds, record.rmse, record.flip
-                    )?;
-                    out.flush()?;
-                    record::append(&log, &record)?;
+                    if done.is_none() {
+                        writeln!(out, "{name} {}", progress(&record))?;
+                        out.flush()?;
+                        record::append(&log, &record)?;
+                    }
                     records.push(record);
                 }
                 Err(BenchError::Stopped { command, seconds }) => {
@@ -170,22 +187,48 @@ impl SceneRun<'_> {
         Ok(Measured { records, stopped })
     }
 
-    /// All points in the order in which they are measured: seeds outermost and configurations innermost, so
-    /// that a load on the machine that comes and goes affects all of them alike.
-    fn points<'a>(&self, configs: &'a [Config]) -> Vec<(u64, Budget, &'a Config)> {
+    /// All points in the order in which they are measured, with the index of the configuration: seeds outermost and
+    /// configurations innermost, so that a load on the machine that comes and goes affects all of them alike.
+    fn points(&self, configs: usize) -> Vec<(u64, Budget, usize)> {
         let budgets = self.args.points();
-        let of_seed = |seed| budgets.iter().flat_map(move |b| configs.iter().map(move |c| (seed, *b, c)));
-        (0..self.args.seeds).flat_map(of_seed).collect()
+        let of_seed = |seed| budgets.iter().flat_map(move |b| (0..configs).map(move |c| (seed, *b, c)));
+        (0..self.args.seeds.unwrap_or(SEEDS)).flat_map(of_seed).collect()
     }
 
+    /// The passes for a budget, from renders that are made to know the cost.
+    fn passes(&self, config: &Config, budget: Budget, plan: &mut Plan) -> Result<u32, BenchError> {
+        let seconds = match budget {
+            Budget::Passes(passes) => return Ok(passes),
+            Budget::CpuSeconds(seconds) => seconds,
+        };
+        if let Some((_, passes)) = plan.passes.iter().find(|(planned, _)| *planned == budget) {
+            return Ok(*passes);
+        }
+        let image = self.args.output.join("images").join("trial.exr");
+        loop {
+            if let Some(passes) = plan.costs.passes(seconds) {
+                plan.passes.push((budget, passes));
+                return Ok(passes);
+            }
+            let passes = plan.costs.next(seconds);
+            let job = Job { scene: self.scene, size: self.size(), passes, seed: TRIAL_SEED, image: &image };
+            plan.costs.add(u64::from(passes), self.programs.render(config, &job)?.cpu_seconds);
+        }
+    }
+
+    fn size(&self) -> [usize; 2] {
+        [self.truth.width, self.truth.height]
+    }
+
+    /// Renders and judges a point; `None` if one of the records has as many passes.
     fn point(
         &self,
         config: &Config,
-        budget: Budget,
-        seed: u64,
-        identity: &str,
-    ) -> Result<(Record, Option<String>), BenchError> {
-        let size = [self.truth.width, self.truth.height];
+        plan: &mut Plan,
+        (budget, seed, identity): (Budget, u64, &str),
+        records: &[Record],
+    ) -> Result<Option<(Record, Option<String>)>, BenchError> {
+        let passes = self.passes(config, budget, plan)?;
         let label = record::fingerprint([
             self.name().as_bytes(),
             config.name.as_bytes(),
@@ -193,15 +236,19 @@ impl SceneRun<'_> {
             identity.as_bytes(),
         ]);
         let image = PathBuf::from("images").join(format!("{label}-{seed}.exr"));
+        if records.iter().any(|r| repeats(r, &config.name, budget, seed, u64::from(passes))) {
+            return Ok(None);
+        }
         let path = self.args.output.join(&image);
-        let job = Job { scene: self.scene, size, budget, seed, image: &path };
+        let job = Job { scene: self.scene, size: self.size(), passes, seed, image: &path };
         let Made { seconds, cpu_seconds, peak_memory_bytes, passes, note } =
             self.programs.render(config, &job)?;
-        let mut pixels = load_sized(&path, self.reference, size)?;
+        plan.costs.add(passes, cpu_seconds);
+        let mut pixels = load_sized(&path, self.reference, self.size())?;
         if let Some(mask) = self.mask {
             mask.apply(&mut pixels);
         }
-        let Judged { rmse, relmse, bias, flip } = judge(&pixels, self.truth);
+        let Judged { rmse, relmse, relmse_trimmed, bias, flip, hdr_flip } = judge(&pixels, self.truth);
         let record = Record {
             scene: self.name(),
             config: config.name.clone(),
@@ -209,15 +256,58 @@ impl SceneRun<'_> {
             seed,
             identity: identity.to_owned(),
             seconds,
-            cpu_seconds,
+            cpu_seconds: cpu_seconds.max(LEAST_CPU_SECONDS),
             peak_memory_bytes,
             passes,
             rmse,
             relmse,
+            relmse_trimmed,
             bias,
             flip,
+            hdr_flip,
             image,
         };
-        Ok((record, note))
+        Ok(Some((record, note)))
     }
+}
+
+/// Renders of each point, where the command line does not say.
+const SEEDS: u64 = 3;
+/// Half a tick of the clock that tells CPU time: shorter times are reported as 0, which has no logarithm.
+const LEAST_CPU_SECONDS: f64 = 0.005;
+/// The seed of renders that are made only to know the cost.
+const TRIAL_SEED: u64 = 1 << 20;
+
+/// What is known of the cost of a configuration, and the passes of each budget: the same for all seeds.
+struct Plan {
+    costs: Costs,
+    passes: Vec<(Budget, u32)>,
+}
+
+impl Plan {
+    fn new(config: &Config, known: &[Record]) -> Self {
+        let mut plan = Self { costs: Costs::default(), passes: Vec::new() };
+        for record in known.iter().filter(|r| r.config == config.name) {
+            plan.costs.add(record.passes, record.cpu_seconds);
+            plan.passes.push((record.budget, u32::try_from(record.passes).unwrap_or(u32::MAX)));
+        }
+        plan
+    }
+}
+
+/// Whether a record is of another CPU time which the same passes come nearest to: it would be the same picture.
+fn repeats(record: &Record, config: &str, budget: Budget, seed: u64, passes: u64) -> bool {
+    let timed = |budget| matches!(budget, Budget::CpuSeconds(_));
+    (record.config.as_str(), record.seed, record.passes) == (config, seed, passes)
+        && record.budget != budget
+        && timed(record.budget)
+        && timed(budget)
+}
+
+/// A record in a line.
+fn progress(r: &Record) -> String {
+    format!(
+        "{} {} seed {}: {:.2} CPU s, {:.2} s, RMSE {:.5}, FLIP {:.4}",
+        r.config, r.budget, r.seed, r.cpu_seconds, r.seconds, r.rmse, r.flip
+    )
 }

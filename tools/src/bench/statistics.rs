@@ -65,6 +65,8 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
 pub enum Reach {
     /// Interpolated between two budgets.
     At(f64),
+    /// Extrapolated beyond the largest budget.
+    About(f64),
     /// Before this time: the smallest budget is already better.
     Before(f64),
     /// After this time: the largest budget is not good enough.
@@ -75,7 +77,7 @@ impl Reach {
     /// The time, or its bound.
     pub fn seconds(self) -> f64 {
         match self {
-            Self::At(t) | Self::Before(t) | Self::After(t) => t,
+            Self::At(t) | Self::About(t) | Self::Before(t) | Self::After(t) => t,
         }
     }
 }
@@ -97,6 +99,21 @@ pub fn time_to_error(curve: &[(f64, f64)], error: f64) -> Option<Reach> {
         }
     }
     curve.last().map(|p| Reach::After(p.0))
+}
+
+/// Slopes above this are those of a curve that has stopped falling: no time is extrapolated from them.
+const FLAT: f64 = -0.05;
+/// Points at the end of a curve whose power law is followed beyond it.
+const LAST: usize = 3;
+
+/// As [`time_to_error`], but followed beyond the last point, by the slope of the last points, as long as the error
+/// still falls.
+pub fn reach(curve: &[(f64, f64)], error: f64) -> Option<Reach> {
+    let found = time_to_error(curve, error)?;
+    let (Reach::After(_), Some((t, e))) = (found, curve.last()) else { return Some(found) };
+    let law = power_law(&curve[curve.len().saturating_sub(LAST)..]);
+    let falling = law.filter(|law| law.slope < FLAT && error > 0.0);
+    Some(falling.map_or(found, |law| Reach::About(t * (error / e).powf(1.0 / law.slope))))
 }
 
 /// Measurements of one configuration: for each budget the (seconds, error) of its seeds.
@@ -232,6 +249,21 @@ mod tests {
         assert!((t - 16.0).abs() < 1e-9);
         assert_eq!(time_to_error(&[], 0.1), None);
         assert!(matches!(time_to_error(&[(1.0, 1.0), (2.0, 0.0)], 0.5), Some(Reach::At(_))));
+    }
+
+    #[test]
+    fn times_beyond_the_curve_follow_its_power_law() {
+        // error = 0.4 / √t: 0.05 is reached at 64, 0.2 at 4.
+        let curve = [1.0f64, 2.0, 8.0, 16.0].map(|t| (t, 0.4 / t.sqrt()));
+        let Some(Reach::About(t)) = reach(&curve, 0.05) else { panic!() };
+        assert!((t - 64.0).abs() < 1e-9, "{t}");
+        let Some(Reach::At(t)) = reach(&curve, 0.2) else { panic!() };
+        assert!((t - 4.0).abs() < 1e-9, "{t}");
+        assert_eq!(reach(&curve, 0.4), Some(Reach::Before(1.0)));
+        assert_eq!(reach(&curve, 0.0), Some(Reach::After(16.0)));
+        // The error has stopped falling, or nothing is known of how it falls.
+        assert_eq!(reach(&[(1.0, 0.4), (4.0, 0.1), (8.0, 0.1), (16.0, 0.1)], 0.05), Some(Reach::After(16.0)));
+        assert_eq!(reach(&[(16.0, 0.1)], 0.05), Some(Reach::After(16.0)));
     }
 
     #[test]

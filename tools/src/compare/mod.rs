@@ -20,5 +20,6 @@ pub(crate) use comparison::{CompareOptions, compare};
 pub use error::CompareError;
 pub use load::{Loaded, load};
 pub use mask::Mask;
+pub(crate) use pairs::variance_beside;
 pub use report::Status;
 pub use run::run;

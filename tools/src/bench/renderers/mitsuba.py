@@ -1,7 +1,7 @@
 """Renders a scene with Mitsuba 3 and writes the cost as JSON.
 
 The scene's integrator, film size and reconstruction filter are replaced; everything else is kept.
-A budget in seconds becomes a sample count by timing a few samples first, which are not counted.
+What is measured is the render alone: loading and the compilation of kernels come before.
 With "check" in the job nothing is rendered: the script only tests whether the variant can be used.
 """
 import glob
@@ -66,15 +66,8 @@ def render(spp, seed):
     return image, time.perf_counter() - wall, time.process_time() - cpu
 
 
-render(1, 1 << 20)  # compiles kernels
-if job["seconds"] is None:
-    spp = job["spp"]
-else:
-    spp, taken = 1, render(1, (1 << 20) + 1)[1]
-    while taken < 0.1 * job["seconds"] and spp < 1 << 16:
-        spp *= 2
-        taken = render(spp, (1 << 20) + spp)[1]
-    spp = max(1, round(spp * job["seconds"] / taken))
+spp = job["spp"]
+render(min(spp, 2), 1 << 20)  # compiles kernels: one for a single sample, one for more
 image, wall, cpu = render(spp, job["seed"])
 mi.Bitmap(image).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False).write(job["image"])
 with open(job["stats"], "w") as out:

@@ -3,8 +3,6 @@
 use super::{Job, Made, Programs, python, take_json};
 use crate::bench::error::BenchError;
 use crate::bench::process;
-use crate::bench::record::Budget;
-use serde_json::Value;
 use std::process::Command;
 
 /// Renders with a variant and an integrator.
@@ -15,15 +13,11 @@ pub fn render(
     job: &Job<'_>,
 ) -> Result<Made, BenchError> {
     let stats = job.image.with_extension("stats.json");
-    let [seconds, spp] = match job.budget {
-        Budget::Seconds(s) => [Value::from(s), Value::Null],
-        Budget::Passes(n) => [Value::Null, Value::from(n)],
-    };
     let is_xml = job.scene.extension().is_some_and(|e| e.eq_ignore_ascii_case("xml"));
     let scene = if is_xml { job.scene.to_path_buf() } else { programs.converted(job, "xml")? };
     let order = serde_json::json!({
         "scene": scene, "variant": variant, "integrator": integrator, "size": job.size, "seed": job.seed,
-        "seconds": seconds, "spp": spp, "max_depth": programs.max_depth, "image": job.image, "stats": stats,
+        "spp": job.passes, "max_depth": programs.max_depth, "image": job.image, "stats": stats,
     });
     let mut command = Command::new(&programs.python.program);
     command.arg("-c").arg(python::SCRIPT).arg(order.to_string());

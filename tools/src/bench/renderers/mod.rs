@@ -8,10 +8,12 @@ mod python;
 use super::args::BenchArgs;
 use super::config::{Config, Renderer};
 use super::error::BenchError;
-use super::record::Budget;
+use super::process::Cost;
 use super::{files, process};
 use python::Python;
 use serde_json::Value;
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -23,13 +25,15 @@ pub struct Job<'a> {
     pub scene: &'a Path,
     /// Width and height of the picture in pixels.
     pub size: [usize; 2],
-    pub budget: Budget,
+    /// Passes, or samples per pixel.
+    pub passes: u32,
     pub seed: u64,
     /// File that is written.
     pub image: &'a Path,
 }
 
-/// The cost of a render, without loading.
+/// The cost of a render, without loading. Where the system does not report the CPU time of other processes, that is
+/// the wall time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Made {
     pub seconds: f64,
@@ -49,6 +53,8 @@ pub struct Programs {
     max_depth: Option<i64>,
     /// Of every process.
     limit: Option<Duration>,
+    /// What pbrt takes to load each of its scenes, by the fingerprint of the scene's text.
+    loads: RefCell<HashMap<String, Cost>>,
 }
 
 impl Programs {
@@ -59,6 +65,7 @@ impl Programs {
             threads: args.threads,
             max_depth: args.max_depth,
             limit: args.process_limit(),
+            loads: RefCell::default(),
         }
     }
 

@@ -2,8 +2,7 @@
 
 use super::{Job, Made, Programs, take_json};
 use crate::bench::error::BenchError;
-use crate::bench::process::{self, Cost};
-use crate::bench::record::Budget;
+use crate::bench::process;
 use std::process::Command;
 
 /// Renders with the given settings.
@@ -14,10 +13,7 @@ pub fn render(programs: &Programs, settings: &[(String, String)], job: &Job<'_>)
     command.args(["--quiet", "--layers", "none", "--filter", "box"]);
     command.args(["--size", &format!("{}x{}", job.size[0], job.size[1])]);
     command.args(["--seed", &job.seed.to_string()]);
-    match job.budget {
-        Budget::Seconds(s) => command.args(["--time", &s.to_string()]),
-        Budget::Passes(n) => command.args(["--passes", &n.to_string()]),
-    };
+    command.args(["--passes", &job.passes.to_string()]);
     if let Some(n) = programs.threads {
         command.args(["--threads", &n.to_string()]);
     }
@@ -30,16 +26,12 @@ pub fn render(programs: &Programs, settings: &[(String, String)], job: &Job<'_>)
     let cost = process::run(&mut command, programs.limit)?;
     let value = take_json(&stats)?;
     let render = &value["render"];
+    let seconds = render["seconds"].as_f64().unwrap_or(cost.seconds);
     Ok(Made {
-        seconds: render["seconds"].as_f64().unwrap_or(cost.seconds),
-        cpu_seconds: without_loading(cost, value["load_seconds"].as_f64()),
+        seconds,
+        cpu_seconds: value["render_cpu_seconds"].as_f64().unwrap_or(seconds),
         peak_memory_bytes: value["peak_memory_bytes"].as_u64(),
         passes: render["passes"].as_u64().unwrap_or(0),
         note: None,
     })
-}
-
-/// CPU seconds of the process without its loading, which uses one thread.
-fn without_loading(cost: Cost, load_seconds: Option<f64>) -> f64 {
-    (cost.cpu_seconds.unwrap_or(0.0) - load_seconds.unwrap_or(0.0)).max(0.0)
 }

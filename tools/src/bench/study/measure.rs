@@ -4,7 +4,7 @@ use super::catalogue::{Study, Variant};
 use crate::bench::error::BenchError;
 use crate::bench::files;
 use crate::bench::judge::{Judged, judge, load_sized};
-use crate::bench::record::{Budget, fingerprint};
+use crate::bench::record::fingerprint;
 use crate::bench::renderers::{Job, Programs};
 use crate::pixels::Pixels;
 use serde::{Deserialize, Serialize};
@@ -90,13 +90,7 @@ impl Bench<'_> {
         let first = self.work.join(format!("{}-{key}-0.exr", study.name));
         for seed in 0..v.seeds {
             let image = self.work.join(format!("{}-{key}-{seed}.exr", study.name));
-            let job = Job {
-                scene: self.scene,
-                size,
-                budget: Budget::Passes(v.passes),
-                seed: seed + 1,
-                image: &image,
-            };
+            let job = Job { scene: self.scene, size, passes: v.passes, seed: seed + 1, image: &image };
             let made = self.programs.ours(&v.settings, &job)?;
             let pixels = load_sized(&image, self.scene, size)?;
             let Judged { rmse, bias, flip, .. } = judge(&pixels, self.reference);

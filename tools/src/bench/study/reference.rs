@@ -5,7 +5,7 @@ use super::catalogue::{Profile, settings};
 use crate::bench::error::BenchError;
 use crate::bench::files;
 use crate::bench::judge::{Judged, judge, load_sized};
-use crate::bench::record::{Budget, fingerprint};
+use crate::bench::record::fingerprint;
 use crate::bench::renderers::{Job, Programs};
 use crate::pixels::Pixels;
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ fn picture(
     let image = work.join(format!("reference-{key}.exr"));
     if !image.is_file() {
         let part = work.join(format!("reference-{key}.part.exr"));
-        let job = Job { scene, size: [side, side], budget: Budget::Passes(passes), seed, image: &part };
+        let job = Job { scene, size: [side, side], passes, seed, image: &part };
         programs.ours(&settings(&[values]), &job)?;
         std::fs::rename(&part, &image).map_err(files::at(&image))?;
     }
