@@ -1,5 +1,5 @@
-//! Irradiance known beforehand at some of the photons (Christensen 1999): where it is only wanted after a
-//! rough surface has mixed it with much else, the value of the nearest of them does.
+//! Irradiance known beforehand at some places (Christensen 1999): where it is only wanted after a rough surface has
+//! mixed it with much else, the value of the nearest of them does.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -7,10 +7,11 @@ use rayon::prelude::*;
 
 use super::boundary::Boundary;
 use super::estimate::Estimator;
+use super::radius::Place;
 use super::store::{Photon, PhotonMap, Query};
 use super::{Gather, GatherPoint};
 use crate::film::{Layer, Radiance};
-use crate::math::{Color, LIFT};
+use crate::math::Color;
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Facts, Scene};
 use crate::transport::PathClass;
@@ -24,10 +25,11 @@ pub struct Irradiance {
 }
 
 impl Irradiance {
-    /// Reads `map` where `photons` are, which must be others than its own: where a photon lies, the density is not
-    /// what it is elsewhere. Counts the rays of the boundary test.
+    /// Reads `map` at `places`, which must not be its own photons: where a photon lies, the density is not what it is
+    /// elsewhere. Nor should bright parts have more of them than dark ones, whose nearest place would then often
+    /// lie in the light. Counts the rays of the boundary test.
     pub fn of(
-        photons: &[Photon],
+        places: &[Place],
         map: &PhotonMap,
         estimator: &Estimator,
         scene: &Scene,
@@ -35,18 +37,18 @@ impl Irradiance {
         boundary: bool,
         key: u64,
     ) -> (Self, u64) {
-        let (places, rays): (Vec<Photon>, Vec<u64>) = photons
+        let (places, rays): (Vec<Photon>, Vec<u64>) = places
             .par_iter()
             .with_min_len(256)
             .enumerate()
-            .map_init(Gather::default, |gather, (i, ph)| {
+            .map_init(Gather::default, |gather, (i, at)| {
                 let mut sampler = Sampler::new(key ^ mix(i as u64 >> 32), i as u32);
                 let mut rays = 0;
-                let lift = ph.p.abs().max_element() * LIFT;
-                let q = Query { p: ph.p, n: ph.n, lift, radius: estimator.radius };
+                let q = Query { p: at.p, n: at.n, lift: at.lift, radius: estimator.radius };
                 let b = boundary.then_some(Boundary { scene, facts, sampler: &mut sampler, rays: &mut rays });
                 let flux = estimator.irradiance(map, &q, b, gather);
-                (Photon { flux, class: PathClass::Indirect, depth: 0, ..*ph }, rays)
+                let class = PathClass::Indirect;
+                (Photon { p: at.p, flux, wi: at.n, n: at.n, class, depth: 0 }, rays)
             })
             .unzip();
         let places = PhotonMap::build_for_nearest(&places, 1, estimator.radius);

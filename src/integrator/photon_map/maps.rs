@@ -216,37 +216,12 @@ impl Map {
             Owner::CausticMap => stats.caustic_radius = radius,
             _ => stats.radius = radius,
         }
-        let mut map = PassMap { photons, estimator, irradiance: None };
-        if !self.seen_directly() {
-            map.irradiance = Some(self.irradiance(task, pass, halt, &map, stats));
-        }
-        Some(map)
+        Some(PassMap { photons, estimator, irradiance: None })
     }
 
-    /// Reads a map beforehand where the photons of another, smaller trace of the pass lie.
-    fn irradiance(
-        &self,
-        task: &Task<'_>,
-        pass: u32,
-        halt: Halt<'_>,
-        map: &PassMap,
-        stats: &mut PassStats,
-    ) -> Irradiance {
-        let start = Instant::now();
-        let key = mix(self.job_of(pass, 0).key ^ 0x1aad);
-        let job = TraceJob { key: mix(key), ..self.job_of(pass, (self.paths / 4).max(1024)) };
-        let places = trace_until(task.scene, &job, self.aim.as_ref(), halt);
-        stats.trace_seconds += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let (scene, facts, boundary) = (task.scene, task.facts, task.settings.boundary);
-        let (irradiance, rays) =
-            Irradiance::of(&places.photons, &map.photons, &map.estimator, scene, facts, boundary, key);
-        stats.build_seconds += start.elapsed().as_secs_f64();
-        stats.light_paths += places.paths;
-        stats.photon_rays += places.rays + rays;
-        stats.rejected.add(&places.rejected);
-        stats.map_bytes += irradiance.bytes() as u64;
-        irradiance
+    /// Random numbers of the places of a pass where the map is read beforehand.
+    pub fn key_of_places(&self, pass: u32) -> u64 {
+        mix(self.job_of(pass, 0).key ^ 0x1aad)
     }
 }
 

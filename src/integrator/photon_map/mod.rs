@@ -9,15 +9,19 @@ mod gather;
 mod maps;
 mod onward;
 mod pilot;
+mod places;
 mod plan;
 mod prepare;
 mod walk;
 
 use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::Range;
+use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::Halt;
+use crate::sampling::mix;
 use crate::settings::{Indirect, Mode, Settings};
 
 pub use choice::{Choice, decided};
@@ -96,6 +100,26 @@ impl<'a> PhotonMapper<'a> {
         [&self.global, &self.caustic]
     }
 
+    /// A map of a pass; one that is not seen directly is read beforehand at some of the places where camera paths
+    /// will read it.
+    fn build(&self, map: &Map, pass: u32, halt: Halt<'_>, stats: &mut PassStats) -> Option<PassMap> {
+        let mut built = map.build(&self.task(), pass, halt, stats)?;
+        if !map.seen_directly() {
+            let start = Instant::now();
+            let key = map.key_of_places(pass);
+            let count = (map.paths / 2).clamp(1024, u64::from(u32::MAX)) as u32;
+            let places = self.second_places(key, count);
+            let (scene, facts, boundary) = (self.task.scene, self.task.facts, self.settings.boundary);
+            let (known, rays) =
+                Irradiance::of(&places, &built.photons, &built.estimator, scene, facts, boundary, mix(key));
+            stats.build_seconds += start.elapsed().as_secs_f64();
+            stats.photon_rays += rays;
+            stats.map_bytes += known.bytes() as u64;
+            built.irradiance = Some(known);
+        }
+        Some(built)
+    }
+
     /// Lobes that light is gathered from photons for.
     fn rough(&self) -> Range {
         Range::rough(self.settings.glossy)
@@ -131,7 +155,7 @@ impl Integrator for PhotonMapper<'_> {
         let mut stats = PassStats::default();
         let mut make = |pass| {
             let halt = self.halts[usize::from(pass > 0)];
-            let mut build = |map: &Map| map.build(&self.task(), pass, halt, &mut stats);
+            let mut build = |map: &Map| self.build(map, pass, halt, &mut stats);
             Arc::new(Maps { global: build(&self.global), caustic: build(&self.caustic) })
         };
         let maps = match self.settings.mode {

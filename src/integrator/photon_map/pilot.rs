@@ -123,7 +123,7 @@ impl PhotonMapper<'_> {
     /// A map of a pass with the work it took and its light paths.
     fn build_counted(&self, map: &Map, pass: u32) -> (Option<super::maps::PassMap>, (f64, u64)) {
         let mut stats = PassStats::default();
-        let built = map.build(&self.task(), pass, self.halts[0], &mut stats);
+        let built = self.build(map, pass, self.halts[0], &mut stats);
         let places = built.as_ref().and_then(|m| m.irradiance.as_ref()).map_or(0, |known| known.len());
         let work = PHOTON_RAY * stats.photon_rays as f64
             + STORED * stats.photons as f64

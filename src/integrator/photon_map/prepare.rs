@@ -3,20 +3,13 @@
 
 use super::PhotonMapper;
 use super::maps::Map;
-use super::walk::Step;
 use crate::emitter::Aim;
-use crate::math::Vec2;
 use crate::photon::aim::Sights;
 use crate::photon::radius;
 use crate::photon::trace::{Halt, Traced};
-use crate::sampling::{Sampler, mix};
 use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Radius};
-use crate::transport::walk::{self, Lamps, Next};
-use crate::transport::{Owner, Vertex};
-
-/// Most rays of a camera path that the pilot follows.
-const PILOT_DEPTH: u32 = 16;
+use crate::transport::Owner;
 
 /// Light paths of the pilot that estimates how many it takes to store a wanted number of photons.
 const COUNTED: u64 = 1 << 14;
@@ -48,52 +41,8 @@ impl PhotonMapper<'_> {
     pub(super) fn sights<'p>(&self, places: &'p [radius::Place]) -> Sights<'p> {
         let [_, _, w, h] = self.task.view.film.crop.map(|v| v as f32);
         let apart = (w * h / radius::PLACES as f32).sqrt();
-        let second = self.task.settings.indirect != Indirect::Density;
+        let second = self.settings.indirect != Indirect::Density;
         Sights { places, apart, first: true, second, direct: true }
-    }
-
-    /// Where camera rays through a regular grid of the film gather.
-    pub(super) fn gather_places(&self) -> Vec<radius::Place> {
-        let side = (radius::PLACES as f32).sqrt() as u32;
-        let [x0, y0, w, h] = self.task.view.film.crop.map(|v| v as f32);
-        let full = Vec2::new(self.task.view.film.width as f32, self.task.view.film.height as f32);
-        let at = |i: u32| (i as f32 + 0.5) / side as f32;
-        (0..side * side)
-            .filter_map(|i| {
-                let film = Vec2::new(x0 + at(i % side) * w, y0 + at(i / side) * h) / full;
-                self.gather_place(film, i)
-            })
-            .collect()
-    }
-
-    /// Where the camera ray through a position of the film gathers: the camera's walk, without light.
-    fn gather_place(&self, film: Vec2, index: u32) -> Option<radius::Place> {
-        let (scene, view, settings) = (self.task.scene, self.task.view, &self.settings);
-        let mut sampler = Sampler::new(mix(settings.seed ^ 0x007a_d105), index);
-        let mut ray = view.sensor.ray(film, sampler.next_2d());
-        let mut length = view.sensor.near;
-        let hidden = settings.hide_emitters && view.hidden_lamps_are_transparent;
-        let mut lamps = if hidden { Lamps::Transparent } else { Lamps::Solid };
-        for _ in 0..PILOT_DEPTH {
-            let hit = scene.geometry.closest(&ray)?;
-            length += hit.t * ray.d.length();
-            let s = match walk::arrive(scene, &mut ray, Some(&hit), lamps) {
-                Next::Escape => return None,
-                Next::Behind => continue,
-                Next::Surface(s) => s,
-            };
-            lamps = Lamps::Solid;
-            match self.step(&Vertex::new(scene, &s, -ray.d), &mut sampler) {
-                Step::Gather(_) => {
-                    let n = scene.photon_side(&s, -ray.d).n;
-                    let footprint = view.sensor.pixel_footprint(view.film.height, length);
-                    return Some(radius::Place { p: s.p, n, lift: s.lift, footprint });
-                }
-                Step::Follow { wo, .. } => ray = s.leave(s.frame.to_world(wo)),
-                Step::End => return None,
-            }
-        }
-        None
     }
 }
 

@@ -1,0 +1,82 @@
+//! Where camera paths read the maps: places found by walking them without light.
+
+use rayon::prelude::*;
+
+use super::PhotonMapper;
+use super::walk::Step;
+use crate::bsdf::Transport;
+use crate::math::Vec2;
+use crate::photon::radius;
+use crate::sampling::{Sampler, mix};
+use crate::transport::Vertex;
+use crate::transport::walk::{self, Lamps, Next};
+
+/// Most rays of a camera path that are followed.
+const LONGEST: u32 = 16;
+
+impl PhotonMapper<'_> {
+    /// Where camera rays through a regular grid of the film gather.
+    pub(super) fn gather_places(&self) -> Vec<radius::Place> {
+        let side = (radius::PLACES as f32).sqrt() as u32;
+        let at = |i: u32| (i as f32 + 0.5) / side as f32;
+        (0..side * side)
+            .filter_map(|i| {
+                let sampler = Sampler::new(mix(self.settings.seed ^ 0x007a_d105), i);
+                self.rough_place(Vec2::new(at(i % side), at(i / side)), sampler, 0)
+            })
+            .collect()
+    }
+
+    /// Second rough surfaces of `count` camera paths all over the picture: paths of one `key` are stratified. They lie as
+    /// densely everywhere as camera paths end there, whether it is bright or dark.
+    pub(super) fn second_places(&self, key: u64, count: u32) -> Vec<radius::Place> {
+        let place = |i: u32| {
+            let mut sampler = Sampler::new(key, i);
+            let film = sampler.next_2d();
+            self.rough_place(film, sampler, 1)
+        };
+        (0..count).into_par_iter().with_min_len(256).filter_map(place).collect()
+    }
+
+    /// The rough surface behind `behind` others on a camera path from a position of the rendered part, in [0, 1]².
+    fn rough_place(&self, at: Vec2, mut sampler: Sampler, behind: u32) -> Option<radius::Place> {
+        let (scene, view, settings) = (self.task.scene, self.task.view, &self.settings);
+        let [x0, y0, w, h] = view.film.crop.map(|v| v as f32);
+        let full = Vec2::new(view.film.width as f32, view.film.height as f32);
+        let film = Vec2::new(x0 + at.x * w, y0 + at.y * h) / full;
+        let mut ray = view.sensor.ray(film, sampler.next_2d());
+        let mut length = view.sensor.near;
+        let hidden = settings.hide_emitters && view.hidden_lamps_are_transparent;
+        let mut lamps = if hidden { Lamps::Transparent } else { Lamps::Solid };
+        let mut left = behind;
+        for _ in 0..LONGEST {
+            let hit = scene.geometry.closest(&ray)?;
+            length += hit.t * ray.d.length();
+            let s = match walk::arrive(scene, &mut ray, Some(&hit), lamps) {
+                Next::Escape => return None,
+                Next::Behind => continue,
+                Next::Surface(s) => s,
+            };
+            lamps = Lamps::Solid;
+            let vertex = Vertex::new(scene, &s, -ray.d);
+            match self.step(&vertex, &mut sampler) {
+                Step::Gather(_) if left > 0 => {
+                    left -= 1;
+                    let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+                    let lobes = self.rough();
+                    let on =
+                        vertex.closure.sample_smooth(vertex.wi, u_lobe, u, Transport::Radiance, lobes)?;
+                    ray = s.leave(s.frame.to_world(on.wo));
+                }
+                Step::Gather(_) => {
+                    let n = scene.photon_side(&s, -ray.d).n;
+                    let footprint = view.sensor.pixel_footprint(view.film.height, length);
+                    return Some(radius::Place { p: s.p, n, lift: s.lift, footprint });
+                }
+                Step::Follow { wo, .. } => ray = s.leave(s.frame.to_world(wo)),
+                Step::End => return None,
+            }
+        }
+        None
+    }
+}
