@@ -9,7 +9,13 @@ use caustica_formats::{ReadOptions, read_scene};
 
 use crate::support::{Picture, area, box_camera, camera, diffuse, lamp, plain, render, scene, sphere, walls};
 
-const METHODS: [&[(&str, &str)]; 3] = [&[("integrator", "path")], &[], &[("nee", "false")]];
+const METHODS: [&[(&str, &str)]; 5] = [
+    &[("integrator", "path")],
+    &[],
+    &[("nee", "false")],
+    &[("indirect", "gather")],
+    &[("indirect", "density")],
+];
 
 fn assert_finite(picture: &Picture) {
     assert!(picture.pixel_values().iter().flatten().all(|v| v.is_finite() && *v >= 0.0));

@@ -38,6 +38,9 @@ fn with_bias(indirect: Indirect) -> f64 {
 const LEAST_SHARE: f64 = 0.25;
 const MOST_SHARE: f64 = 2.0;
 
+/// Most photons of a pass, where light hardly loses anything and a path leaves hundreds.
+const MOST_STORED: f64 = (1 << 21) as f64;
+
 /// Passes of the render that the pilot has in mind, in which radii shrink.
 const PASSES: u32 = 16;
 
@@ -268,7 +271,7 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
     let mut settings = Settings { indirect: best.indirect, ..given.clone() };
     settings.gather_rays = Samples(Some(given.gather_rays.0.unwrap_or(best.gather_rays)));
     let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
-    let Parts { camera, maps } = best.parts;
+    let Parts { camera, maps, stored } = best.parts;
     // Light paths for each camera sample of all pixels.
     let ratio = maps.map(|map| if camera.share() > 0.0 { map.share() / camera.share() } else { 0.0 });
     let usual = [plan.global_paths, plan.caustic_paths].map(|count| match count {
@@ -286,7 +289,8 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
     settings.camera_samples = Samples(Some(samples));
     let paths = |i: usize| {
         let wanted = ratio[i] * f64::from(samples);
-        wanted.clamp(LEAST_SHARE * usual[i], MOST_SHARE * usual[i]) as u64
+        let few = MOST_STORED / stored[i].max(1.0);
+        wanted.clamp(LEAST_SHARE * usual[i], MOST_SHARE * usual[i]).min(few) as u64
     };
     if best.indirect != Indirect::Trace {
         settings.photons = Count::Paths(paths(0));

@@ -14,7 +14,7 @@ use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
 use crate::photon::{Estimator, PhotonMap, radius};
 use crate::sampling::mix;
 use crate::scene::Scene;
-use crate::settings::{Count, Indirect, Lookup, Mode, Radius, Settings};
+use crate::settings::{Count, Indirect, Limit, Lookup, Mode, Radius, Settings};
 use crate::transport::Owner;
 
 /// What the settings say of one map.
@@ -235,7 +235,11 @@ fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
         next_event: s.nee,
         caustic_map: plan.caustic_map,
         glossy: s.glossy,
-        // Behind two rough surfaces the camera path has one segment more.
-        max_depth: if all { s.max_depth.0.saturating_sub(1) } else { s.max_depth.0 },
+        // Behind two rough surfaces the camera path has one segment more; no limit stays none.
+        max_depth: if all && s.max_depth != Limit::NONE {
+            s.max_depth.0.saturating_sub(1)
+        } else {
+            s.max_depth.0
+        },
     }
 }

@@ -68,6 +68,8 @@ impl Part {
 pub(super) struct Parts {
     pub camera: Part,
     pub maps: [Part; 2],
+    /// Photons that a light path leaves in each map.
+    pub stored: [f64; 2],
 }
 
 /// Luminance that one camera sample brings, and how much of it is caustic.
@@ -85,8 +87,16 @@ pub(super) struct Seen {
     pixels: usize,
     /// Of a camera sample.
     work: f64,
-    /// By map: whether there is one, work and paths of all passes.
-    maps: [(bool, f64, u64); 2],
+    /// By map, in all passes.
+    maps: [Built; 2],
+}
+
+/// What building a map took: work, light paths (none where there is no map) and photons.
+#[derive(Clone, Copy, Debug, Default)]
+struct Built {
+    work: f64,
+    paths: u64,
+    photons: u64,
 }
 
 impl PhotonMapper<'_> {
@@ -105,8 +115,10 @@ impl PhotonMapper<'_> {
         let mut rays = 0.0;
         for pass in 0..PASSES as u32 {
             let [(global, a), (caustic, b)] = self.maps().map(|map| self.build_counted(map, pass));
-            for (sum, (work, paths)) in seen.maps.iter_mut().zip([a, b]) {
-                *sum = (paths > 0, sum.1 + work, sum.2 + paths);
+            for (sum, one) in seen.maps.iter_mut().zip([a, b]) {
+                sum.work += one.work;
+                sum.paths += one.paths;
+                sum.photons += one.photons;
             }
             let maps = std::sync::Arc::new(Maps { global, caustic });
             let looks: Vec<(Vec<Light>, f64)> =
@@ -120,8 +132,8 @@ impl PhotonMapper<'_> {
         seen
     }
 
-    /// A map of a pass with the work it took and its light paths.
-    fn build_counted(&self, map: &Map, pass: u32) -> (Option<super::maps::PassMap>, (f64, u64)) {
+    /// A map of a pass and what it took.
+    fn build_counted(&self, map: &Map, pass: u32) -> (Option<super::maps::PassMap>, Built) {
         let mut stats = PassStats::default();
         let built = self.build(map, pass, self.halts[0], &mut stats);
         let places = built.as_ref().and_then(|m| m.irradiance.as_ref()).map_or(0, |known| known.len());
@@ -129,7 +141,7 @@ impl PhotonMapper<'_> {
             + STORED * stats.photons as f64
             + KNOWN_PLACE * places as f64;
         let paths = if built.is_some() { map.paths } else { 0 };
-        (built, (work, paths))
+        (built, Built { work, paths, photons: stats.photons })
     }
 
     /// Where patches begin.
@@ -234,7 +246,7 @@ impl Seen {
         }
         let n = self.patches.max(1) as f64;
         let map = |i: usize| {
-            let (_, work, paths) = self.maps[i];
+            let Built { work, paths, .. } = self.maps[i];
             let a_pass = paths as f64 / PASSES as f64;
             let each = if paths > 0 { work / paths as f64 } else { 0.0 };
             Part { variance: sum.maps[i].max(0.0) / n * a_pass * scale[i], work: each }
@@ -242,6 +254,7 @@ impl Seen {
         Parts {
             camera: Part { variance: sum.camera / n, work: self.work * pixels as f64 },
             maps: [map(0), map(1)],
+            stored: self.maps.map(|map| map.photons as f64 / map.paths.max(1) as f64),
         }
     }
 
@@ -257,7 +270,7 @@ impl Seen {
             }
         }
         let rest = std::array::from_fn(|p| std::array::from_fn(|k| all[p][k] - caustic[p][k]));
-        let maps = match [self.maps[0].0, self.maps[1].0] {
+        let maps = match self.maps.map(|map| map.paths > 0) {
             [true, true] => [of_passes(&rest), of_passes(&caustic)],
             [true, false] => [of_passes(&all), 0.0],
             [false, true] => [0.0, of_passes(&all)],

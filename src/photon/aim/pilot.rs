@@ -58,6 +58,10 @@ struct Round {
 /// Time of a path beside that of its rays, and of a photon, in that of a ray.
 const OVERHEAD: f32 = 0.5;
 
+/// Photons on discs after which a chunk of paths ends: where light hardly loses anything a path leaves hundreds, each on
+/// several discs, and fewer paths tell as much.
+const MOST_LANDED: usize = 1 << 16;
+
 impl Pilot {
     /// Traces `paths` more, started by `starts`.
     pub fn run(&mut self, task: &Task<'_>, paths: u64, starts: Option<Starts>, bounds: &EmissionBounds<'_>) {
@@ -65,7 +69,10 @@ impl Pilot {
         let job = TraceJob { key, paths, ..*task.job };
         let chunks = in_chunks(paths, 0, task.halt, |range| {
             let mut part = Part::default();
-            for i in range.take_while(|_| !task.halt.stopped()) {
+            for i in range {
+                if task.halt.stopped() || part.landed.len() > MOST_LANDED {
+                    break;
+                }
                 let mut sampler = path_sampler(&job, i);
                 let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
                 if let Some(start) = task.scene.start(pick, place, direction, starts.as_ref()) {
