@@ -13,6 +13,8 @@ use crate::scene::View;
 /// Rows of a block: a unit of parallel work is a band of the picture this high, walked in squares so
 /// that neighbouring lookups share cache lines.
 const BLOCK: usize = 8;
+
+/// Columns that are sampled together: enough to keep bundles of rays full when most paths have ended.
 const SQUARE: usize = 32;
 
 /// The sums before a pass.
