@@ -124,7 +124,14 @@ fn the_same_scene_is_described_alike_in_both_languages() {
     // One of them turns the lamp by a matrix, in single precision.
     let power = |said: &serde_json::Value| said["statistics"]["emitted_power"][0].as_f64().unwrap();
     assert!((power(&xml) / power(&pbrt) - 1.0).abs() < 1e-6);
-    assert_eq!(xml["plan"], pbrt["plan"]);
+    // What a pilot measures differs with the rounding; what it leads to is the same.
+    assert_eq!(xml["plan"]["indirect"]["indirect"], pbrt["plan"]["indirect"]["indirect"]);
+    let decided = |said: &serde_json::Value| {
+        let mut plan = said["plan"].as_object().unwrap().clone();
+        ["indirect", "global_paths", "caustic_paths"].iter().for_each(|name| drop(plan.remove(*name)));
+        plan
+    };
+    assert_eq!(decided(&xml), decided(&pbrt));
     let text = inspect(&scenes, &["cornell-glass.pbrt"]);
     assert!(text.contains("nothing: all of the scene is rendered"), "{text}");
 }
