@@ -56,13 +56,8 @@ impl Irradiance {
     }
 
     /// How many places.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.places.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Memory of the places.

@@ -136,13 +136,7 @@ pub fn shrinkage(pass: u32, alpha: f64) -> f64 {
 
 /// Mean over passes of r² of pass 0 over r² of the pass: by how much the variance of a photon grows as radii shrink.
 pub fn growth(passes: u32, alpha: f64) -> f64 {
-    let mut square = 1.0;
-    let mut sum = 1.0;
-    for i in 1..passes {
-        square *= (f64::from(i) + alpha) / (f64::from(i) + 1.0);
-        sum += 1.0 / square;
-    }
-    sum / f64::from(passes.max(1))
+    (0..passes).map(|pass| 1.0 / shrinkage(pass, alpha)).sum::<f64>() / f64::from(passes)
 }
 
 #[cfg(test)]

@@ -9,4 +9,4 @@ pub mod walk;
 
 pub use class::{Owner, PathClass};
 pub use vertex::Vertex;
-pub use visibility::{shadow_ray, transparency, visibility};
+pub use visibility::{ray_to, shadow_ray, transparency, visibility};

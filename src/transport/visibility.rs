@@ -55,7 +55,12 @@ fn transparency_along(scene: &Scene, mut ray: Ray, sample: &DirectSample, segmen
 /// The ray that decides whether a direct sample is visible from `s`.
 #[inline(always)]
 pub fn shadow_ray(s: &Surface, sample: &DirectSample) -> Ray {
-    let o = s.origin(sample.dir);
+    ray_to(s.origin(sample.dir), sample)
+}
+
+/// The same from a point that has left its surface.
+#[inline(always)]
+pub fn ray_to(o: Vec3, sample: &DirectSample) -> Ray {
     match sample.target {
         Some(target) => Ray { o, d: target - o, tmax: 1.0 },
         None => Ray::new(o, sample.dir),

@@ -201,8 +201,10 @@ fn rate(task: &Task<'_>, candidates: &[Candidate<'_>], rays: Option<u32>) -> Vec
     let looks: Vec<&Seen> = candidates.iter().map(|c| &c.seen).collect();
     let reference = Reference::of(&looks);
     let pixels = task.view.film.pixel_count();
+    // All candidates gather first at the same places.
+    let pixel = candidates.first().map_or(0.0, |c| radius::pixel(&c.mapper.gather_places()));
     let rated = |(at, c): (usize, &Candidate<'_>)| {
-        let parts = c.seen.parts(&reference, scale(task, &c.mapper), pixels);
+        let parts = c.seen.parts(&reference, scale(task, &c.mapper, pixel), pixels);
         let gather_rays = c.mapper.settings.gather_rays.0.unwrap_or(1);
         Rated { indirect: c.indirect, gather_rays, parts, error: error(&parts), at }
     };
@@ -215,11 +217,11 @@ fn rate(task: &Task<'_>, candidates: &[Candidate<'_>], rays: Option<u32>) -> Vec
     all
 }
 
-/// By how much the variance of a photon differs in the render: it goes with the area of the disc.
-fn scale(task: &Task<'_>, mapper: &PhotonMapper<'_>) -> [f64; 2] {
+/// By how much the variance of a photon differs in the render: it goes with the area of the disc. `pixel` is the size of
+/// a pixel where the camera gathers.
+fn scale(task: &Task<'_>, mapper: &PhotonMapper<'_>, pixel: f32) -> [f64; 2] {
     let settings = Settings { indirect: mapper.settings.indirect, ..task.settings.clone() };
     let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
-    let pixel = radius::pixel(&mapper.gather_places());
     let wanted = [plan.global_paths, plan.caustic_paths];
     let mut scales = [1.0; 2];
     for ((map, wanted), scale) in mapper.maps().into_iter().zip(wanted).zip(&mut scales) {

@@ -50,7 +50,7 @@ pub struct Maps {
     caustic: Option<PassMap>,
 }
 
-/// Light paths of the pilot that finds where light from infinity comes in.
+/// Light paths of the pilot that tells how many photons a pass will leave.
 const PILOT: u64 = 1 << 17;
 
 /// Light paths above which a pilot counts the photons that they will leave, before memory is taken for

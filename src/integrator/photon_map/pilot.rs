@@ -136,7 +136,7 @@ impl PhotonMapper<'_> {
     fn build_counted(&self, map: &Map, pass: u32) -> (Option<super::maps::PassMap>, Built) {
         let mut stats = PassStats::default();
         let built = self.build(map, pass, self.halts[0], &mut stats);
-        let places = built.as_ref().and_then(|m| m.irradiance.as_ref()).map_or(0, |known| known.len());
+        let places = built.as_ref().and_then(|m| m.irradiance.as_ref()).map_or(0, |known| known.count());
         let work = PHOTON_RAY * stats.photon_rays as f64
             + STORED * stats.photons as f64
             + KNOWN_PLACE * places as f64;

@@ -8,6 +8,7 @@ use crate::photon::Photon;
 use crate::photon::radius::{self, Place};
 use crate::sampling::{CounterRng, warp};
 use crate::scene::Scene;
+use crate::transport::ray_to;
 
 /// Where a map is read.
 #[derive(Clone, Copy, Debug)]
@@ -150,12 +151,8 @@ fn direct_light(scene: &Scene, spot: &Spot, rng: &mut CounterRng) -> f32 {
     let one = |_| {
         let (pick, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
         let light = scene.sample_direct(spot.p, pick, u)?;
-        let ray = match light.target {
-            Some(target) => Ray { o, d: target - o, tmax: 1.0 },
-            None => Ray::new(o, light.dir),
-        };
         let value = light.value.max_element() * light.dir.dot(spot.n);
-        (value > 0.0 && value.is_finite() && !scene.geometry.occluded(&ray)).then_some(value)
+        (value > 0.0 && value.is_finite() && !scene.geometry.occluded(&ray_to(o, &light))).then_some(value)
     };
     (0..LOOKS).filter_map(one).sum::<f32>() / LOOKS as f32
 }
