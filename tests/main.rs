@@ -42,4 +42,5 @@ mod tidy;
 mod transmission;
 mod twins;
 mod verdict;
+mod volume;
 mod watertight;

@@ -9,6 +9,7 @@ pub mod radius;
 mod scan;
 pub mod store;
 pub mod trace;
+pub mod volume;
 
 pub use boundary::Boundary;
 pub use estimate::{Estimator, Gather, GatherPoint};
