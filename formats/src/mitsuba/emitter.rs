@@ -71,7 +71,7 @@ impl<'a> Reader<'a> {
         let kind = reader(self, &mut props);
         let (name, origin) = (props.name(), props.origin());
         self.finish(props);
-        self.scene.emitters.extend(kind.map(|kind| Emitter { name, origin, kind }));
+        self.scene.emitters.extend(kind.map(|kind| Emitter { name, origin, kind, medium: None }));
     }
 
     /// What the emitter inside a shape makes of it. Only some emitters shine from the surface; Mitsuba 2 and 3 take

@@ -58,6 +58,7 @@ impl<'a> Reader<'a> {
             groups: Arena::default(),
             bsdfs: Arena::default(),
             textures: Arena::default(),
+            media: Arena::default(),
             emitters: Vec::new(),
         };
         Self {

@@ -84,6 +84,7 @@ impl<'a> Reader<'a> {
             lens,
             film: self.film(film, props.origin()),
             sampler: self.sampler(sampler),
+            medium: None,
         };
         if let Some(nested) = props.child(Class::Rfilter) {
             let text = "a reconstruction filter belongs inside the <film>, not beside it: it is ignored";

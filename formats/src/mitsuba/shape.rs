@@ -147,6 +147,7 @@ impl<'a> Reader<'a> {
             emission,
             flip_normals,
             alpha: None,
+            media: None,
             kind: ShapeKind::Cube,
         };
         if to_world.inverse().is_none() {

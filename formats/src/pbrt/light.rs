@@ -36,7 +36,7 @@ impl Reader<'_> {
         let kind = reader(self, &mut p);
         let origin = p.origin();
         self.done(p);
-        self.scene.emitters.extend(kind.map(|kind| Emitter { name: None, origin, kind }));
+        self.scene.emitters.extend(kind.map(|kind| Emitter { name: None, origin, kind, medium: None }));
     }
 
     /// The emission that the current area light gives a shape.

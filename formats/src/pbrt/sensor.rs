@@ -76,6 +76,7 @@ impl Reader<'_> {
             lens: (lens_radius > 0.0).then_some(Lens { aperture_radius: lens_radius, focus_distance }),
             film,
             sampler: self.sampler(world),
+            medium: None,
         };
         self.done(p);
         self.scene.sensors.push(sensor);
