@@ -25,6 +25,8 @@ pub struct Facts {
     pub transmission: bool,
     /// Shadow rays look through masks and index-matched boundaries.
     pub transparent_shadows: bool,
+    /// Something fills a part of space. Without media, nothing about them is ever computed.
+    pub media: bool,
     /// Light comes from infinity.
     pub environment: bool,
     /// There are textures.
@@ -49,6 +51,7 @@ impl Facts {
             many_lobes: scene.materials.iter().any(|m| m.chooses_lobes()),
             transmission: natures().any(|n| n.transmits),
             transparent_shadows: scene.materials.iter().any(|m| m.passes_shadow_rays()),
+            media: !scene.media.is_empty(),
             environment,
             textured: !scene.textures.0.is_empty(),
             instances: !scene.geometry.instances.is_empty(),

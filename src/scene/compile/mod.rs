@@ -159,6 +159,8 @@ pub fn compile(
         shapes: shapes.records,
         materials: b.materials.finish(),
         textures,
+        media: Vec::new(),
+        lamp_media: vec![None; emitters.len()],
         emitters,
         emission,
         direct,
@@ -168,7 +170,8 @@ pub fn compile(
         numbers: shapes.numbers,
     };
     let hidden_lamps_are_transparent = ir.hide_emitters == ir::HideEmitters::Surface;
-    let view = View { sensor, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
+    let view =
+        View { sensor, medium: None, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
     let facts = Facts::of(&scene);
     Ok(Compiled { scene, facts, view, settings, warnings: b.diagnostics })
 }
