@@ -114,6 +114,7 @@ fn photons_take_the_memory_that_was_told() {
     assert!(held <= expected && held * 3 > expected * 2, "{held} bytes held, {expected} told");
     // Chunks of light paths that leave no photon.
     let dark = TraceJob {
+        beams: false,
         all: false,
         key: 1,
         paths: 512 * CHUNK,

@@ -5,9 +5,12 @@ mod boundary;
 pub mod estimate;
 mod find;
 pub mod irradiance;
+mod job;
+mod media;
 pub mod radius;
 mod scan;
 pub mod store;
+mod surfaces;
 pub mod trace;
 pub mod volume;
 

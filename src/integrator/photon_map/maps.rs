@@ -234,6 +234,7 @@ fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
         all,
         next_event: s.nee,
         caustic_map: plan.caustic_map,
+        beams: false,
         glossy: s.glossy,
         // Behind two rough surfaces the camera path has one segment more; no limit stays none.
         max_depth: if all && s.max_depth != Limit::NONE {

@@ -9,6 +9,7 @@
 
 pub mod beams;
 pub mod estimate;
+pub mod flight;
 mod morton;
 pub mod points;
 
