@@ -195,7 +195,7 @@ impl Passage for Even {
     fn phase(&self, _: Vec3, _: Vec3) -> f32 {
         (0.25 / PI) as f32
     }
-    fn scattering(&self, _: Vec3) -> Color {
+    fn scattering(&self, _: Vec3, _: Vec3) -> Color {
         Color::splat(0.7)
     }
 }

@@ -106,7 +106,7 @@ struct Rated {
 pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Aims>) {
     match choose(task, halts) {
         Some((settings, _, aims)) => (settings, Some(aims)),
-        None => (without_choice(task.settings), None),
+        None => (without_choice(&task), None),
     }
 }
 
@@ -114,14 +114,17 @@ pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Op
 pub fn decided(task: Task<'_>) -> (Plan, Option<Choice>) {
     let (settings, choice) = match choose(task, [Halt::default(); 2]) {
         Some((settings, choice, _)) => (settings, Some(choice)),
-        None => (without_choice(task.settings), None),
+        None => (without_choice(&task), None),
     };
     (Plan::new(task.facts, &settings, task.view.film.pixel_count()), choice)
 }
 
-/// Settings where nothing has to be measured.
-fn without_choice(settings: &Settings) -> Settings {
-    let indirect = if settings.indirect == Indirect::Auto { Indirect::Density } else { settings.indirect };
+/// Settings where nothing has to be measured. In scenes with media, what is scattered in them is found along camera
+/// paths up to the first rough surface, and no farther.
+fn without_choice(task: &Task<'_>) -> Settings {
+    let settings = task.settings;
+    let open = settings.indirect == Indirect::Auto || task.facts.media;
+    let indirect = if open { Indirect::Density } else { settings.indirect };
     Settings { indirect, ..settings.clone() }
 }
 
@@ -133,6 +136,7 @@ fn is_open(task: &Task<'_>) -> bool {
         && (s.neighbours, s.alpha) == (d.neighbours, d.alpha);
     let plan = Plan::new(task.facts, s, task.view.film.pixel_count());
     s.indirect == Indirect::Auto
+        && !task.facts.media
         && s.mode == Mode::Progressive
         && s.nee
         && s.caustic_map

@@ -225,7 +225,8 @@ impl Map {
     }
 }
 
-fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
+/// What the light paths of a map are traced for.
+pub(super) fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
     let all = s.indirect == Indirect::Gather && owner == Owner::GlobalMap;
     TraceJob {
         key: mix(s.seed ^ 0x9d07_0b5e),

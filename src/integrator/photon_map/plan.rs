@@ -9,6 +9,9 @@ const LEAST_PATHS: u64 = 1024;
 /// The same for a map that is read at the second rough surface: what it costs is shared by many lookups.
 const LEAST_GATHERED: u64 = 1 << 16;
 
+/// The same for photons in media: volumes are larger than surfaces.
+const LEAST_IN_MEDIA: u64 = 1 << 14;
+
 /// The photon maps of a render; what is not needed is neither traced nor stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
@@ -22,6 +25,10 @@ pub struct Plan {
     pub global_paths: Count,
     /// The same for the caustic map.
     pub caustic_paths: Count,
+    /// Photons or beams in media.
+    pub volume_map: bool,
+    /// The same for these.
+    pub volume_paths: Count,
 }
 
 impl Plan {
@@ -32,6 +39,8 @@ impl Plan {
         caustics: false,
         global_paths: Count::Paths(0),
         caustic_paths: Count::Paths(0),
+        volume_map: false,
+        volume_paths: Count::Paths(0),
     };
 
     /// For a picture of `pixels` pixels, which automatic path counts follow.
@@ -53,6 +62,8 @@ impl Plan {
             given => given,
         };
         let caustic_map = caustics && settings.caustic_map;
+        // Without next event estimation it holds single scattering as well.
+        let volume_map = lit && facts.media && deepest >= if settings.nee { 3 } else { 2 };
         // Most caustic paths end at the first rough surface, after one ray: four times as many cost the
         // same, and what they show is sharper.
         let pixels = pixels as u64;
@@ -67,6 +78,8 @@ impl Plan {
                 global,
             ),
             caustic_paths: paths(caustic_map, settings.caustic_photons, pixels),
+            volume_map,
+            volume_paths: paths(volume_map, settings.volume_photons, pixels.max(LEAST_IN_MEDIA)),
         }
     }
 

@@ -1,8 +1,9 @@
 //! Before the first pass: where light is sent, how many light paths a pass traces, and the
 //! first search radii.
 
-use super::PhotonMapper;
+use super::super::Task;
 use super::maps::Map;
+use super::{PhotonMapper, Plan};
 use crate::emitter::Aim;
 use crate::photon::aim::Sights;
 use crate::photon::radius;
@@ -34,6 +35,12 @@ impl PhotonMapper<'_> {
             }
             map.count_paths(scene, halt);
             map.measure(scene, &places, halt);
+        }
+        let plan = Plan::new(self.task.facts, &self.settings, self.task.view.film.pixel_count());
+        if plan.volume_map {
+            let segments = self.segments();
+            let task = Task { settings: &self.settings, ..self.task };
+            self.volume_choice = Some(self.volume.measure(&task, &plan, &segments, halt));
         }
     }
 

@@ -16,8 +16,8 @@ pub trait Passage {
     fn transmittance(&self, t: f32) -> Color;
     /// Phase function at `p`, 1/sr, of light that comes from the unit direction `wi` and goes back along the segment.
     fn phase(&self, p: Vec3, wi: Vec3) -> f32;
-    /// Scattering coefficient at `p`, 1/length.
-    fn scattering(&self, p: Vec3) -> Color;
+    /// Scattering coefficient at `p` of light that goes along the unit direction `d`, 1/length.
+    fn scattering(&self, p: Vec3, d: Vec3) -> Color;
 }
 
 /// The segment that light is wanted for, and what of the photons counts.
@@ -79,7 +79,7 @@ impl BeamMap {
             }
             let phase = at.passage.phase(crossing.p, -crossing.d);
             let flux = Color::from_lanes(self.flux.each_ref().map(|lane| lane[i]));
-            let scattered = flux * at.passage.scattering(crossing.p);
+            let scattered = flux * at.passage.scattering(crossing.p, crossing.d);
             sum += scattered * at.passage.transmittance(crossing.t) * (phase * crossing.weight);
         }
         sum
