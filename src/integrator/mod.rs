@@ -9,9 +9,11 @@ mod path;
 pub mod photon_map;
 mod shadows;
 mod sight;
+mod volpath;
 
 pub use path::PathTracer;
 pub use photon_map::PhotonMapper;
+pub use volpath::VolumePathTracer;
 
 use crate::film::{Radiance, Rejected};
 use crate::math::Ray;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::aovs::Eye;
 use super::bands::{Bands, Before};
 use crate::film::{Aov, Pixels, Rejected};
-use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task};
+use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task, VolumePathTracer};
 use crate::math::Vec2;
 use crate::photon::trace::Halt;
 use crate::settings::IntegratorKind;
@@ -147,6 +147,10 @@ pub fn render(
 ) -> Outcome {
     let start = Instant::now();
     match task.settings.integrator {
+        IntegratorKind::Path if task.facts.media => {
+            let integrator = VolumePathTracer::new(task);
+            run(task, &integrator, budget, sums, start, progress)
+        }
         IntegratorKind::Path => {
             let integrator = PathTracer::new(task);
             run(task, &integrator, budget, sums, start, progress)
