@@ -49,7 +49,7 @@ impl Majorants {
                 let values = largest(&bound, grid.size, &ranges);
                 Self { to_local: Some(to_local), size, values }
             }
-            _ => Self { to_local: None, size: [1; 3], values: vec![volume.largest() * factor] },
+            (_, to_local) => Self { to_local, size: [1; 3], values: vec![volume.largest() * factor] },
         }
     }
 

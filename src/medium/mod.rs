@@ -5,6 +5,7 @@
 //! length; distances along it are in units of that length, as everywhere.
 
 mod carried;
+mod cloud;
 mod grid;
 mod heterogeneous;
 mod homogeneous;
@@ -13,12 +14,13 @@ pub mod phase;
 mod volume;
 
 pub use carried::{Carried, Passage};
+pub use cloud::Cloud;
 pub use grid::{Beyond, Grid, Nodes, Reading};
 pub use heterogeneous::{Heterogeneous, Scattering};
 pub use homogeneous::Homogeneous;
 pub use majorants::{Majorants, Segment, Segments};
 pub use phase::{Phase, PhaseSample};
-pub use volume::{Matrices, Symmetric, Volume};
+pub use volume::{Matrices, Ramp, Symmetric, Volume};
 
 use crate::math::{Color, Ray, Vec3, closed_enum};
 use crate::sampling::Sampler;

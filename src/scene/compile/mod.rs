@@ -11,6 +11,7 @@ mod interfaces;
 mod lamps;
 mod light_image;
 mod materials;
+mod media;
 mod partial;
 mod principled;
 mod sensor;
@@ -68,6 +69,7 @@ struct Compiler<'a> {
     diagnostics: Vec<Diagnostic>,
     textures: textures::TextureTable,
     materials: materials::MaterialTable,
+    media: media::MediumTable,
     /// The author's coordinates of the compiled scene's (0, 0, 0).
     origin: [f64; 3],
 }
@@ -130,6 +132,7 @@ pub fn compile(
         diagnostics: Vec::new(),
         textures: textures::TextureTable::default(),
         materials: materials::MaterialTable::default(),
+        media: media::MediumTable::default(),
         origin: [0.0; 3],
     };
     let sensor = sensor::choose(&mut b);
@@ -144,7 +147,9 @@ pub fn compile(
         shapes::build(&mut b, meshes, camera)
     });
     let mut emitters = shapes.emitters;
-    let environments = emitters::build(&mut b, shapes.origin, &mut emitters);
+    let mut lamp_media = vec![None; emitters.len()];
+    let environments = emitters::build(&mut b, shapes.origin, &mut emitters, &mut lamp_media);
+    let medium = sensor.and_then(|s| b.medium(s.medium));
     let camera = sensor.map(|s| (sensor::build(&mut b, s, shapes.origin), sensor::response(&s.film)));
     let settings = integrator::settings(&mut b);
     b.settle();
@@ -159,8 +164,8 @@ pub fn compile(
         shapes: shapes.records,
         materials: b.materials.finish(),
         textures,
-        media: Vec::new(),
-        lamp_media: vec![None; emitters.len()],
+        media: b.media.finish(),
+        lamp_media,
         emitters,
         emission,
         direct,
@@ -171,7 +176,7 @@ pub fn compile(
     };
     let hidden_lamps_are_transparent = ir.hide_emitters == ir::HideEmitters::Surface;
     let view =
-        View { sensor, medium: None, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
+        View { sensor, medium, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
     let facts = Facts::of(&scene);
     Ok(Compiled { scene, facts, view, settings, warnings: b.diagnostics })
 }
