@@ -86,7 +86,7 @@ impl<'a> PhotonMapper<'a> {
         let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
         let (global, caustic) = (Map::global(&settings, &plan), Map::caustic(&settings, &plan));
         let volume = VolumeMap::new(&settings, &plan);
-        let single = task.facts.media.then(|| VolumePathTracer::new(task));
+        let single = task.facts.media.then(|| VolumePathTracer::once(task));
         let (volume_choice, kept) = (None, OnceLock::new());
         Self { task, settings, halts, global, caustic, volume, volume_choice, single, kept }
     }

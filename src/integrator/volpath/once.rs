@@ -1,13 +1,18 @@
 //! Light of lamps that a medium scatters once into a ray: what photon mapping leaves to shadow rays.
 
 use super::{Step, VolumePathTracer, Walk};
-use crate::integrator::{CameraSample, Scratch};
+use crate::integrator::{CameraSample, Scratch, Task};
 use crate::math::{Color, Ray};
 use crate::medium::{Carried, MediumId};
 use crate::transport::PathClass;
 use crate::transport::media::MOST_PASSED;
 
-impl VolumePathTracer<'_> {
+impl<'a> VolumePathTracer<'a> {
+    /// For [`VolumePathTracer::scatter_once`]: after one scattering there is one ray left.
+    pub fn once(task: Task<'a>) -> Self {
+        Self { max_depth: 2, ..Self::new(task) }
+    }
+
     /// Adds what comes along `part`, of a unit direction and in `medium` all along, times `throughput`.
     pub fn scatter_once(
         &self,
@@ -25,8 +30,7 @@ impl VolumePathTracer<'_> {
             class: PathClass::FROM_CAMERA,
             pdf: 0.0,
             from: part.o,
-            // One scattering is left, and the ray after it.
-            depth: self.max_depth.saturating_sub(2),
+            depth: 0,
             passed: 0,
         };
         let MediumId(index) = medium;
