@@ -159,12 +159,14 @@ pub fn compile(
     };
     let textures = b.textures.finish();
     let (direct, emission) = emitter_distributions(&emitters, &textures, &shapes.sphere);
-    let scene = Scene {
+    let (media, medium_names) = b.media.finish();
+    let mut scene = Scene {
         geometry: shapes.geometry,
         shapes: shapes.records,
         materials: b.materials.finish(),
         textures,
-        media: b.media.finish(),
+        media,
+        medium_names,
         lamp_media,
         emitters,
         emission,
@@ -178,5 +180,9 @@ pub fn compile(
     let view =
         View { sensor, medium, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
     let facts = Facts::of(&scene);
+    if facts.media {
+        b.diagnostics.extend(media::check(ir, &scene, &view));
+        scene.place_lamps(view.sensor.position, view.medium);
+    }
     Ok(Compiled { scene, facts, view, settings, warnings: b.diagnostics })
 }
