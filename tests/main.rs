@@ -32,6 +32,7 @@ mod layers;
 mod light_tracing;
 mod lights;
 mod map;
+mod media;
 mod nee;
 mod noise;
 mod normals;

@@ -7,7 +7,7 @@ use crate::emitter::Emitter;
 /// Facts of a compiled scene, gathered once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facts {
-    /// There is an emitter. Without one the picture is black.
+    /// There is an emitter, or a medium that emits. Without one the picture is black.
     pub lit: bool,
     /// More than one emitter: a random number decides which one is sampled.
     pub many_lamps: bool,
@@ -43,7 +43,7 @@ impl Facts {
         let environment = !scene.environments.is_empty();
         let widened = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self {
-            lit: !scene.emitters.is_empty(),
+            lit: !scene.emitters.is_empty() || scene.media.iter().any(|m| m.emits()),
             many_lamps: scene.emitters.len() > 1,
             large_lamps: environment || scene.emitters.iter().any(large),
             specular: natures().any(|n| n.delta),

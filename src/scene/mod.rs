@@ -4,6 +4,7 @@ pub mod compile;
 mod facts;
 mod geometry;
 mod lamps;
+mod media;
 mod shown;
 mod surface;
 mod view;
@@ -60,6 +61,8 @@ pub struct Scene {
     pub textures: Textures,
     /// What boundaries and lamps refer to.
     pub media: Vec<Medium>,
+    /// Their names, by the author or by number.
+    pub medium_names: Vec<String>,
     /// Lamps of all kinds: shapes that emit first.
     pub emitters: Vec<Emitter>,
     /// What each lamp stands in, where its own shape is no boundary.

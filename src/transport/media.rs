@@ -1,13 +1,12 @@
 //! Rays through media. A medium changes where a surface is a boundary, whether light is refracted there or passes
 //! straight through.
 //!
-//! What lies behind a boundary is what the boundary says, whatever the ray was in before: a scene whose boundaries
-//! contradict each other has a picture, the same as in Mitsuba and pbrt.
+//! [`Scene::medium_beyond`] says what lies behind one.
 
 use super::{shadow_ray, transparency};
 use crate::emitter::DirectSample;
-use crate::math::{Color, Ray, Vec3};
-use crate::medium::{Medium, MediumId, Passage};
+use crate::math::{Color, Ray};
+use crate::medium::{MediumId, Passage};
 use crate::sampling::Sampler;
 use crate::scene::{Scene, Surface};
 
@@ -71,23 +70,5 @@ fn onward(at: &Surface, light: &DirectSample) -> Option<Ray> {
     match light.target {
         Some(_) if ray.d.dot(light.dir) <= 0.0 => None,
         _ => Some(ray),
-    }
-}
-
-impl Scene {
-    /// What a ray that goes on from `s` along `d` is in, if it was in `now` before.
-    #[inline(always)]
-    pub fn medium_beyond(&self, s: &Surface, d: Vec3, now: Option<MediumId>) -> Option<MediumId> {
-        match self.shapes[s.shape as usize].boundary {
-            Some(boundary) if s.ng.dot(d) > 0.0 => boundary.outside,
-            Some(boundary) => boundary.inside,
-            None => now,
-        }
-    }
-
-    /// The medium itself; `None` is vacuum.
-    #[inline(always)]
-    pub fn medium(&self, id: Option<MediumId>) -> Option<&Medium> {
-        id.map(|MediumId(index)| &self.media[index as usize])
     }
 }

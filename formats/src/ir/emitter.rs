@@ -120,6 +120,13 @@ kinds! {
     }
 }
 
+impl EmitterKind {
+    /// Whether its light comes from beyond the scene.
+    pub fn is_far(&self) -> bool {
+        self.fills_the_sky() || matches!(self, Self::Directional { .. })
+    }
+}
+
 file! { LightImage }
 plain! { SpotFalloff, EnvironmentMapping }
 

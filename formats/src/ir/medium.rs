@@ -166,6 +166,16 @@ kinds! {
 }
 
 impl Phase {
+    /// Whether flakes along the medium's `orientation` scatter any of the light; without one there are none.
+    pub fn has_flakes(&self) -> bool {
+        match self {
+            Self::Microflake { .. } => true,
+            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.has_flakes()),
+            Self::Blend { parts, .. } => parts.iter().any(Self::has_flakes),
+            _ => false,
+        }
+    }
+
     /// Whether it depends on the place.
     pub fn varies(&self) -> bool {
         match self {

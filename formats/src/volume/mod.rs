@@ -1,8 +1,10 @@
 //! Volume files: bytes to grids of numbers. Values are as stored; none of them is infinite or not a number.
 
+mod bricks;
+mod nvdb;
 mod vol;
 
-use crate::ir::{Transform, VolumeFormat};
+use crate::ir::{GridValues, Transform, VolumeFormat};
 
 /// Values on a regular grid of points.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +22,7 @@ pub struct Grid {
 enum Store {
     /// x fastest; the channels of a point stand together.
     Dense(Vec<f32>),
+    Bricks(bricks::Bricks),
 }
 
 impl Grid {
@@ -28,12 +31,15 @@ impl Grid {
     /// # Panics
     /// If there is no such point or channel.
     pub fn value(&self, point: [u32; 3], channel: u32) -> f32 {
+        let in_range = (0..3).all(|i| point[i] < self.resolution[i]) && channel < self.channels;
+        assert!(in_range, "point {point:?}, channel {channel} of a grid of {:?}", self.resolution);
         let [x, y, z] = point.map(|i| i as usize);
         let [nx, ny, _] = self.resolution.map(|n| n as usize);
         match &self.store {
             Store::Dense(values) => {
                 values[((z * ny + y) * nx + x) * self.channels as usize + channel as usize]
             }
+            Store::Bricks(bricks) => bricks.value(point),
         }
     }
 
@@ -41,7 +47,16 @@ impl Grid {
     pub fn bytes(&self) -> usize {
         match &self.store {
             Store::Dense(values) => size_of_val(values.as_slice()),
+            Store::Bricks(bricks) => bricks.bytes(),
         }
+    }
+}
+
+impl From<&GridValues> for Grid {
+    /// The values of a scene file; their box is the scene's matter.
+    fn from(values: &GridValues) -> Self {
+        let GridValues { resolution, channels, values } = values.clone();
+        Self { resolution, channels, place: None, store: Store::Dense(values) }
     }
 }
 
@@ -82,6 +97,14 @@ pub enum VolumeError {
 pub fn read(bytes: &[u8], format: &VolumeFormat) -> Result<Grid, VolumeError> {
     match format {
         VolumeFormat::Vol => vol::read(bytes),
-        VolumeFormat::NanoVdb { .. } => Err(VolumeError::Unsupported("of NanoVDB".to_owned())),
+        VolumeFormat::NanoVdb { grid } => nvdb::read(bytes, grid),
     }
+}
+
+/// The names of the grids in a NanoVDB file.
+///
+/// # Errors
+/// When the file is malformed, or has what is not supported.
+pub fn grid_names(bytes: &[u8]) -> Result<Vec<String>, VolumeError> {
+    nvdb::names(bytes)
 }

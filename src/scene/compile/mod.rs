@@ -100,6 +100,16 @@ impl Compiler<'_> {
         self.diagnostics.push(problem.unsupported());
     }
 
+    /// Media that something is in or around.
+    fn refuse_media(&mut self) {
+        let uses = ir::Uses::of(self.ir);
+        for (id, medium) in self.ir.media.iter().filter(|(id, _)| uses.count(*id) > 0) {
+            let name =
+                medium.name.as_ref().map_or_else(|| format!("#{}", id.index()), |name| format!("`{name}`"));
+            self.unsupported(&format!("participating medium {name}"), "vacuum", medium.origin);
+        }
+    }
+
     fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Color {
         // The rules differ in spectra only; what range a plain RGB may have is the file's own matter.
         let spectral = !matches!(color, ir::Color::Gray(_) | ir::Color::Rgb(_) | ir::Color::Srgb(_));
@@ -135,6 +145,7 @@ pub fn compile(
         media: media::MediumTable::default(),
         origin: [0.0; 3],
     };
+    b.refuse_media();
     let sensor = sensor::choose(&mut b);
     let camera = sensor.map(|s| s.to_world.point([0.0; 3]));
     let shapes = rayon::scope(|scope| {
@@ -159,12 +170,14 @@ pub fn compile(
     };
     let textures = b.textures.finish();
     let (direct, emission) = emitter_distributions(&emitters, &textures, &shapes.sphere);
-    let scene = Scene {
+    let (media, medium_names) = b.media.finish();
+    let mut scene = Scene {
         geometry: shapes.geometry,
         shapes: shapes.records,
         materials: b.materials.finish(),
         textures,
-        media: b.media.finish(),
+        media,
+        medium_names,
         lamp_media,
         emitters,
         emission,
@@ -178,5 +191,9 @@ pub fn compile(
     let view =
         View { sensor, medium, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
     let facts = Facts::of(&scene);
+    if facts.media {
+        b.diagnostics.extend(media::check(ir, &scene, &view));
+        scene.place_lamps(view.sensor.position, view.medium);
+    }
     Ok(Compiled { scene, facts, view, settings, warnings: b.diagnostics })
 }

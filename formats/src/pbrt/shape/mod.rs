@@ -104,7 +104,7 @@ impl Reader<'_> {
             emission,
             flip_normals: self.state.reverse,
             alpha,
-            media: None,
+            media: self.media_of_shape(),
         };
         match self.open_group {
             Some(group) => self.scene.groups[group].shapes.push(shape),

@@ -1,9 +1,12 @@
 //! Media of the IR → media.
 
+mod check;
 mod coefficients;
 mod emission;
 mod phase;
 mod volumes;
+
+pub use check::check;
 
 use std::collections::HashMap;
 
@@ -20,12 +23,13 @@ use crate::medium::{
 #[derive(Default)]
 pub struct MediumTable {
     media: Vec<Medium>,
+    names: Vec<String>,
     known: HashMap<usize, Option<MediumId>>,
 }
 
 impl MediumTable {
-    pub fn finish(self) -> Vec<Medium> {
-        self.media
+    pub fn finish(self) -> (Vec<Medium>, Vec<String>) {
+        (self.media, self.names)
     }
 }
 
@@ -37,8 +41,12 @@ impl Compiler<'_> {
             return *known;
         }
         let ir = self.ir;
-        let made = self.build_medium(&ir.media[id]).map(|medium| {
-            self.media.media.push(medium);
+        let medium = &ir.media[id];
+        let made = self.build_medium(medium).map(|built| {
+            self.media.media.push(built);
+            self.media
+                .names
+                .push(medium.name.clone().unwrap_or_else(|| format!("number {}", id.index() + 1)));
             MediumId(self.media.media.len() as u32 - 1)
         });
         self.media.known.insert(id.index(), made);
