@@ -66,7 +66,12 @@ impl Session {
             return Ok(());
         }
         let named = |name: &str, count: Count| format!("setting `{name}` = {count}");
-        let counts = [("photons", self.settings.photons), ("caustic_photons", self.settings.caustic_photons)];
+        let s = &self.settings;
+        let counts = [
+            ("photons", s.photons),
+            ("caustic_photons", s.caustic_photons),
+            ("volume_photons", s.volume_photons),
+        ];
         // What no pilot is needed for comes first: it might not fit either.
         for (name, count) in counts {
             if let Count::Paths(n) = count {

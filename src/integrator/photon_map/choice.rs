@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::super::Task;
 use super::pilot::{Parts, Reference, Seen};
-use super::{PhotonMapper, Plan};
+use super::{PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::Aim;
 use crate::photon::radius;
 use crate::photon::trace::Halt;
@@ -110,13 +110,29 @@ pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Op
     }
 }
 
-/// The maps of a render, and what the pilot chose where something was open.
-pub fn decided(task: Task<'_>) -> (Plan, Option<Choice>) {
+/// What was decided before a render.
+#[derive(Clone, Debug)]
+pub struct Decided {
+    /// The maps.
+    pub plan: Plan,
+    /// How indirect light is computed, where that was open.
+    pub indirect: Option<Choice>,
+    /// What light leaves in media.
+    pub volume: Option<VolumeChoice>,
+}
+
+/// The maps of a render, and what pilots chose where something was open.
+pub fn decided(task: Task<'_>) -> Decided {
     let (settings, choice) = match choose(task, [Halt::default(); 2]) {
         Some((settings, choice, _)) => (settings, Some(choice)),
         None => (without_choice(&task), None),
     };
-    (Plan::new(task.facts, &settings, task.view.film.pixel_count()), choice)
+    let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
+    let volume = plan.volume_map.then(|| {
+        let mut mapper = PhotonMapper::unmeasured(task, settings, [Halt::default(); 2]);
+        mapper.measure_media(&plan)
+    });
+    Decided { plan, indirect: choice, volume }
 }
 
 /// Settings where nothing has to be measured. In scenes with media, what is scattered in them is found along camera

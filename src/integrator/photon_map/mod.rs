@@ -26,7 +26,7 @@ use crate::photon::trace::Halt;
 use crate::sampling::mix;
 use crate::settings::{Indirect, Mode, Settings};
 
-pub use choice::{Choice, decided};
+pub use choice::{Choice, Decided, decided};
 use maps::{Map, PassMap};
 pub use onward::Onward;
 pub use plan::Plan;
@@ -44,8 +44,6 @@ pub struct PhotonMapper<'a> {
     global: Map,
     caustic: Map,
     volume: VolumeMap,
-    /// What was measured for it.
-    volume_choice: Option<VolumeChoice>,
     /// Finds what media scatter once, in scenes with media.
     single: Option<VolumePathTracer<'a>>,
     /// Classic mode traces once.
@@ -87,8 +85,7 @@ impl<'a> PhotonMapper<'a> {
         let (global, caustic) = (Map::global(&settings, &plan), Map::caustic(&settings, &plan));
         let volume = VolumeMap::new(&settings, &plan);
         let single = task.facts.media.then(|| VolumePathTracer::once(task));
-        let (volume_choice, kept) = (None, OnceLock::new());
-        Self { task, settings, halts, global, caustic, volume, volume_choice, single, kept }
+        Self { task, settings, halts, global, caustic, volume, single, kept: OnceLock::new() }
     }
 
     /// The task with the settings that are in use.

@@ -63,7 +63,7 @@ impl Plan {
         };
         let caustic_map = caustics && settings.caustic_map;
         // Without next event estimation it holds single scattering as well.
-        let volume_map = lit && facts.media && deepest >= if settings.nee { 3 } else { 2 };
+        let volume_map = lit && facts.media_scatter && deepest >= if settings.nee { 3 } else { 2 };
         // Most caustic paths end at the first rough surface, after one ray: four times as many cost the
         // same, and what they show is sharper.
         let pixels = pixels as u64;
@@ -88,6 +88,9 @@ impl Plan {
         let mut notes = Vec::new();
         if !facts.sharper_than(settings.glossy) {
             notes.push("no specular surface: no caustic map".to_owned());
+        }
+        if facts.media {
+            notes.push("media: light of surfaces from photons at the first rough surface".to_owned());
         }
         if settings.nee && settings.max_depth.0 == 2 {
             notes.push("max_depth 2 is direct light only: no photon map".to_owned());

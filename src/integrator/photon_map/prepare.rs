@@ -3,7 +3,7 @@
 
 use super::super::Task;
 use super::maps::Map;
-use super::{PhotonMapper, Plan};
+use super::{PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::Aim;
 use crate::photon::aim::Sights;
 use crate::photon::radius;
@@ -38,10 +38,15 @@ impl PhotonMapper<'_> {
         }
         let plan = Plan::new(self.task.facts, &self.settings, self.task.view.film.pixel_count());
         if plan.volume_map {
-            let segments = self.segments();
-            let task = Task { settings: &self.settings, ..self.task };
-            self.volume_choice = Some(self.volume.measure(&task, &plan, &segments, halt));
+            self.measure_media(&plan);
         }
+    }
+
+    /// Measures what the settings leave open of light in media.
+    pub(super) fn measure_media(&mut self, plan: &Plan) -> VolumeChoice {
+        let segments = self.segments();
+        let task = Task { settings: &self.settings, ..self.task };
+        self.volume.measure(&task, plan, &segments, self.halts[0])
     }
 
     /// What the camera sees, for [`Map::take_aim`].
