@@ -38,6 +38,7 @@ mod plugin;
 mod read;
 pub mod sky;
 pub mod spectrum;
+pub mod volume;
 mod write;
 
 pub use language::{read_scene, write_scene};

@@ -8,7 +8,7 @@ use caustica::render::Budget;
 use caustica::session::{Options, Session};
 use caustica_formats::files::Memory;
 use caustica_formats::mesh::{self, MeshOptions};
-use caustica_formats::{ReadOptions, fourier, image, ir, read_scene};
+use caustica_formats::{ReadOptions, fourier, image, ir, read_scene, volume};
 
 use super::memory::most_held;
 
@@ -47,6 +47,15 @@ pub const TARGETS: &[Target] = &[
     Target { name: "pfm", growth: 4, run: |data| picture(b"P", data) },
     // JPEG, BMP and TGA: two bits end a block of 64 pixels.
     Target { name: "raster", growth: 4096 * 15, run: |data| picture(b"", data) },
+    // Sixteen bits for a direction of three floats.
+    Target { name: "vol", growth: 8, run: |data| volumes(&ir::VolumeFormat::Vol, data) },
+    // A leaf of 160 bytes holds 512 steps of one bit, each a float, kept twice while the list of bricks grows; four
+    // times as much may be reserved. Beside it is the table of bricks, of 32 MB at most.
+    Target {
+        name: "nvdb",
+        growth: 1032 * 4 * 13,
+        run: |data| volumes(&ir::VolumeFormat::NanoVdb { grid: "density".to_owned() }, data),
+    },
     Target { name: "render_mitsuba", growth: 4096, run: |data| render("scene.xml", data) },
     Target { name: "render_pbrt", growth: 4096, run: |data| render("scene.pbrt", data) },
 ];
@@ -108,6 +117,17 @@ fn meshes(format: ir::MeshFormat, data: &[u8]) {
             let count = mesh.positions.len();
             assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < count));
             assert!(mesh.positions.iter().flatten().all(|c| c.is_finite()));
+        }
+    }
+}
+
+/// All values that are read are numbers.
+fn volumes(format: &ir::VolumeFormat, data: &[u8]) {
+    let _ = volume::grid_names(data);
+    if let Ok(grid) = volume::read(data, format) {
+        let last = grid.resolution.map(|n| n - 1);
+        for point in [[0; 3], last, last.map(|i| i / 2)] {
+            assert!((0..grid.channels).all(|channel| grid.value(point, channel).is_finite()));
         }
     }
 }

@@ -53,6 +53,8 @@ pub enum Store {
     Textures,
     /// [`super::Scene::groups`].
     Groups,
+    /// [`super::Scene::media`].
+    Media,
 }
 
 /// What stands in an arena of the scene and can be referred to.

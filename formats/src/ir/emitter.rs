@@ -7,21 +7,27 @@ use serde::{Deserialize, Serialize};
 use super::Origin;
 use super::arena::Id;
 use super::color::Color;
+use super::medium::Medium;
 use super::sensor::{Fov, FovAxis};
 use super::sunsky::SunSky;
-use super::table::{file, kinds, plain};
+use super::table::{file, kinds, plain, record};
 use super::texture::{ColorInput, Texture, TextureEncoding};
 use super::transform::Transform;
 
-/// A light that is no shape.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Emitter {
-    /// The author's id, if any.
-    pub name: Option<String>,
-    /// Where it was written.
-    pub origin: Origin,
-    /// The light and its parameters.
-    pub kind: EmitterKind,
+record! {
+    /// A light that is no shape.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Emitter {
+        /// The author's id, if any.
+        pub name: Option<String>,
+        /// Where it was written.
+        pub origin: Origin,
+        /// The light and its parameters.
+        pub kind: EmitterKind,
+        /// The medium around it; `None` is vacuum.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub medium: Option<Id<Medium>>,
+    }
 }
 
 kinds! {
@@ -111,6 +117,13 @@ kinds! {
             /// Rescales the light to emit this many watts.
             power: Option<f64>,
         },
+    }
+}
+
+impl EmitterKind {
+    /// Whether its light comes from beyond the scene.
+    pub fn is_far(&self) -> bool {
+        self.fills_the_sky() || matches!(self, Self::Directional { .. })
     }
 }
 

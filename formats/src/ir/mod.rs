@@ -10,6 +10,7 @@ mod color;
 mod emitter;
 mod integrator;
 mod interface;
+mod medium;
 mod query;
 mod references;
 mod sensor;
@@ -18,6 +19,7 @@ mod sunsky;
 mod table;
 mod texture;
 mod transform;
+mod volume;
 
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +36,7 @@ pub use interface::{
     Coat, Conductor, ConductorMaterial, Dielectric, Ior, Microfacet, MicrofacetDistribution, Plastic,
     RoughnessRemap, Shadowing,
 };
+pub use medium::{Coefficients, Medium, MediumEmission, MediumInterface, Phase};
 pub use query::{Nature, Query, emits, uses_textures};
 pub use references::{Uses, canonical, parts};
 pub use sensor::{
@@ -50,6 +53,9 @@ pub use texture::{
     TextureKind, WrapMode,
 };
 pub use transform::Transform;
+pub use volume::{
+    Cloud, GridSamples, GridValues, Volume, VolumeData, VolumeFile, VolumeFilter, VolumeFormat, VolumeGrid,
+};
 
 use crate::diagnostic::Span;
 
@@ -76,6 +82,9 @@ pub struct Scene {
     pub bsdfs: Arena<Bsdf>,
     /// What BSDFs and emitters refer to.
     pub textures: Arena<Texture>,
+    /// What shapes, emitters and sensors refer to.
+    #[serde(default, skip_serializing_if = "Arena::is_empty")]
+    pub media: Arena<Medium>,
     /// Without area lamps, in file order.
     pub emitters: Vec<Emitter>,
 }

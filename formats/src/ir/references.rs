@@ -2,6 +2,7 @@
 
 use super::arena::{Arena, Id, Reference, Store, Stored};
 use super::bsdf::Bsdf;
+use super::medium::Medium;
 use super::shape::ShapeGroup;
 use super::table::Part;
 use super::texture::Texture;
@@ -15,12 +16,13 @@ pub fn canonical(scene: &Scene) -> Scene {
         spectrum_rule: scene.spectrum_rule,
         hide_emitters: scene.hide_emitters,
         integrator: scene.integrator.clone(),
-        sensors: scene.sensors.clone(),
+        sensors: Vec::new(),
         default_sensor: scene.default_sensor,
         shapes: Vec::new(),
         groups: Arena::default(),
         bsdfs: Arena::default(),
         textures: Arena::default(),
+        media: Arena::default(),
         emitters: Vec::new(),
     };
     let mut moves = Moves {
@@ -28,13 +30,16 @@ pub fn canonical(scene: &Scene) -> Scene {
         groups: vec![None; scene.groups.len()],
         bsdfs: vec![None; scene.bsdfs.len()],
         textures: vec![None; scene.textures.len()],
+        media: vec![None; scene.media.len()],
         new: &mut new,
     };
     let mut shapes = scene.shapes.clone();
     shapes.iter_mut().for_each(|shape| shape.references_mut(&mut |to| moves.follow(to)));
     let mut emitters = scene.emitters.clone();
-    emitters.iter_mut().for_each(|emitter| emitter.kind.references_mut(&mut |to| moves.follow(to)));
-    (new.shapes, new.emitters) = (shapes, emitters);
+    emitters.iter_mut().for_each(|emitter| emitter.references_mut(&mut |to| moves.follow(to)));
+    let mut sensors = scene.sensors.clone();
+    sensors.iter_mut().for_each(|sensor| sensor.medium.references_mut(&mut |to| moves.follow(to)));
+    (new.shapes, new.emitters, new.sensors) = (shapes, emitters, sensors);
     new
 }
 
@@ -44,6 +49,7 @@ struct Moves<'a> {
     groups: Vec<Option<Id<ShapeGroup>>>,
     bsdfs: Vec<Option<Id<Bsdf>>>,
     textures: Vec<Option<Id<Texture>>>,
+    media: Vec<Option<Id<Medium>>>,
 }
 
 impl Moves<'_> {
@@ -76,19 +82,25 @@ impl Moves<'_> {
             });
             self.groups[index] = Some(moved);
             *to = moved.into();
+        } else if let Some(id) = to.to::<Medium>() {
+            let moved = self.media[index].unwrap_or_else(|| self.new.media.push(self.old.media[id].clone()));
+            self.media[index] = Some(moved);
+            *to = moved.into();
         }
     }
 }
 
-/// Everything in a scene that may refer to something: all shapes, also those of groups, BSDFs, textures and
-/// emitters.
+/// Everything in a scene that may refer to something or be read from a file: all shapes, also those of groups,
+/// BSDFs, textures, emitters, media, and the media of sensors.
 pub fn parts(scene: &Scene) -> impl Iterator<Item = &dyn Part> {
     let groups = scene.groups.iter().flat_map(|(_, group)| &group.shapes);
     let shapes = groups.chain(&scene.shapes).map(|shape: &Shape| shape as &dyn Part);
     let bsdfs = scene.bsdfs.iter().map(|(_, bsdf)| &bsdf.kind as &dyn Part);
     let textures = scene.textures.iter().map(|(_, texture)| &texture.kind as &dyn Part);
-    let emitters = scene.emitters.iter().map(|emitter| &emitter.kind as &dyn Part);
-    shapes.chain(bsdfs).chain(textures).chain(emitters)
+    let emitters = scene.emitters.iter().map(|emitter| emitter as &dyn Part);
+    let media = scene.media.iter().map(|(_, medium)| medium as &dyn Part);
+    let sensors = scene.sensors.iter().map(|sensor| &sensor.medium as &dyn Part);
+    shapes.chain(bsdfs).chain(textures).chain(emitters).chain(media).chain(sensors)
 }
 
 /// How often each object of the arenas is referred to.
@@ -97,6 +109,7 @@ pub struct Uses {
     bsdfs: Vec<usize>,
     textures: Vec<usize>,
     groups: Vec<usize>,
+    media: Vec<usize>,
 }
 
 impl Uses {
@@ -106,6 +119,7 @@ impl Uses {
             bsdfs: vec![0; scene.bsdfs.len()],
             textures: vec![0; scene.textures.len()],
             groups: vec![0; scene.groups.len()],
+            media: vec![0; scene.media.len()],
         };
         for part in parts(scene) {
             part.references(&mut |to| uses.counts(to.store())[to.index()] += 1);
@@ -119,6 +133,7 @@ impl Uses {
             Store::Bsdfs => &self.bsdfs,
             Store::Textures => &self.textures,
             Store::Groups => &self.groups,
+            Store::Media => &self.media,
         };
         counts[id.index()]
     }
@@ -128,6 +143,7 @@ impl Uses {
             Store::Bsdfs => &mut self.bsdfs,
             Store::Textures => &mut self.textures,
             Store::Groups => &mut self.groups,
+            Store::Media => &mut self.media,
         }
     }
 }

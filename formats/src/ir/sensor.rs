@@ -4,7 +4,7 @@ use std::mem::discriminant;
 
 use serde::{Deserialize, Serialize};
 
-use super::{CoordinateSystem, Origin, Transform};
+use super::{CoordinateSystem, Id, Medium, Origin, Transform};
 
 /// A camera looking along local +Z with +Y up and +X to the left of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +31,9 @@ pub struct Sensor {
     pub film: Film,
     /// How many samples.
     pub sampler: Sampler,
+    /// The medium around it; `None` is vacuum.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub medium: Option<Id<Medium>>,
 }
 
 /// From directions to places on the film.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::Origin;
 use super::arena::{Id, Store, Stored};
 use super::bsdf::Bsdf;
+use super::medium::MediumInterface;
 use super::table::{file, kinds, plain, record};
 use super::texture::{ColorInput, FloatInput};
 use super::transform::Transform;
@@ -32,6 +33,9 @@ record! {
         pub flip_normals: bool,
         /// Opacity of the shape itself (pbrt's `alpha`); a BSDF may be masked as well.
         pub alpha: Option<FloatInput>,
+        /// The media that it parts; `None` where a ray stays in the medium it is in.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub media: Option<MediumInterface>,
     }
 }
 

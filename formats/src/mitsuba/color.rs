@@ -210,6 +210,24 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// A colour times a number.
+pub(super) fn times(color: Color, factor: f64) -> Color {
+    match color {
+        Color::Gray(v) => Color::Gray(v * factor),
+        Color::UniformPlugin(v) => Color::UniformPlugin(v * factor),
+        Color::UniformSpectrum(v) => Color::UniformSpectrum(v * factor),
+        Color::Rgb(rgb) => Color::Rgb(rgb.map(|c| c * factor)),
+        Color::D65 { scale, color } => Color::D65 { scale: scale * factor, color },
+        Color::Blackbody { kelvin, scale } => Color::Blackbody { kelvin, scale: scale * factor },
+        Color::Samples(samples) => {
+            Color::Samples(samples.into_iter().map(|[nm, v]| [nm, v * factor]).collect())
+        }
+        Color::BoundedRgb(rgb) => Color::Rgb(rgb.map(|c| c * factor)),
+        // Decoding is no linear thing; a library has no factor of its own.
+        other @ (Color::Srgb(_) | Color::Library(_) | Color::WithLuminance { .. }) => other,
+    }
+}
+
 fn rgb(props: &mut Props<'_>, name: &'static str) -> Option<[f64; 3]> {
     let entry = props.entry(name)?;
     match &entry.value {

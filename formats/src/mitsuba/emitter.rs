@@ -1,6 +1,6 @@
 //! Emitters: those of the scene, and those of shapes.
 
-use super::color::{is_spectrum, is_texture};
+use super::color::{is_spectrum, is_texture, times};
 use super::object::{Class, ObjectIndex, Value};
 use super::props::{Nested, Props};
 use super::reader::Reader;
@@ -11,8 +11,8 @@ use super::turned::turned;
 use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
-    AreaEmission, Color, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage,
-    SpotFalloff, Transform,
+    AreaEmission, ColorSlot, Emitter, EmitterKind, EnvironmentMapping, FovAxis, LightImage, SpotFalloff,
+    Transform,
 };
 use crate::plugin::{Plugin, read, unsupported, unsupported_but};
 
@@ -67,11 +67,11 @@ impl<'a> Reader<'a> {
         let Some(reader) = self.plugin(EMITTERS, index, "it is skipped") else { return };
         let mut props = self.props(index);
         props.ignore(HARMLESS);
-        self.report_medium(&mut props);
+        let medium = self.medium_around(&mut props);
         let kind = reader(self, &mut props);
         let (name, origin) = (props.name(), props.origin());
         self.finish(props);
-        self.scene.emitters.extend(kind.map(|kind| Emitter { name, origin, kind }));
+        self.scene.emitters.extend(kind.map(|kind| Emitter { name, origin, kind, medium }));
     }
 
     /// What the emitter inside a shape makes of it. Only some emitters shine from the surface; Mitsuba 2 and 3 take
@@ -104,7 +104,8 @@ impl<'a> Reader<'a> {
             }
             props.ignore(HARMLESS);
             props.ignore(&["to_world"]);
-            self.report_medium(&mut props);
+            // Light leaves into the medium outside of the shape.
+            self.medium_around(&mut props);
             let radiance = self.color_input(&mut props, "radiance", ColorSlot::Emission, 1.0);
             let origin = props.origin();
             self.finish(props);
@@ -232,24 +233,6 @@ fn envmap<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterK
         image: LightImage { path: path?, encoding, scale, illuminance: None },
         mapping: EnvironmentMapping::LatLong,
     })
-}
-
-/// A colour times a number.
-fn times(color: Color, factor: f64) -> Color {
-    match color {
-        Color::Gray(v) => Color::Gray(v * factor),
-        Color::UniformPlugin(v) => Color::UniformPlugin(v * factor),
-        Color::UniformSpectrum(v) => Color::UniformSpectrum(v * factor),
-        Color::Rgb(rgb) => Color::Rgb(rgb.map(|c| c * factor)),
-        Color::D65 { scale, color } => Color::D65 { scale: scale * factor, color },
-        Color::Blackbody { kelvin, scale } => Color::Blackbody { kelvin, scale: scale * factor },
-        Color::Samples(samples) => {
-            Color::Samples(samples.into_iter().map(|[nm, v]| [nm, v * factor]).collect())
-        }
-        Color::BoundedRgb(rgb) => Color::Rgb(rgb.map(|c| c * factor)),
-        // Decoding is no linear thing; a library has no factor of its own.
-        other @ (Color::Srgb(_) | Color::Library(_) | Color::WithLuminance { .. }) => other,
-    }
 }
 
 fn projector<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<EmitterKind> {

@@ -12,10 +12,12 @@ mod expand;
 mod film;
 mod foreign;
 mod integrator;
+mod medium;
 mod number;
 mod obj;
 mod object;
 mod parameters;
+mod phase;
 mod policy;
 mod property;
 mod props;
@@ -30,6 +32,7 @@ mod turned;
 mod unseen;
 mod upgrade;
 mod version;
+mod volume;
 pub(crate) mod write;
 mod xml;
 
@@ -83,6 +86,9 @@ pub fn support() -> Vec<Concept> {
         concept("BSDFs", bsdf::BSDFS),
         emitters,
         concept("textures", texture::TEXTURES),
+        concept("media", medium::MEDIA),
+        concept("phase functions", phase::PHASES),
+        concept("volumes", volume::VOLUMES),
         concept("spectra", color::SPECTRA),
         concept("sensors", sensor::SENSORS),
         concept("films", film::FILMS),

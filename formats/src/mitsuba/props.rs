@@ -227,6 +227,14 @@ impl<'a> Props<'a> {
         }
     }
 
+    /// Whether an object of `class` is nested and was not taken yet.
+    pub fn has_child(&self, class: Class) -> bool {
+        let objects = self.objects;
+        self.object.entries.iter().zip(&self.taken).any(|(entry, taken)| {
+            !taken && matches!(entry.value, Value::Object(index) if objects[index].class == class)
+        })
+    }
+
     /// The only nested object of `class`; a second one is an error.
     pub fn only_child(&mut self, class: Class) -> Option<Nested> {
         self.only_child_of(&[class])

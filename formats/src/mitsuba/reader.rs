@@ -9,7 +9,7 @@ use super::props::Props;
 use super::version::Dialect;
 use crate::diagnostic::{Diagnostic, Severity, SourceMap};
 use crate::files::Files;
-use crate::ir::{AreaEmission, Arena, Bsdf, Id, Origin, Query, Scene, ShapeGroup, Texture};
+use crate::ir::{AreaEmission, Arena, Bsdf, Id, Medium, Origin, Query, Scene, ShapeGroup, Texture};
 use crate::misnamed;
 use crate::missing::{find, not_found};
 use crate::plugin::{self, Plugin, Status};
@@ -28,6 +28,9 @@ pub(super) struct Reader<'a> {
     /// Objects that several others refer to are read once.
     pub bsdfs: HashMap<ObjectIndex, Id<Bsdf>>,
     pub textures: HashMap<ObjectIndex, Id<Texture>>,
+    pub media: HashMap<ObjectIndex, Option<Id<Medium>>>,
+    /// Of the phase function that is read now.
+    pub phase_parts: u32,
     pub groups: HashMap<ObjectIndex, Id<ShapeGroup>>,
     pub emissions: HashMap<ObjectIndex, Option<AreaEmission>>,
     /// Materials of OBJ files, by file and name.
@@ -58,6 +61,7 @@ impl<'a> Reader<'a> {
             groups: Arena::default(),
             bsdfs: Arena::default(),
             textures: Arena::default(),
+            media: Arena::default(),
             emitters: Vec::new(),
         };
         Self {
@@ -72,6 +76,8 @@ impl<'a> Reader<'a> {
             policy,
             bsdfs: HashMap::new(),
             textures: HashMap::new(),
+            media: HashMap::new(),
+            phase_parts: 0,
             groups: HashMap::new(),
             emissions: HashMap::new(),
             obj_bsdfs: HashMap::new(),
@@ -102,11 +108,18 @@ impl<'a> Reader<'a> {
                 Class::Emitter => self.top_level_emitter(index),
                 Class::Sensor => self.sensor(index),
                 Class::Integrator => integrators.push((index, entry.span)),
-                Class::Medium | Class::Phase | Class::Volume | Class::Subsurface => {
-                    self.skip_unsupported(index, "it is skipped");
+                Class::Medium => {
+                    self.medium(index);
                 }
+                Class::Subsurface => self.skip_unsupported(index, "it is skipped"),
                 // Only meaningful where something refers to them, and read there.
-                Class::Film | Class::Sampler | Class::Rfilter | Class::Null | Class::Scene => {}
+                Class::Film
+                | Class::Sampler
+                | Class::Rfilter
+                | Class::Phase
+                | Class::Volume
+                | Class::Null
+                | Class::Scene => {}
             }
         }
         self.integrators(&integrators);

@@ -275,9 +275,15 @@ impl<'a> Resolver<'a> {
             if let Value::Object(index) = entry.value {
                 let object = &self.objects[index];
                 // These are at the top level only to be referred to.
-                let passive =
-                    matches!(object.class, Class::Bsdf | Class::Texture | Class::Spectrum | Class::Medium)
-                        || matches!(object.plugin.as_str(), "area" | "directionalarea");
+                let passive = matches!(
+                    object.class,
+                    Class::Bsdf
+                        | Class::Texture
+                        | Class::Spectrum
+                        | Class::Medium
+                        | Class::Phase
+                        | Class::Volume
+                ) || matches!(object.plugin.as_str(), "area" | "directionalarea");
                 if !passive {
                     open.push(index);
                 }

@@ -69,7 +69,7 @@ impl<'a> Reader<'a> {
             [props.float("principal_point_offset_x", 0.0), props.float("principal_point_offset_y", 0.0)];
         props.ignore(&["shutter_open", "shutter_close", "shutter_open_time", "focus_distance"]);
         props.ignore_with_warning(&["srf"], "the response of the sensor is that of linear RGB");
-        self.report_medium(&mut props);
+        let medium = self.medium_around(&mut props);
         let film = props.only_child(Class::Film).map(|nested| nested.index);
         let sampler = props.only_child(Class::Sampler).map(|nested| nested.index);
         let sensor = Sensor {
@@ -84,6 +84,7 @@ impl<'a> Reader<'a> {
             lens,
             film: self.film(film, props.origin()),
             sampler: self.sampler(sampler),
+            medium,
         };
         if let Some(nested) = props.child(Class::Rfilter) {
             let text = "a reconstruction filter belongs inside the <film>, not beside it: it is ignored";

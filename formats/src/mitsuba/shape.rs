@@ -119,7 +119,8 @@ impl<'a> Reader<'a> {
             to_world = ball;
         }
         props.ignore(HARMLESS);
-        self.report_medium(&mut props);
+        let media = self.media_of(&mut props);
+        let sensors = props.has_child(Class::Sensor);
         while let Some(nested) = props.child(Class::Sensor) {
             self.sensor(nested.index);
         }
@@ -139,14 +140,23 @@ impl<'a> Reader<'a> {
         let emission = emitter.and_then(|nested| self.shape_emitter(nested));
         // Any emitter makes a shape without bsdf black, whether or not its surface shines.
         let beside_light = emitter.is_some() && emission.is_none();
+        let bare = bsdf.is_none() && !materials && !is_instance && emitter.is_none() && !sensors;
+        let open = media.is_some() && bare && self.open_boundary(&mut props);
+        let bsdf = match bsdf {
+            Some(nested) => Some(self.bsdf(nested.index)),
+            None if beside_light => Some(self.black()),
+            None if open => Some(self.null()),
+            None => None,
+        };
         let shape = Shape {
             name: props.name(),
             origin: props.origin(),
             to_world,
-            bsdf: bsdf.map(|nested| self.bsdf(nested.index)).or_else(|| beside_light.then(|| self.black())),
+            bsdf,
             emission,
             flip_normals,
             alpha: None,
+            media,
             kind: ShapeKind::Cube,
         };
         if to_world.inverse().is_none() {
@@ -160,6 +170,21 @@ impl<'a> Reader<'a> {
         let reflectance = ColorInput::Color(Color::Gray(0.0));
         let kind = BsdfKind::Diffuse { reflectance };
         self.scene.bsdfs.push(Bsdf { name: None, origin: Origin(None), kind })
+    }
+
+    fn null(&mut self) -> Id<Bsdf> {
+        self.scene.bsdfs.push(Bsdf { name: None, origin: Origin(None), kind: BsdfKind::Null })
+    }
+
+    /// Whether light passes through a boundary of media that has no bsdf.
+    fn open_boundary(&self, props: &mut Props<'a>) -> bool {
+        let old = self.dialect == Dialect::Old;
+        if !old {
+            let text = "a shape with a medium and without bsdf is diffuse gray: no light enters the medium";
+            let problem = Diagnostic::warning(text, Some(props.object.span));
+            props.problems.push(problem.help("<bsdf type=\"null\"/> lets it through"));
+        }
+        old
     }
 
     fn group(&mut self, index: ObjectIndex) -> Id<ShapeGroup> {
@@ -190,13 +215,6 @@ impl<'a> Reader<'a> {
         let id = self.scene.groups.push(group);
         self.groups.insert(index, id);
         id
-    }
-
-    /// Media are not rendered.
-    pub fn report_medium(&mut self, props: &mut Props<'a>) {
-        while let Some(nested) = props.child(Class::Medium) {
-            self.skip_unsupported(nested.index, "it is skipped");
-        }
     }
 
     fn mesh(

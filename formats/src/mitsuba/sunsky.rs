@@ -92,7 +92,7 @@ fn old<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>, [sky, sun]: [f64; 2])
         return Some(parallel);
     }
     light.sun_scale = 0.0;
-    reader.scene.emitters.push(Emitter { name: None, origin: props.origin(), kind: parallel });
+    reader.scene.emitters.push(Emitter { name: None, origin: props.origin(), kind: parallel, medium: None });
     Some(EmitterKind::SunSky(light))
 }
 

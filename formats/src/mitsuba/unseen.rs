@@ -48,6 +48,7 @@ impl Reader<'_> {
             lens: None,
             film,
             sampler: Sampler { plugin: "independent".to_owned(), sample_count: 4, seed: 0 },
+            medium: None,
         });
     }
 

@@ -85,7 +85,8 @@ impl Reader<'_> {
                     self.error("the transform before Camera flattens space: it has no inverse", d.span);
                 }
                 let to_world = start.unwrap_or(Transform::IDENTITY);
-                self.head.camera = Some((self.entity("camera", d, params, None), to_world));
+                self.head.camera =
+                    Some((self.entity("camera", d, params, None), to_world, self.state.media[1]));
             }
             "Film" => self.head.film = Some(self.entity("film", d, params, None)),
             "PixelFilter" => self.head.filter = Some(self.entity("filter", d, params, None)),

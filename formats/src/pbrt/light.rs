@@ -36,7 +36,12 @@ impl Reader<'_> {
         let kind = reader(self, &mut p);
         let origin = p.origin();
         self.done(p);
-        self.scene.emitters.extend(kind.map(|kind| Emitter { name: None, origin, kind }));
+        let outside = self.state.media[1];
+        self.scene.emitters.extend(kind.map(|kind| {
+            // Light from everywhere around the scene comes through no medium at first.
+            let medium = outside.filter(|_| !kind.is_far());
+            Emitter { name: None, origin, kind, medium }
+        }));
     }
 
     /// The emission that the current area light gives a shape.

@@ -87,6 +87,7 @@ pub fn support() -> Vec<Concept> {
         concept("shapes", shape::SHAPES),
         concept("materials", material::MATERIALS),
         lights,
+        concept("media", medium::MEDIA),
         concept("textures", texture::TEXTURES),
         concept("cameras", sensor::CAMERAS),
         concept("films", film::FILMS),

@@ -299,6 +299,14 @@ impl Params {
         }
     }
 
+    /// A list of numbers of any length.
+    pub fn number_list(&mut self, name: &'static str, kind: ParamType) -> Option<Vec<f32>> {
+        match self.take(name, &[kind])?.values {
+            Values::Floats(values) => Some(values.into_iter().map(|v| v as f32).collect()),
+            _ => None,
+        }
+    }
+
     /// A list of points of `N` coordinates each.
     pub fn points<const N: usize>(&mut self, name: &'static str, kind: ParamType) -> Option<Vec<[f32; N]>> {
         let param = self.take(name, &[kind])?;

@@ -12,15 +12,15 @@ use super::space::ColorSpace;
 use super::state::{Ctm, Graphics, Named, Names, Saved};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::files::Files;
-use crate::ir::{Arena, Bsdf, HideEmitters, Id, Origin, Scene, ShapeGroup, SpectrumRule, Transform};
+use crate::ir::{Arena, Bsdf, HideEmitters, Id, Medium, Origin, Scene, ShapeGroup, SpectrumRule, Transform};
 use crate::missing::{find, not_found};
 use crate::plugin::{self, Plugin, Status};
 
 /// Directives from before WorldBegin; they are read there, when all of them are known.
 #[derive(Debug, Default)]
 pub(super) struct Head {
-    /// With its place in the world.
-    pub camera: Option<(Params, Transform)>,
+    /// With its place in the world and the medium there.
+    pub camera: Option<(Params, Transform, Option<Id<Medium>>)>,
     pub film: Option<Params>,
     pub filter: Option<Params>,
     pub sampler: Option<Params>,
@@ -43,9 +43,7 @@ pub(super) struct Reader<'a> {
     pub names: Rc<Names>,
     pub depths: Depths,
     pub default_material: Option<Id<Bsdf>>,
-    pub media: HashMap<String, Span>,
-    /// The media that are used, each once.
-    pub used_media: Vec<(String, Span)>,
+    pub media: HashMap<String, Named<Medium>>,
     /// Files are missing: what they define is not known.
     pub incomplete: bool,
     pub groups: HashMap<String, Named<ShapeGroup>>,
@@ -71,6 +69,7 @@ impl<'a> Reader<'a> {
             groups: Arena::default(),
             bsdfs: Arena::default(),
             textures: Arena::default(),
+            media: Arena::default(),
             emitters: Vec::new(),
         };
         Self {
@@ -88,7 +87,6 @@ impl<'a> Reader<'a> {
             depths: Depths::default(),
             default_material: None,
             media: HashMap::new(),
-            used_media: Vec::new(),
             incomplete: false,
             groups: HashMap::new(),
             open_group: None,

@@ -37,9 +37,9 @@ const FAR: f64 = 1e12;
 impl Reader<'_> {
     /// Reads what stood before WorldBegin.
     pub fn sensor(&mut self, world: Span) {
-        let (camera, place) = self.head.camera.take().unwrap_or_else(|| {
+        let (camera, place, medium) = self.head.camera.take().unwrap_or_else(|| {
             let p = Params::new("camera", "perspective", world, Vec::new(), self.common());
-            (p, Transform::IDENTITY)
+            (p, Transform::IDENTITY, None)
         });
         let mut p = camera;
         let reader = self.plugin(CAMERAS, &mut p, "a perspective camera is used").unwrap_or(perspective);
@@ -76,6 +76,7 @@ impl Reader<'_> {
             lens: (lens_radius > 0.0).then_some(Lens { aperture_radius: lens_radius, focus_distance }),
             film,
             sampler: self.sampler(world),
+            medium,
         };
         self.done(p);
         self.scene.sensors.push(sensor);

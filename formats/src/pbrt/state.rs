@@ -7,7 +7,7 @@ use super::directive::Param;
 use super::params::Params;
 use super::space::ColorSpace;
 use crate::diagnostic::Span;
-use crate::ir::{Bsdf, ColorInput, FloatInput, Id, Transform};
+use crate::ir::{Bsdf, ColorInput, FloatInput, Id, Medium, Transform};
 
 /// The two transforms of a moving scene.
 pub(super) type Ctm = [Transform; 2];
@@ -28,6 +28,8 @@ pub(super) struct Graphics {
     pub material_params: Option<Rc<Params>>,
     pub area_light: Option<Rc<Params>>,
     pub space: ColorSpace,
+    /// The media inside and outside of shapes; the second is around lights and the camera.
+    pub media: [Option<Id<Medium>>; 2],
     /// Parameters given by `Attribute`, by target.
     pub attributes: HashMap<&'static str, Rc<Vec<Param>>>,
 }
@@ -43,6 +45,7 @@ impl Default for Graphics {
             material_params: None,
             area_light: None,
             space: ColorSpace::Srgb,
+            media: [None; 2],
             attributes: HashMap::new(),
         }
     }

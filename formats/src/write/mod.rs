@@ -10,6 +10,7 @@ mod save;
 mod sky;
 mod slide;
 mod source;
+mod volume;
 
 use std::collections::{HashMap, HashSet};
 use std::io;

@@ -3,6 +3,7 @@
 
 mod layers;
 mod linear;
+mod media;
 mod random;
 mod round_trip;
 mod shared;

@@ -104,8 +104,10 @@ pub fn scene(language: Language) -> impl Strategy<Value = Scene> {
             scene.shapes.push(Shape { bsdf: None, ..plain_shape(kind, to_world) });
         }
         // Groups that nobody instances are no part of the picture, and none of the comparison.
-        scene.emitters =
-            emitters.into_iter().map(|kind| Emitter { name: None, origin: Origin(None), kind }).collect();
+        scene.emitters = emitters
+            .into_iter()
+            .map(|kind| Emitter { name: None, origin: Origin(None), kind, medium: None })
+            .collect();
         // One environment at most.
         let mut seen = false;
         scene.emitters.retain(|emitter| {
@@ -114,7 +116,7 @@ pub fn scene(language: Language) -> impl Strategy<Value = Scene> {
         });
         if scene.emitters.is_empty() && scene.shapes.iter().all(|shape| shape.emission.is_none()) {
             let kind = EmitterKind::Point { position: [0.0; 3], intensity: Color::Rgb([1.0; 3]) };
-            scene.emitters.push(Emitter { name: None, origin: Origin(None), kind });
+            scene.emitters.push(Emitter { name: None, origin: Origin(None), kind, medium: None });
         }
         let sensor = &mut scene.sensors[0];
         (sensor.to_world, sensor.projection, sensor.film.width, sensor.film.height) = camera;
@@ -292,6 +294,7 @@ fn plain_shape(kind: ShapeKind, to_world: Transform) -> Shape {
         emission: None,
         flip_normals: false,
         alpha: None,
+        media: None,
     }
 }
 

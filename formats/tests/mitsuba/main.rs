@@ -3,6 +3,7 @@
 
 mod language;
 mod lights;
+mod media;
 mod messages;
 mod plugins;
 mod policy;

@@ -397,7 +397,7 @@ fn several_problems_in_source_order() {
     11 │     <boolean name='flip' value='yes'/>
        │                    ^^^^
        │
-       = help: it takes: caustic_bouncer, caustic_caster_multi, caustic_caster_single, caustic_receiver, center, flip_normals, glinty, radius, silhouette_sampling_weight, to_world
+       = help: it takes: caustic_bouncer, caustic_caster_multi, caustic_caster_single, caustic_receiver, center, exterior, flip_normals, glinty, interior, radius, silhouette_sampling_weight, to_world
 
     error: `yes` is not a boolean; write `true` or `false`
        ┌─ scene.xml:11:33

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod materials3;
+mod media;
 mod messages;
 mod plugins;
 mod policy;

@@ -117,9 +117,4 @@ fn what_is_not_rendered_is_refused_or_replaced_by_name() {
         problems_with(curve, &options),
         ["scene.pbrt:2:7: shape `curve` is not supported yet: it is skipped"]
     );
-    assert_eq!(
-        of("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"\""),
-        ["scene.pbrt:3:17: participating medium `fog` is not supported yet (with \
-             --lenient vacuum is used)"]
-    );
 }

@@ -4,3 +4,4 @@
 
 mod meshes;
 mod pictures;
+mod volumes;

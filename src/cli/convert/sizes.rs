@@ -95,9 +95,10 @@ fn stage(scene: &ir::Scene) -> Option<ir::Scene> {
         emission: None,
         flip_normals: false,
         alpha: None,
+        media: None,
     };
     let kind = EmitterKind::Constant { radiance: Color::Gray(1.0) };
-    let light = Emitter { name: None, origin: Origin(None), kind };
+    let light = Emitter { name: None, origin: Origin(None), kind, medium: None };
     Some(ir::Scene {
         origin: scene.origin,
         spectrum_rule: scene.spectrum_rule,
@@ -109,6 +110,7 @@ fn stage(scene: &ir::Scene) -> Option<ir::Scene> {
         groups: Default::default(),
         bsdfs: scene.bsdfs.clone(),
         textures: scene.textures.clone(),
+        media: Default::default(),
         emitters: vec![light],
     })
 }

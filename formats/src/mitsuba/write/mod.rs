@@ -11,6 +11,7 @@ mod film;
 mod integrator;
 mod interface;
 mod lobes;
+mod medium;
 mod plain;
 mod relief;
 mod sensor;
@@ -64,14 +65,20 @@ struct Ids {
     bsdfs: Vec<Option<String>>,
     textures: Vec<Option<String>>,
     groups: Vec<Option<String>>,
+    media: Vec<Option<String>>,
     taken: Names,
 }
 
 impl Ids {
     fn new(scene: &Scene) -> Self {
         let uses = Uses::of(scene);
-        let mut ids =
-            Self { bsdfs: Vec::new(), textures: Vec::new(), groups: Vec::new(), taken: Names::default() };
+        let mut ids = Self {
+            bsdfs: Vec::new(),
+            textures: Vec::new(),
+            groups: Vec::new(),
+            media: Vec::new(),
+            taken: Names::default(),
+        };
         let sensors = scene.sensors.iter().filter_map(|sensor| sensor.name.clone());
         let shapes = scene.shapes.iter().filter_map(|shape| shape.name.clone());
         let emitters = scene.emitters.iter().filter_map(|emitter| emitter.name.clone());
@@ -88,6 +95,10 @@ impl Ids {
         for (_, group) in scene.groups.iter() {
             let id = ids.free(&group.name, "group");
             ids.groups.push(Some(id));
+        }
+        for (id, medium) in scene.media.iter() {
+            let id = shared(&medium.name, uses.count(id)).then(|| ids.free(&medium.name, "medium"));
+            ids.media.push(id);
         }
         ids
     }
@@ -111,11 +122,17 @@ impl<'a> Writer<'_, 'a> {
             Some(i) => root.children(self.commented(i.origin, |w| Ok(Some(w.integrator(integrator))))?),
             None => root.child(self.integrator(None)),
         };
+        for (id, medium) in scene.media.iter() {
+            if self.ids.media[id.index()].is_some() {
+                let element = self.commented(medium.origin, |w| w.medium_definition(id).map(Some))?;
+                root = root.children(element);
+            }
+        }
         // The first one renders.
         let first = scene.sensors.get(scene.default_sensor).into_iter();
         let others = scene.sensors.iter().enumerate().filter(|(i, _)| *i != scene.default_sensor);
         for sensor in first.chain(others.map(|(_, sensor)| sensor)) {
-            root = root.children(self.commented(sensor.origin, |w| Ok(Some(w.sensor(sensor))))?);
+            root = root.children(self.commented(sensor.origin, |w| w.sensor(sensor).map(Some))?);
         }
         for (id, texture) in scene.textures.iter() {
             if self.ids.textures[id.index()].is_some() {
@@ -143,7 +160,12 @@ impl<'a> Writer<'_, 'a> {
                 self.out.lose(emitter.origin, "a second environment light", "nothing: Mitsuba has one");
                 continue;
             }
-            root = root.children(self.commented(emitter.origin, |w| w.emitter(emitter))?);
+            let around = emitter.medium.filter(|_| !emitter.kind.is_far());
+            let element = self.commented(emitter.origin, |w| {
+                let Some(element) = w.emitter(emitter)? else { return Ok(None) };
+                Ok(Some(element.children(around.map(|id| w.medium(None, id)).transpose()?)))
+            })?;
+            root = root.children(element);
         }
         Ok(print(&root))
     }

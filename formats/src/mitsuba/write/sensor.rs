@@ -3,6 +3,7 @@
 use super::Writer;
 use super::element::{Element, number};
 use crate::ir::{EmitterKind, Fov, FovAxis, Projection, Sampler, Sensor, SunPosition, Transform};
+use crate::write::WriteError;
 
 /// Samplers of Mitsuba 3.
 const SAMPLERS: &[&str] = &["independent", "stratified", "multijitter", "orthogonal", "ldsampler"];
@@ -11,7 +12,7 @@ const SAMPLERS: &[&str] = &["independent", "stratified", "multijitter", "orthogo
 const MOST_SAMPLES: u32 = 1 << 30;
 
 impl Writer<'_, '_> {
-    pub fn sensor(&mut self, s: &Sensor) -> Element {
+    pub fn sensor(&mut self, s: &Sensor) -> Result<Element, WriteError> {
         // Mitsuba's lens has its picture in the middle.
         let shifted = s.principal_point_offset != [0.0; 2]
             || s.screen_window.is_some_and(|[x0, x1, y0, y1]| x0 != -x1 || y0 != -y1);
@@ -87,7 +88,8 @@ impl Writer<'_, '_> {
             element = element.float("shutter_open", open).float("shutter_close", close);
         }
         let film = self.film(&s.film);
-        element.child(film).child(self.sampler(s, &s.sampler))
+        let element = element.child(film).child(self.sampler(s, &s.sampler));
+        Ok(element.children(s.medium.map(|id| self.medium(None, id)).transpose()?))
     }
 
     /// When a light that changes with the time is seen, if there is one.

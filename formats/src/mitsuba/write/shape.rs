@@ -5,8 +5,8 @@ use super::element::Element;
 use super::plain::{plain_obj, plain_ply};
 use super::substitute;
 use crate::ir::{
-    AreaEmission, ColorInput, FloatInput, Id, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup,
-    ShapeKind, Transform,
+    AreaEmission, ColorInput, FloatInput, Id, MediumInterface, MeshFile, MeshFormat, PartialQuadric, Shape,
+    ShapeGroup, ShapeKind, Transform,
 };
 use crate::write::{WriteError, about};
 
@@ -49,7 +49,7 @@ impl Writer<'_, '_> {
         let flip = shape.flip_normals ^ (turned && mirrored);
         let mut element =
             element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
-        element = element.children(self.material(shape)?);
+        element = element.children(self.material(shape)?).children(self.media(shape)?);
         if let Some(emission) = &shape.emission
             && self.out.has_area(shape)?
         {
@@ -75,7 +75,9 @@ impl Writer<'_, '_> {
             emission: Some(AreaEmission { two_sided: false, power, ..emission.clone() }),
             ..shape.clone()
         };
-        Ok(vec![side(shape), side(&back)])
+        // What is inside of the front is outside of the back.
+        let media = shape.media.map(|m| MediumInterface { interior: m.exterior, exterior: m.interior });
+        Ok(vec![side(shape), Shape { media, ..side(&back) }])
     }
 
     /// The surface, before its transform.

@@ -104,6 +104,7 @@ impl Reader<'_> {
             emission,
             flip_normals: self.state.reverse,
             alpha,
+            media: self.media_of_shape(),
         };
         match self.open_group {
             Some(group) => self.scene.groups[group].shapes.push(shape),
@@ -183,6 +184,7 @@ impl Reader<'_> {
             emission: None,
             flip_normals: false,
             alpha: None,
+            media: None,
         });
     }
 

@@ -94,7 +94,13 @@ impl Writer<'_, '_> {
         if let Some(lens) = sensor.lens {
             p = p.float("lensradius", lens.aperture_radius).float("focaldistance", lens.focus_distance);
         }
+        if sensor.medium.is_some() {
+            self.around(text, "", sensor.medium);
+        }
         p.write(text, "", "Camera", &[name]);
+        if sensor.medium.is_some() {
+            self.around(text, "", None);
+        }
         if sensor.near_clip > 0.011 || sensor.far_clip < 9999.0 {
             let what = format!("near and far clip at {} and {}", sensor.near_clip, sensor.far_clip);
             self.out.lose(sensor.origin, what, "everything in front of the camera is seen");

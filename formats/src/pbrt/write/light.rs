@@ -92,18 +92,24 @@ impl Writer<'_, '_> {
                 return Ok(());
             }
         };
-        self.light_source(name, &place, p, origin);
+        self.light_source(name, &place, p, e);
         Ok(())
     }
 
-    fn light_source(&mut self, name: &str, place: &Transform, p: Params, origin: Origin) {
+    fn light_source(&mut self, name: &str, place: &Transform, p: Params, e: &Emitter) {
         let mut text = String::new();
-        self.place(&mut text, "", origin);
-        if *place == Transform::IDENTITY {
+        self.place(&mut text, "", e.origin);
+        let around = e.medium.filter(|_| !e.kind.is_far());
+        if *place == Transform::IDENTITY && around.is_none() {
             p.write(&mut text, "", "LightSource", &[name]);
         } else {
             text.push_str("AttributeBegin\n");
-            transform(&mut text, "\t", place);
+            if around.is_some() {
+                self.around(&mut text, "\t", around);
+            }
+            if *place != Transform::IDENTITY {
+                transform(&mut text, "\t", place);
+            }
             p.write(&mut text, "\t", "LightSource", &[name]);
             text.push_str("AttributeEnd\n");
         }

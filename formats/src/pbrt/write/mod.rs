@@ -6,6 +6,7 @@ mod film;
 mod light;
 mod lobes;
 mod material;
+mod medium;
 mod model;
 mod picture;
 mod relief;
@@ -34,6 +35,7 @@ pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
         interfaces: HashSet::new(),
         textures: HashMap::new(),
         objects: HashMap::new(),
+        media: Vec::new(),
         taken: Names::default(),
         query: Query::default(),
     }
@@ -52,6 +54,8 @@ struct Writer<'o, 'a> {
     /// By kind: colours, or numbers (`true`).
     textures: HashMap<(Id<Texture>, bool), String>,
     objects: HashMap<Id<ShapeGroup>, String>,
+    /// By arena index.
+    media: Vec<String>,
     taken: Names,
     query: Query,
 }
@@ -63,7 +67,9 @@ impl Writer<'_, '_> {
         if let Some(title) = self.out.title() {
             let _ = writeln!(head, "# Converted from {title} by caustica {}.", env!("CARGO_PKG_VERSION"));
         }
+        self.name_media();
         self.head(&mut head);
+        self.define_media(&mut head)?;
         for (id, _) in scene.groups.iter() {
             self.group(id)?;
         }

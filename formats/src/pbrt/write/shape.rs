@@ -65,6 +65,9 @@ impl Writer<'_, '_> {
             return self.shape(&Shape { bsdf: None, ..shape.clone() });
         }
         Params::default().write(&mut text, "\t", "NamedMaterial", &[&material]);
+        if let Some(media) = shape.media {
+            self.medium_interface(&mut text, "\t", media);
+        }
         if let Some(emission) = &shape.emission {
             let factor = self.despite_mask(mask.as_ref(), emission.origin);
             self.emission(&mut text, shape, emission, factor)?;

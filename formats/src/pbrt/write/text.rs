@@ -65,6 +65,11 @@ impl Params {
         self.add(kind, name, list(v.into_iter().map(number)))
     }
 
+    /// Many numbers in the precision they are kept in.
+    pub fn singles(self, kind: &str, name: &str, v: impl IntoIterator<Item = f32>) -> Self {
+        self.add(kind, name, list(v.into_iter().map(|v| v.to_string())))
+    }
+
     /// Coordinates in the precision they are kept in.
     pub fn coordinates<const N: usize>(self, kind: &str, name: &str, v: &[[f32; N]]) -> Self {
         if v.is_empty() { self } else { self.add(kind, name, list(v.iter().flatten().map(f32::to_string))) }

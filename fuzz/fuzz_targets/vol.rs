@@ -1,0 +1,2 @@
+#![no_main]
+caustica_fuzz::target!("vol");
