@@ -270,6 +270,49 @@ fn an_interrupted_bench_resumes() {
     );
 }
 
+/// Folder in /proc of a process that `parent` has started.
+#[cfg(target_os = "linux")]
+fn child_of(parent: u32) -> Option<PathBuf> {
+    let is_child = |folder: &PathBuf| {
+        let stat = std::fs::read_to_string(folder.join("stat")).unwrap_or_default();
+        let after_name = stat.rsplit_once(')').map_or("", |(_, rest)| rest);
+        after_name.split_whitespace().nth(1) == Some(&parent.to_string())
+    };
+    std::fs::read_dir("/proc").ok()?.filter_map(|entry| Some(entry.ok()?.path())).find(is_child)
+}
+
+/// Ctrl-C stops the render that is running too, so that the same command can go on at once. Results from before stay.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_stops_the_render_and_keeps_what_is_there() {
+    let f = Folder::new();
+    f.reference("truth.exr");
+    std::fs::create_dir(f.path("out")).unwrap();
+    std::fs::write(f.path("out/bench.html"), "earlier").unwrap();
+    let child = Command::new(env!("CARGO_BIN_EXE_caustica"))
+        .args(["bench", &scene(), "--reference", "truth.exr", "--config", "caustica:path"])
+        // A render of hours.
+        .args(["--passes", "100000000", "--seeds", "1", "-o", "out"])
+        .current_dir(f.0.path())
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let render = loop {
+        if let Some(render) = child_of(child.id()) {
+            break render;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    };
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("the same command goes on"), "{said}");
+    assert!(!render.exists(), "the render goes on");
+    assert_eq!(std::fs::read_to_string(f.path("out/bench.html")).unwrap(), "earlier");
+}
+
 #[test]
 fn pixels_outside_the_mask_do_not_count() {
     let f = Folder::new();

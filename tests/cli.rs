@@ -49,7 +49,7 @@ fn unknown_plugin() {
     2 │   <shape type='spher'/>
       │                ^^^^^
       │
-      = help: --lenient renders without it: it is skipped
+      = help: with --lenient it is skipped
       = help: did you mean `sphere`?
     "#);
 }

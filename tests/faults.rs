@@ -66,6 +66,8 @@ fn signals_leave_a_valid_picture_and_the_status_that_shells_expect() {
         let checkpoint = checkpoint.to_str().expect("a path in UTF-8");
         let mut child = spawned(&mut render(&output, &["--passes", "1000000", "--checkpoint", checkpoint]));
         wait_for(Path::new(checkpoint));
+        // Twice at once, as `timeout` does: the process, then its group.
+        signal(&child, name);
         signal(&child, name);
         assert_eq!(child.wait().expect("waited").code(), Some(status), "after SIG{name}");
         let finite = pixels(&output).iter().all(|v| v.is_finite());

@@ -303,6 +303,61 @@ fn instances_equal_copies() {
     }
 }
 
+/// Shapes that name the same large mesh have one tree, and rays find what they find among all triangles. Where light
+/// passes through something nothing is shared: such a scene is what the other is compared with. Bounds as for instances.
+#[test]
+fn many_copies_of_a_mesh_share_one_tree() {
+    let (points, faces) = icosphere(4);
+    let text = obj(&points, &faces);
+    let mut floats = Floats::new(8);
+    let mut shapes = String::new();
+    let count = 1_000_000 / faces.len() + 2;
+    for _ in 0..count {
+        let [at, axis] = [floats.vector() * 9.0, floats.vector().normalize()];
+        shapes += &format!(
+            "<shape type='obj'><string name='filename' value='ball.obj'/><transform name='to_world'>
+             <scale value='0.8'/><rotate x='{}' y='{}' z='{}' angle='70'/><translate x='{}' y='{}' z='{}'/>
+             </transform></shape>",
+            axis.x, axis.y, axis.z, at.x, at.y, at.z
+        );
+    }
+    // Mirrored and stretched ones stand for themselves.
+    for scale in ["1, 1, -1", "1, 2, 1"] {
+        shapes += &format!(
+            "<shape type='obj'><string name='filename' value='ball.obj'/><transform name='to_world'>
+             <scale value='{scale}'/></transform></shape>"
+        );
+    }
+    let view = camera("0,0,30", "0,0,0", 40.0, 4);
+    let files = [("ball.obj", text.as_str())];
+    let glass =
+        "<shape type='sphere'><point name='center' value='0,900,0'/><bsdf type='dielectric'/></shape>";
+    let shared = scene_with(&format!("{view}{shapes}"), &files);
+    let apart = scene_with(&format!("{view}{shapes}{glass}"), &files);
+    assert_eq!(shared.0.scene.geometry.instances.len(), count);
+    assert_eq!(apart.0.scene.geometry.instances.len(), 0);
+    assert!(shared.0.scene.geometry.bytes() * 20 < apart.0.scene.geometry.bytes());
+    let rays: Vec<(Vec3, Vec3)> = (0..20_000).map(|_| (floats.vector() * 12.0, floats.vector())).collect();
+    let (mut different, mut hits) = (0, 0);
+    for (o, d) in &rays {
+        let ray = Ray::new(*o, *d);
+        let [a, b] = [&shared.0.scene, &apart.0.scene].map(|scene| {
+            let hit = scene.geometry.closest(&ray)?;
+            let s = scene.surface(&ray, &hit);
+            Some((hit.t, s.ng, s.frame.n, scene.shape_number(&hit, &s)))
+        });
+        hits += u32::from(a.is_some());
+        different += u32::from(match (a, b) {
+            (Some((t, ng, ns, i)), Some((u, mg, ms, j))) => {
+                (t - u).abs() > 1e-4 || ng.dot(mg) < 1.0 - 1e-4 || ns.dot(ms) < 1.0 - 1e-5 || i != j
+            }
+            (a, b) => a.is_some() != b.is_some(),
+        });
+    }
+    assert!(hits > 1000, "{hits}");
+    assert!(different * 1000 < hits, "{different} of {hits} differ");
+}
+
 /// A scene far from the origin loses no precision, because the compiled scene has an origin of its own.
 #[test]
 fn a_scene_far_from_the_origin_is_the_same_scene() {

@@ -8,9 +8,9 @@ use caustica_formats::files::Files;
 use caustica_formats::image::{self, Encoding};
 use caustica_formats::ir::{
     Bitmap, Color, ColorSlot, Fov, FovAxis, InlineMesh, Integrator, LightImage, MeshFile, Origin, Projection,
-    RoughnessRemap, Scalar, Scene, Sensor, SpectrumRule, TextureEncoding, canonical,
+    RoughnessRemap, Scalar, Scene, Sensor, SpectrumRule, TextureEncoding, Transform, canonical,
 };
-use caustica_formats::mesh::{self, MeshOptions};
+use caustica_formats::mesh::{self, Mesh, MeshOptions, builtin};
 use caustica_formats::spectrum::{conductor, ior, srgb_to_linear, to_linear_rgb};
 use serde_json::{Value, json};
 
@@ -142,6 +142,12 @@ fn simplify(value: &mut Value, slot: ColorSlot, rule: SpectrumRule, files: &dyn 
             roughness(fields);
             fields.remove("name");
             fields.remove("origin");
+            if fields.get("kind") == Some(&json!("Cube")) {
+                fields.insert(
+                    "kind".to_owned(),
+                    json!({ "Triangles": triangles(false, Some(builtin::cube())) }),
+                );
+            }
             if let Some(mesh) = fields.remove("Mesh") {
                 fields.insert("Triangles".to_owned(), mesh_of_file(mesh, files));
             } else if let Some(mesh) = fields.remove("Inline") {
@@ -153,6 +159,7 @@ fn simplify(value: &mut Value, slot: ColorSlot, rule: SpectrumRule, files: &dyn 
             for (name, item) in fields.iter_mut() {
                 simplify(item, slot_of(name).unwrap_or(slot), rule, files);
             }
+            face_about(fields);
             metal(fields);
         }
         _ => {}
@@ -165,19 +172,43 @@ fn hash(words: impl Iterator<Item = u32>) -> String {
     format!("{:016x}", hasher.finish())
 }
 
-fn described(
-    positions: &[[f32; 3]],
-    normals: &[[f32; 3]],
-    uvs: &[[f32; 2]],
-    triangles: &[[u32; 3]],
-) -> Value {
+fn described(mesh: &Mesh) -> Value {
     let floats = |values: &[f32]| hash(values.iter().map(|v| (v + 0.0).to_bits()));
     json!({
-        "positions": floats(positions.as_flattened()),
-        "normals": [normals.len(), mean(normals)],
-        "uvs": floats(uvs.as_flattened()),
-        "triangles": hash(triangles.as_flattened().iter().copied()),
+        "positions": floats(mesh.positions.as_flattened()),
+        "normals": [mesh.normals.len(), mean(&mesh.normals)],
+        "uvs": floats(mesh.uvs.as_flattened()),
+        "triangles": hash(mesh.triangles.as_flattened().iter().copied()),
     })
+}
+
+/// Writes a mesh or rectangle with `flip_normals` as one that faces the other way.
+fn face_about(fields: &mut serde_json::Map<String, Value>) {
+    let Some(flipped) = fields.get("flip_normals").map(|flipped| *flipped == json!(true)) else { return };
+    if let Some(Value::Object(mesh)) = fields.get_mut("kind").and_then(|kind| kind.get_mut("Triangles")) {
+        let reversed = mesh.remove("reversed").unwrap_or(Value::Null);
+        if flipped {
+            mesh.insert("mesh".to_owned(), reversed);
+            fields.insert("flip_normals".to_owned(), json!(false));
+        }
+        return;
+    }
+    if flipped
+        && fields.get("kind") == Some(&json!("Rectangle"))
+        && let Some(m) =
+            fields.get("to_world").and_then(|m| serde_json::from_value::<Transform>(m.clone()).ok())
+    {
+        fields.insert("to_world".to_owned(), json!(m.after(&Transform::scale([1.0, 1.0, -1.0]))));
+        fields.insert("flip_normals".to_owned(), json!(false));
+    }
+}
+
+fn triangles(by_file: bool, mesh: Option<Mesh>) -> Value {
+    let Some(mut mesh) = mesh else { return json!({ "by_file": by_file, "mesh": null, "reversed": null }) };
+    let front = described(&mesh);
+    mesh.normals.as_flattened_mut().iter_mut().for_each(|v| *v = -*v);
+    mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    json!({ "by_file": by_file, "mesh": front, "reversed": described(&mesh) })
 }
 
 /// A weighted mean: a direction that is made to length 1 once more may differ in its last bit.
@@ -192,7 +223,8 @@ fn mean(normals: &[[f32; 3]]) -> [f64; 3] {
 
 fn inline(mesh: Value) -> Value {
     let Ok(m) = serde_json::from_value::<InlineMesh>(mesh) else { return Value::Null };
-    json!({ "by_file": true, "mesh": described(&m.positions, &m.normals, &m.uvs, &m.triangles) })
+    let InlineMesh { positions, normals, uvs, triangles: corners, .. } = m;
+    triangles(true, Some(Mesh { positions, normals, uvs, triangles: corners, ..Mesh::default() }))
 }
 
 fn mesh_of_file(file: Value, files: &dyn Files) -> Value {
@@ -204,8 +236,7 @@ fn mesh_of_file(file: Value, files: &dyn Files) -> Value {
         max_smooth_angle: file.max_smooth_angle,
     };
     let mesh = files.read(&file.path).ok().and_then(|bytes| mesh::read(file.format, &bytes, &options).ok());
-    let mesh = mesh.map_or(Value::Null, |m| described(&m.positions, &m.normals, &m.uvs, &m.triangles));
-    json!({ "by_file": file.authored_normals, "mesh": mesh })
+    triangles(file.authored_normals, mesh)
 }
 
 /// Replaces what says how a picture is kept by its values.

@@ -57,7 +57,7 @@ pub fn main() -> ExitCode {
         Command::Convert(args) => convert::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => Ok(compare::run(&args)),
-        Command::Bench(args) => bench::run(&args).map_err(Into::into),
+        Command::Bench(args) => bench::run(&args, &interrupt).map_err(Into::into),
     };
     match result {
         Ok(status) => ExitCode::from(status),

@@ -58,7 +58,7 @@ pub struct RenderArgs {
     /// List the settings of --set with types and defaults
     #[arg(long)]
     help_settings: bool,
-    /// Print errors, and what is missing in the picture, only
+    /// Print only errors, and what is missing from the picture
     #[arg(short, long)]
     quiet: bool,
     /// Print the plan and more statistics

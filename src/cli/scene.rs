@@ -14,7 +14,7 @@ use crate::session::{Error, Inspection, Layers, Options, Session};
 /// Scene file, parameters, camera, film and settings, for every subcommand that opens a scene.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// Mitsuba scene (.xml, versions 0.4 to 3.x) or pbrt scene (.pbrt, version 4)
+    /// Mitsuba scene (.xml, versions 0.4 to 3.x) or pbrt scene (.pbrt, .pbrt.gz, versions 3 and 4)
     scene: Option<PathBuf>,
     /// Value of a scene parameter `$NAME`
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
@@ -28,17 +28,17 @@ pub struct SceneArgs {
     /// progressive (a new photon map each pass) or classic (one map)
     #[arg(long, value_name = "NAME")]
     mode: Option<String>,
-    /// Any setting of `--help-settings`
+    /// Any setting that `caustica render --help-settings` lists
     #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
     set: Vec<(String, String)>,
     /// Camera samples a pixel; in progressive mode also photon passes
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     spp: Option<u32>,
     /// The same as --spp
-    #[arg(long, value_name = "N", conflicts_with = "spp")]
+    #[arg(long, value_name = "N", value_parser = whole, conflicts_with = "spp", allow_negative_numbers = true)]
     passes: Option<u32>,
     /// Light paths a pass, for each photon map
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     photons: Option<String>,
     /// Path segments from camera to lamp, at most; -1 is no limit
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
@@ -59,7 +59,7 @@ pub struct SceneArgs {
     /// the file's own version does
     #[arg(long, value_name = "RULE", value_enum, default_value = "mitsuba3")]
     spectral_to_rgb: SpectralRule,
-    /// What is unknown or not supported becomes the nearest thing that is, with a warning
+    /// Use the nearest thing for what is unknown or not supported, with a warning
     #[arg(long, alias = "allow-unsupported")]
     lenient: bool,
     /// Also read and search this folder; a scene may read below its own folder only
@@ -97,7 +97,17 @@ pub fn pair(text: &str) -> Result<(String, String), String> {
     text.split_once('=')
         .filter(|(name, _)| !name.is_empty())
         .map(|(n, v)| (n.to_owned(), v.to_owned()))
-        .ok_or_else(|| "expected NAME=VALUE".to_owned())
+        .ok_or_else(|| "expected NAME=VALUE, such as alpha=0.7".to_owned())
+}
+
+/// A whole number from 1; 1e3 is one.
+fn whole(text: &str) -> Result<u32, String> {
+    let value = text.parse::<f64>().map_err(|_| "expected a whole number from 1".to_owned())?;
+    if value > f64::from(u32::MAX) {
+        return Err(format!("too large: at most {}", u32::MAX));
+    }
+    let n = value as u32;
+    if n >= 1 && f64::from(n) == value { Ok(n) } else { Err("expected a whole number from 1".to_owned()) }
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
@@ -169,7 +179,7 @@ impl SceneArgs {
     }
 
     fn path(&self) -> Result<&Path, Failure> {
-        let none = "no scene was given: name a Mitsuba .xml or a pbrt-v4 .pbrt file";
+        let none = "no scene was given: name a Mitsuba .xml or a pbrt .pbrt file";
         self.scene.as_deref().ok_or_else(|| Failure::Usage(none.to_owned()))
     }
 

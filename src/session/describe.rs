@@ -177,7 +177,7 @@ impl Contents {
             let crop = self.crop.map(|c| format!(", of it {}×{} at {}, {}", c.width, c.height, c.x, c.y));
             row("film", format!("{w}×{h}{}", crop.unwrap_or_default()));
         }
-        row("integrator", self.integrator.clone().unwrap_or_else(|| "none asked for".to_owned()));
+        row("asked for", self.integrator.clone().unwrap_or_else(|| "no integrator".to_owned()));
         row("sensors", self.sensors.to_string());
         row("shapes", listed(&self.shapes));
         row("groups", self.groups.to_string());

@@ -49,7 +49,7 @@ pub enum Error {
         file: PathBuf,
     },
     /// The extension of an output names no format that can be written.
-    #[error("cannot write `{}`: extension `{extension}` is none of exr, png, hdr, pfm", file.display())]
+    #[error("cannot write `{}`: {}; pictures are .exr, .png, .hdr or .pfm", file.display(), if extension.is_empty() { "it has no extension".to_owned() } else { format!("the extension is `{extension}`") })]
     UnknownFormat {
         /// The output.
         file: PathBuf,

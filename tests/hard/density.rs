@@ -6,7 +6,9 @@ use caustica::photon::{Photon, PhotonMap, Query};
 use caustica::transport::PathClass;
 
 use super::{agree, record};
-use crate::support::{Estimate, Picture, Stage, UP, camera, diffuse, rectangle, render, scene};
+use crate::support::{
+    Estimate, Picture, Stage, UP, camera, diffuse, outcome, rectangle, render, scene, sphere,
+};
 
 /// Photons of flux h² on a lattice of spacing h = 1/16 give a uniform irradiance of 1. The sum of lookups of
 /// radius 1.5 at 32 × 32 points of a cell is that of a lattice of spacing h/32 over the disc: by Poisson
@@ -95,4 +97,18 @@ fn the_bias_at_edges_is_as_predicted() {
     assert!(plain.mean < 0.5 * strip - 4.5 * plain.sigma, "{plain:?}");
     let corrected = by_photons(&scene, "true");
     agree("square in a corner, corrected", "all of it", corrected.beauty(1), Estimate::exact(0.5), 0.01);
+}
+
+/// A ball alone under the sky: what it scatters meets nothing, so that no light path leaves a photon in either map.
+/// As many as were asked for would take forever; the pilots of 2^18 paths find none, and a pass traces no more.
+#[test]
+fn photons_that_cannot_be_had_are_not_waited_for() {
+    let plastic = "<bsdf type='plastic'/>";
+    let ball = sphere("0,0,0", 1.0, plastic);
+    let sky = "<emitter type='constant'/>";
+    let stage = scene(&[&camera("0,2,5", "0,0,0", 40.0, 8), &*ball, sky].concat());
+    let settings = [("photons", "stored:1000"), ("caustic_photons", "stored:250000"), ("mode", "classic")];
+    let made = outcome(&stage, &settings, 1, &mut |_| {});
+    let paths = made.statistics.light_paths;
+    assert!(paths <= 2 << 18, "{paths} light paths");
 }

@@ -138,7 +138,7 @@ impl<'a> Reader<'a> {
                 integrator
             }
             Some(Rendering::Approximated) => {
-                let text = format!("integrator `{}` is approximated by `path`", object.plugin);
+                let text = format!("integrator `{}` is read as `path`", object.plugin);
                 self.problems.push(Diagnostic::warning(text, Some(object.span)));
                 self.as_path(props)
             }

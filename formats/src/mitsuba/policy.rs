@@ -49,7 +49,7 @@ impl Policy {
         let problem = if self.lenient {
             Diagnostic::warning(format!("{what}: {instead}"), Some(span))
         } else {
-            Diagnostic::error(what, Some(span)).help(format!("--lenient renders without it: {instead}"))
+            Diagnostic::error(what, Some(span)).help(format!("with --lenient {instead}"))
         };
         problem.unsupported()
     }

@@ -76,7 +76,7 @@ fn simple_path(p: &mut Params, _: &mut Settings) -> &'static str {
 }
 
 fn approximated(p: &mut Params) -> &'static str {
-    let text = format!("integrator `{}` is approximated by `path`", p.kind);
+    let text = format!("integrator `{}` is read as `path`", p.kind);
     p.problems.push(Diagnostic::warning(text, Some(p.span)));
     "path"
 }

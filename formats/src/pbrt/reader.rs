@@ -183,8 +183,7 @@ impl<'a> Reader<'a> {
     pub fn unsupported(&mut self, what: &str, instead: &str, span: Span) {
         let text = format!("{what} is not supported yet");
         let problem = self.policy.report(Fault::Light, &text, span, instead);
-        let help =
-            self.policy.stops(Fault::Light).then(|| format!("--lenient renders without it: {instead}"));
+        let help = self.policy.stops(Fault::Light).then(|| format!("with --lenient {instead}"));
         self.problems.push(Diagnostic { help: help.into_iter().collect(), ..problem.unsupported() });
     }
 

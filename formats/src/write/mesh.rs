@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::rc::Rc;
 
+use super::facing::Facing;
 use super::source::sound;
 use super::{Output, WriteError};
 use crate::ir::{InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeKind, Transform};
-use crate::mesh::{Mesh, write_ply};
+use crate::mesh::{Mesh, builtin, write_ply};
 
 impl Output<'_> {
     /// The mesh as it is rendered; its normals are absent when it is flat.
@@ -35,9 +36,14 @@ impl Output<'_> {
         })
     }
 
-    /// A PLY file of the mesh as it is rendered; `origin` is that of its shape. `turned` reverses its normals.
-    pub fn make_ply(&mut self, file: &MeshFile, turned: bool, origin: Origin) -> Result<String, WriteError> {
-        let key = format!("mesh {turned} {file:?}");
+    /// A PLY file of the mesh as it is rendered, facing so; `origin` is that of its shape.
+    pub fn make_ply(
+        &mut self,
+        file: &MeshFile,
+        facing: Facing,
+        origin: Origin,
+    ) -> Result<String, WriteError> {
+        let key = format!("mesh {facing:?} {file:?}");
         let mut stem = stem(&file.path);
         if let MeshFormat::Serialized { index } | MeshFormat::ObjPart { index } = file.format {
             stem = format!("{stem}-{index:03}");
@@ -48,32 +54,43 @@ impl Output<'_> {
                 let what = format!("the attribute `{name}` of a mesh, {size} numbers each");
                 output.lose(origin, what, "a mesh without it");
             }
-            let mut mesh = with_sound_normals(Mesh::clone(&loaded.mesh));
-            if turned {
-                mesh.normals.as_flattened_mut().iter_mut().for_each(|v| *v = -*v);
-            }
-            Ok(write_ply(&mesh))
+            Ok(write_ply(&facing.of(with_sound_normals(Mesh::clone(&loaded.mesh)))))
         })
     }
 
-    pub fn make_inline_ply(&mut self, mesh: &InlineMesh, name: &str) -> Result<String, WriteError> {
+    pub fn make_inline_ply(
+        &mut self,
+        mesh: &InlineMesh,
+        facing: Facing,
+        name: &str,
+    ) -> Result<String, WriteError> {
         // A mesh written into the scene is met once; its address tells it from others.
-        let key = format!("inline {:p}", std::ptr::from_ref(mesh));
+        let key = format!("inline {facing:?} {:p}", std::ptr::from_ref(mesh));
         self.make(&key, "meshes", name, "ply", |_| {
-            Ok(write_ply(&with_sound_normals(Mesh {
+            Ok(write_ply(&facing.of(with_sound_normals(Mesh {
                 positions: mesh.positions.clone(),
                 normals: mesh.normals.clone(),
                 uvs: mesh.uvs.clone(),
                 triangles: mesh.triangles.clone(),
                 computed_normals: false,
                 attributes: Vec::new(),
-            })))
+            }))))
         })
     }
 
-    pub fn make_quadric_ply(&mut self, quadric: &PartialQuadric, name: &str) -> Result<String, WriteError> {
-        let key = format!("quadric {quadric:?}");
-        self.make(&key, "meshes", name, "ply", |_| Ok(write_ply(&tessellate(quadric))))
+    pub fn make_cube_ply(&mut self, facing: Facing, name: &str) -> Result<String, WriteError> {
+        let key = format!("cube {facing:?}");
+        self.make(&key, "meshes", name, "ply", |_| Ok(write_ply(&facing.of(builtin::cube()))))
+    }
+
+    pub fn make_quadric_ply(
+        &mut self,
+        quadric: &PartialQuadric,
+        facing: Facing,
+        name: &str,
+    ) -> Result<String, WriteError> {
+        let key = format!("quadric {facing:?} {quadric:?}");
+        self.make(&key, "meshes", name, "ply", |_| Ok(write_ply(&facing.of(tessellate(quadric)))))
     }
 
     /// A sphere with Mitsuba's uv, whose v runs down from +Z.
@@ -81,16 +98,17 @@ impl Output<'_> {
         &mut self,
         center: [f64; 3],
         radius: f64,
+        facing: Facing,
         name: &str,
     ) -> Result<String, WriteError> {
-        self.make(&format!("sphere {center:?} {radius}"), "meshes", name, "ply", |_| {
+        self.make(&format!("sphere {facing:?} {center:?} {radius}"), "meshes", name, "ply", |_| {
             let quadric = PartialQuadric::Sphere { radius, z_min: -radius, z_max: radius, phi_max: 360.0 };
             let mut mesh = tessellate(&quadric);
             for p in &mut mesh.positions {
                 *p = std::array::from_fn(|i| (f64::from(p[i]) + center[i]) as f32);
             }
             mesh.uvs.iter_mut().for_each(|uv| uv[1] = 1.0 - uv[1]);
-            Ok(write_ply(&mesh))
+            Ok(write_ply(&facing.of(mesh)))
         })
     }
 
@@ -99,9 +117,10 @@ impl Output<'_> {
         p0: [f64; 3],
         p1: [f64; 3],
         radius: f64,
+        facing: Facing,
         name: &str,
     ) -> Result<String, WriteError> {
-        self.make(&format!("cylinder {p0:?} {p1:?} {radius}"), "meshes", name, "ply", |_| {
+        self.make(&format!("cylinder {facing:?} {p0:?} {p1:?} {radius}"), "meshes", name, "ply", |_| {
             let axis: [f64; 3] = std::array::from_fn(|i| p1[i] - p0[i]);
             let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
             let place = Transform::translate(p0).after(&about(axis.map(|v| v / length)));
@@ -113,7 +132,7 @@ impl Output<'_> {
             for n in &mut mesh.normals {
                 *n = place.vector(n.map(f64::from)).map(|v| v as f32);
             }
-            Ok(write_ply(&mesh))
+            Ok(write_ply(&facing.of(mesh)))
         })
     }
 

@@ -1,5 +1,6 @@
 //! The result of a writer, and what the writers of all scene languages share.
 
+mod facing;
 mod image;
 mod light;
 mod mesh;
@@ -20,6 +21,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use thiserror::Error;
 
+pub(crate) use facing::Facing;
 pub(crate) use image::Tone;
 pub(crate) use mesh::about;
 pub(crate) use names::Names;

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 /// The names that are taken. Finding a free one takes no longer when many like it are taken.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Names {
     taken: HashSet<String>,
     /// For what a name is made from: the number that is tried next.

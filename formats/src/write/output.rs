@@ -30,6 +30,8 @@ pub(crate) struct Output<'a> {
     /// Assets made from others, by a key of the writer's.
     made: HashMap<String, String>,
     taken: Names,
+    /// What is taken before anything is written.
+    reserved: Names,
     /// Whether any textured shape has uv outside of 0 to 1, once that was asked.
     pub(super) beyond: Option<bool>,
     /// Folder of the assets, named after the scene's file: scenes beside each other do not share one.
@@ -62,7 +64,8 @@ impl<'a> Output<'a> {
             known: HashMap::new(),
             carried: HashMap::new(),
             made: HashMap::new(),
-            taken,
+            taken: taken.clone(),
+            reserved: taken,
             beyond: None,
             own: format!("{}.files", plain(&path.file_name().unwrap_or_default().to_string_lossy())),
         }
@@ -80,6 +83,16 @@ impl<'a> Output<'a> {
         });
         let read = copied.collect();
         Finished { assets: self.assets, losses: self.losses, inputs: self.inputs, read }
+    }
+
+    /// Forgets what was written; files that were read are kept.
+    pub fn start_over(&mut self) {
+        self.assets.clear();
+        self.losses.clear();
+        self.known.clear();
+        self.carried.clear();
+        self.made.clear();
+        self.taken = self.reserved.clone();
     }
 
     /// Records that `what` cannot be expressed, and what is written instead.

@@ -1,6 +1,7 @@
 //! What is read of scenes, what is said of bad ones, and what survives being written.
 #![allow(clippy::unwrap_used)]
 
+mod joined;
 mod layers;
 mod linear;
 mod media;

@@ -13,7 +13,7 @@ fn unknown_plugin() {
     2 │   <shape type='spher'/>
       │                ^^^^^
       │
-      = help: --lenient renders without it: it is skipped
+      = help: with --lenient it is skipped
       = help: did you mean `sphere`?
     "#);
 }
@@ -206,7 +206,7 @@ fn undefined_parameter() {
     4 │     <float name='radius' value='$sise'/>
       │                                 ^^^^^
       │
-      = help: --lenient renders without it: every place has its default
+      = help: with --lenient every place has its default
       = help: did you mean `$size` by `$sise`?
     "#);
     assert_snapshot!(failure_with(
@@ -225,7 +225,7 @@ fn undefined_parameter() {
     6 │   <bsdf type='$kind$what' id='$id'/>
       │                               --- `$id`
       │
-      = help: --lenient renders without it: every place has its default
+      = help: with --lenient every place has its default
       = help: give a value: caustica render scene.xml -D 'what=two words' -D kind=... -D depth=... -D id=...
     "#);
 }
@@ -315,7 +315,7 @@ fn unsupported_plugin() {
     3 │     <bsdf type='hair'>
       │                 ^^^^
       │
-      = help: --lenient renders without it: diffuse gray 0.5 is used
+      = help: with --lenient diffuse gray 0.5 is used
     "#);
     assert_snapshot!(warnings(text, true), @r#"
     warning: bsdf plugin `hair` is not supported yet: diffuse gray 0.5 is used
@@ -352,7 +352,7 @@ fn unknown_integrators_become_photon_mapping() {
       │                     ^^^^^^^^^^^
     "#);
     assert_snapshot!(warnings("<scene version='0.6.0'>\n  <integrator type='bdpt'/>\n</scene>", false), @r#"
-    warning: integrator `bdpt` is approximated by `path`
+    warning: integrator `bdpt` is read as `path`
       ┌─ scene.xml:2:21
       │
     2 │   <integrator type='bdpt'/>
@@ -411,6 +411,6 @@ fn several_problems_in_source_order() {
     13 │   <teapot/>
        │    ^^^^^^
        │
-       = help: --lenient renders without it: it is skipped
+       = help: with --lenient it is skipped
     "#);
 }

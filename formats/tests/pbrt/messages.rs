@@ -76,10 +76,7 @@ fn values_of_the_wrong_kind() {
 #[test]
 fn structure() {
     assert_eq!(of("AttributeEnd"), ["scene.pbrt:2:1: AttributeEnd without AttributeBegin: it is ignored"]);
-    assert_eq!(
-        of("AttributeBegin"),
-        ["scene.pbrt:2:1: AttributeBegin has no AttributeEnd: it ends with the scene"]
-    );
+    assert_eq!(of("AttributeBegin"), ["scene.pbrt:2:1: AttributeBegin has no AttributeEnd"]);
     assert_eq!(of("Film \"rgb\""), ["scene.pbrt:2:1: Film must come before WorldBegin"]);
     assert_eq!(
         of("Shape \"sphere\" \"float radius\" [ 1"),
@@ -112,7 +109,7 @@ fn what_is_not_rendered_is_refused_or_replaced_by_name() {
     let curve = "WorldBegin LightSource \"infinite\"\nShape \"curve\" \"point3 P\" [0 0 0 1 0 0]";
     assert_eq!(
         problems(curve),
-        ["scene.pbrt:2:7: shape `curve` is not supported yet (--lenient renders without it: it is \
+        ["scene.pbrt:2:7: shape `curve` is not supported yet (with --lenient it is \
          skipped)"]
     );
     let options = ReadOptions { lenient: true, ..ReadOptions::default() };

@@ -12,11 +12,16 @@ use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Radius};
 use crate::transport::Owner;
 
-/// Light paths of the pilot that estimates how many it takes to store a wanted number of photons.
+/// Light paths of the pilot that estimates how many it takes to store a wanted number of photons: at first, and
+/// at most where few photons come of them.
 const COUNTED: u64 = 1 << 14;
+const MOST_COUNTED: u64 = 1 << 18;
+
+/// Photons that tell how many light paths it takes: their number is then known to a quarter.
+const ENOUGH_COUNTED: u64 = 16;
 
 /// Most light paths for each photon wanted: a map that hardly fills would otherwise take forever.
-const MOST_PATHS_A_PHOTON: u64 = 1000;
+const MOST_PATHS_A_PHOTON: u64 = 100;
 
 /// Aimed light paths are at most this many times fewer than others would be.
 const MOST_COST: f64 = 8.0;
@@ -70,9 +75,19 @@ impl Map {
             Count::Paths(n) => n,
             Count::Auto => 0,
             Count::Stored(wanted) => {
-                let stored = self.pilot_photons(scene, COUNTED, halt);
-                let paths = wanted.saturating_mul(COUNTED).div_ceil(stored.max(1));
-                paths.min(wanted.saturating_mul(MOST_PATHS_A_PHOTON))
+                let (mut counted, mut stored) = (COUNTED, self.pilot_photons(scene, COUNTED, halt));
+                while stored < ENOUGH_COUNTED && counted < MOST_COUNTED {
+                    counted *= 4;
+                    stored = self.pilot_photons(scene, counted, halt);
+                }
+                // Where none is stored, more paths would be as vain.
+                match stored {
+                    0 => counted,
+                    _ => wanted
+                        .saturating_mul(counted)
+                        .div_ceil(stored)
+                        .min(wanted.saturating_mul(MOST_PATHS_A_PHOTON)),
+                }
             }
         };
     }

@@ -23,6 +23,8 @@ pub enum BenchError {
     Config(String),
     #[error("`{command}` was stopped after {seconds} s")]
     Stopped { command: String, seconds: f64 },
+    #[error("interrupted; the same command goes on where this one stopped")]
+    Interrupted,
     #[error("no render of this benchmark succeeded; the reasons are above")]
     Nothing,
     #[error("{0}")]

@@ -23,18 +23,26 @@ mod study;
 mod table;
 mod thumbnail;
 
+use renderers::Programs;
+
 pub use args::BenchArgs;
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Runs the benchmark or the studies that the arguments ask for, with `caustica` as the program to measure.
-/// Progress, tables and errors go to `out`. Returns the exit status of the process: 0, 1 after an error, or 2 if
+/// Progress, tables and errors go to `out`. Once `stop` is true, the render that is running is stopped and nothing else
+/// is begun. Returns the exit status of the process: 0, 1 after an error, or 2 if
 /// the arguments are wrong.
-pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> u8 {
+pub fn run(args: &BenchArgs, caustica: &Path, stop: &Arc<AtomicBool>, out: &mut dyn Write) -> u8 {
     let result = match &args.study {
-        Some(name) => study::run(name, args, caustica, out),
-        None => args.clone().resolve().and_then(|args| run::run(&args, caustica, out)),
+        Some(name) => study::run(name, args, Programs::new(args, caustica, stop), out),
+        None => args.clone().resolve().and_then(|args| {
+            let programs = Programs::new(&args, caustica, stop);
+            run::run(&args, programs, out)
+        }),
     };
     match result {
         Ok(()) => 0,

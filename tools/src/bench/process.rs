@@ -2,6 +2,8 @@
 
 use super::error::BenchError;
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Cost of a process, including loading.
@@ -23,11 +25,20 @@ const KILLS: u32 = 200;
 /// Clock ticks per second in /proc: 100 on every Linux, as seen by programs.
 const TICKS: f64 = 100.0;
 
-/// Runs `command` without showing its output. After `limit` it is stopped with all processes it has started.
+/// What ends a process early.
+#[derive(Clone, Debug, Default)]
+pub struct Watch {
+    /// Longest wall time.
+    pub limit: Option<Duration>,
+    /// Set by a signal to this program.
+    pub stop: Arc<AtomicBool>,
+}
+
+/// Runs `command` without showing its output. When `watch` says so it is stopped with all processes it has started.
 ///
 /// # Errors
 /// It cannot be started, was stopped, or its exit status is not 0; the error then has the end of its stderr.
-pub fn run(command: &mut Command, limit: Option<Duration>) -> Result<Cost, BenchError> {
+pub fn run(command: &mut Command, watch: &Watch) -> Result<Cost, BenchError> {
     let program = command.get_program().to_string_lossy().into_owned();
     let shown = || {
         let args = command.get_args().map(|a| a.to_string_lossy().into_owned());
@@ -53,7 +64,11 @@ pub fn run(command: &mut Command, limit: Option<Duration>) -> Result<Cost, Bench
         }
         let status = std::fs::read_to_string(&memory).ok();
         peak_memory_bytes = status.as_deref().and_then(parse_peak).or(peak_memory_bytes);
-        if let Some(limit) = limit.filter(|limit| started.elapsed() > *limit) {
+        if watch.stop.load(Ordering::Acquire) {
+            stop(&mut child)?;
+            return Err(BenchError::Interrupted);
+        }
+        if let Some(limit) = watch.limit.filter(|limit| started.elapsed() > *limit) {
             stop(&mut child)?;
             return Err(BenchError::Stopped { command: shown, seconds: limit.as_secs_f64() });
         }
@@ -162,12 +177,17 @@ mod tests {
 
     #[test]
     fn failures_say_what_the_program_said() {
-        let failed = run(Command::new("sh").args(["-c", "echo no such lamp >&2; exit 3"]), None);
+        let failed = run(Command::new("sh").args(["-c", "echo no such lamp >&2; exit 3"]), &Watch::default());
         assert!(failed.unwrap_err().to_string().ends_with("no such lamp"));
-        assert!(matches!(run(&mut Command::new("/no/such/program"), None), Err(BenchError::Start { .. })));
-        let cost =
-            run(Command::new("sh").args(["-c", "i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done"]), None)
-                .unwrap();
+        assert!(matches!(
+            run(&mut Command::new("/no/such/program"), &Watch::default()),
+            Err(BenchError::Start { .. })
+        ));
+        let cost = run(
+            Command::new("sh").args(["-c", "i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done"]),
+            &Watch::default(),
+        )
+        .unwrap();
         assert!(cost.seconds > 0.0 && cost.cpu_seconds.is_none_or(|c| c < 60.0));
     }
 
@@ -175,7 +195,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn cpu_time_is_that_of_the_process_and_its_children() {
-        let asleep = run(Command::new("sh").args(["-c", "sleep 1"]), None).unwrap();
+        let asleep = run(Command::new("sh").args(["-c", "sleep 1"]), &Watch::default()).unwrap();
         // Starting a shell and `sleep` takes some milliseconds; half a second leaves room for a slow machine.
         assert!(asleep.seconds >= 1.0 && asleep.cpu_seconds.unwrap() < 0.5, "{asleep:?}");
         // The inner shell ends once it has taken 20 ticks, and the outer one takes hardly any.
@@ -183,7 +203,7 @@ mod tests {
             "while read -r line < /proc/self/stat; set -- $line; [ $((${14} + ${15})) -lt 20 ]; do :; done";
         let mut command = Command::new("sh");
         command.args(["-c", "sh -c \"$0\"; exit 0", burn]);
-        let busy = run(&mut command, None).unwrap();
+        let busy = run(&mut command, &Watch::default()).unwrap();
         // One tick for rounding; the loop looks at its time at every turn.
         assert!((0.19..0.5).contains(&busy.cpu_seconds.unwrap()), "{busy:?}");
     }
@@ -197,7 +217,8 @@ mod tests {
         let script = "sh -c 'echo $$ > \"$0\"; while :; do sleep 1; done' \"$0\" & wait";
         let mut command = Command::new("sh");
         command.args(["-c", script]).arg(&file);
-        let stopped = run(&mut command, Some(Duration::from_millis(500))).unwrap_err();
+        let watch = Watch { limit: Some(Duration::from_millis(500)), ..Watch::default() };
+        let stopped = run(&mut command, &watch).unwrap_err();
         assert!(stopped.to_string().ends_with("was stopped after 0.5 s"), "{stopped}");
         let child = std::fs::read_to_string(&file).unwrap();
         let state = std::fs::read_to_string(format!("/proc/{}/stat", child.trim()));

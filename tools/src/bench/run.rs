@@ -21,9 +21,8 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// A file cannot be read or written, a configuration is unknown, or no render succeeded.
-pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(), BenchError> {
+pub fn run(args: &BenchArgs, mut programs: Programs, out: &mut dyn Write) -> Result<(), BenchError> {
     let machine = Machine::here(args.threads);
-    let mut programs = Programs::new(args, caustica);
     files::make_folder(&args.output.join("images"))?;
     let (configs, skipped) = available(args, &mut programs, out)?;
     let wall = "this system does not report the CPU time of other processes: for caustica and pbrt, CPU times are \
@@ -52,8 +51,11 @@ pub fn run(args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(),
         all.extend(measured.records);
         truths.push(truth);
     }
-    write(&analysis, &all, &truths, &args.output, out)?;
-    if all.is_empty() { Err(BenchError::Nothing) } else { Ok(()) }
+    // Results from before are worth more than an empty page.
+    if all.is_empty() {
+        return Err(BenchError::Nothing);
+    }
+    write(&analysis, &all, &truths, &args.output, out)
 }
 
 /// The configurations that can be measured here, and those that cannot.

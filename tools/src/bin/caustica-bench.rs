@@ -17,5 +17,5 @@ struct Cli {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    bench::run(&cli.args, &cli.caustica, &mut std::io::stdout().lock()).into()
+    bench::run(&cli.args, &cli.caustica, &Default::default(), &mut std::io::stdout().lock()).into()
 }

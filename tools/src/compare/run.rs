@@ -190,6 +190,12 @@ fn load_variance(
         return Ok(None);
     }
     if kind == VarianceKind::OfMean && (args.spp.is_none() || args.reference_spp.is_none()) {
+        if !args.z_test {
+            notes.push(
+                "no z-test: it needs --spp and --reference-spp, the samples a pixel of both pictures".into(),
+            );
+            return Ok(None);
+        }
         notes.push(
             "the z-test takes the image as free of noise: --spp and --reference-spp are not given".into(),
         );

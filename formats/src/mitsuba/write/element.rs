@@ -52,13 +52,33 @@ impl Element {
         self
     }
 
+    /// Whether it has this tag.
+    pub fn is(&self, tag: &str) -> bool {
+        self.tag == tag
+    }
+
+    /// What stands in it.
+    pub fn nested(&self) -> &[Self] {
+        &self.children
+    }
+
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(known, _)| *known == name).map(|(_, value)| value.as_str())
+    }
+
+    /// Tag and attributes, but for the id.
+    pub fn head(&self) -> String {
+        let said = self.attributes.iter().filter(|(name, _)| *name != "id");
+        said.fold(self.tag.to_owned(), |text, (name, value)| format!("{text} {name}={value:?}"))
+    }
+
     pub fn is_reference(&self) -> bool {
         self.tag == "ref"
     }
 
     /// Whether it is an object of this plugin.
     pub fn is_a(&self, kind: &str) -> bool {
-        self.attributes.iter().any(|(name, value)| *name == "type" && value == kind)
+        self.attribute("type") == Some(kind)
     }
 
     /// Whether it has at most `limit` elements, itself included.

@@ -10,6 +10,7 @@ mod emitter;
 mod film;
 mod integrator;
 mod interface;
+mod joined;
 mod lobes;
 mod medium;
 mod plain;
@@ -20,7 +21,7 @@ mod substitute;
 mod sunsky;
 mod texture;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use element::{Element, print};
 use texture::Said;
@@ -32,19 +33,13 @@ use crate::write::{Names, Output, WriteError};
 const VERSION: &str = "3.0.0";
 
 pub(crate) fn write(output: &mut Output<'_>) -> Result<String, WriteError> {
-    let scene = output.scene;
-    let ids = Ids::new(scene);
-    let film = scene.sensors.get(scene.default_sensor).map(|sensor| sensor.film.imaging_ratio);
-    Writer {
-        out: output,
-        scene,
-        ids,
-        query: Query::default(),
-        said: HashMap::new(),
-        backs: Vec::new(),
-        light: film.unwrap_or(1.0),
+    let plain = Writer::new(output, HashSet::new()).document()?;
+    let torn = joined::torn(&plain);
+    if torn.is_empty() {
+        return Ok(print(&plain));
     }
-    .document()
+    output.start_over();
+    Writer::new(output, torn).document().map(|root| print(&root))
 }
 
 struct Writer<'o, 'a> {
@@ -58,6 +53,8 @@ struct Writer<'o, 'a> {
     backs: Vec<Shape>,
     /// Factor on all light, in place of the film's imaging ratio.
     light: f64,
+    /// Shapes to be reversed instead of having `flip_normals`, by their place among those of the top level.
+    reversed: HashSet<usize>,
 }
 
 /// Names of the objects of the top level, by arena index.
@@ -110,8 +107,23 @@ impl Ids {
     }
 }
 
-impl<'a> Writer<'_, 'a> {
-    fn document(mut self) -> Result<String, WriteError> {
+impl<'o, 'a> Writer<'o, 'a> {
+    fn new(out: &'o mut Output<'a>, reversed: HashSet<usize>) -> Self {
+        let scene = out.scene;
+        let film = scene.sensors.get(scene.default_sensor).map(|sensor| sensor.film.imaging_ratio);
+        Self {
+            out,
+            scene,
+            ids: Ids::new(scene),
+            query: Query::default(),
+            said: HashMap::new(),
+            backs: Vec::new(),
+            light: film.unwrap_or(1.0),
+            reversed,
+        }
+    }
+
+    fn document(mut self) -> Result<Element, WriteError> {
         let scene = self.scene;
         let mut root = Element::new("scene").with("version", VERSION);
         if let Some(title) = self.out.title() {
@@ -146,12 +158,18 @@ impl<'a> Writer<'_, 'a> {
                 root = root.children(element);
             }
         }
+        let mut shapes = 0;
         for (id, group) in scene.groups.iter() {
-            root = root.children(self.commented(group.origin, |w| w.group(id))?);
+            let element = self.commented(group.origin, |w| w.group(id))?;
+            shapes += usize::from(element.is_some());
+            root = root.children(element);
         }
         for shape in &scene.shapes {
             for side in self.sides(shape)? {
-                root = root.children(self.commented(shape.origin, |w| w.shape(&side))?);
+                let reversed = self.reversed.contains(&shapes);
+                let element = self.commented(shape.origin, |w| w.shape(&side, reversed))?;
+                shapes += usize::from(element.is_some());
+                root = root.children(element);
             }
         }
         let mut filled = false;
@@ -167,7 +185,7 @@ impl<'a> Writer<'_, 'a> {
             })?;
             root = root.children(element);
         }
-        Ok(print(&root))
+        Ok(root)
     }
 
     /// The element from `make`, with comments about its source and losses.

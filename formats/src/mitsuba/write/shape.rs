@@ -8,7 +8,7 @@ use crate::ir::{
     AreaEmission, ColorInput, FloatInput, Id, MediumInterface, MeshFile, MeshFormat, PartialQuadric, Shape,
     ShapeGroup, ShapeKind, Transform,
 };
-use crate::write::{WriteError, about};
+use crate::write::{Facing, WriteError, about};
 
 impl Writer<'_, '_> {
     pub fn group(&mut self, id: Id<ShapeGroup>) -> Result<Option<Element>, WriteError> {
@@ -22,16 +22,21 @@ impl Writer<'_, '_> {
                     "a shape that does not emit light",
                 );
                 let dark = Shape { emission: None, ..shape.clone() };
-                element = element.children(self.shape(&dark)?);
+                element = element.children(self.shape(&dark, false)?);
             } else {
-                element = element.children(self.shape(shape)?);
+                element = element.children(self.shape(shape, false)?);
             }
         }
         Ok(Some(element))
     }
 
-    pub fn shape(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
-        let stretched = self.stretched(shape)?;
+    /// A shape; `reversed` writes a mesh that faces the other way instead of one with `flip_normals`.
+    pub fn shape(&mut self, shape: &Shape, reversed: bool) -> Result<Option<Element>, WriteError> {
+        let facing = Facing {
+            keeps_uvs: reversed && self.query.textured(&self.scene.bsdfs, shape),
+            ..Facing::new(reversed)
+        };
+        let stretched = self.stretched(shape, facing)?;
         // Mitsuba's side of a mirrored mesh is that of its normals, or else of its mirrored winding; pbrt's is never
         // mirrored. That of a quadric is turned by the mirror in both, that of the mesh it becomes is not.
         let mirrored = shape.to_world.determinant3() < 0.0;
@@ -43,12 +48,17 @@ impl Writer<'_, '_> {
             ShapeKind::Partial(quadric) => !stays_analytic(quadric, &shape.to_world),
             _ => stretched.is_some(),
         };
-        let Some(element) = stretched.map_or_else(|| self.geometry(shape), |made| Ok(Some(made)))? else {
+        let Some(element) = stretched.map_or_else(|| self.geometry(shape, facing), |made| Ok(Some(made)))?
+        else {
             return Ok(None);
         };
-        let flip = shape.flip_normals ^ (turned && mirrored);
+        let flip = shape.flip_normals ^ (turned && mirrored) ^ reversed;
+        let mut to_world = shape.to_world;
+        if reversed && matches!(shape.kind, ShapeKind::Rectangle) {
+            to_world = to_world.after(&Transform::scale([1.0, 1.0, -1.0]));
+        }
         let mut element =
-            element.transform("to_world", &shape.to_world).boolean_unless("flip_normals", flip, false);
+            element.transform("to_world", &to_world).boolean_unless("flip_normals", flip, false);
         element = element.children(self.material(shape)?).children(self.media(shape)?);
         if let Some(emission) = &shape.emission
             && self.out.has_area(shape)?
@@ -82,14 +92,14 @@ impl Writer<'_, '_> {
 
     /// The surface, before its transform.
     #[allow(unreachable_patterns, reason = "kinds added later are reported as losses by name")]
-    fn geometry(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
+    fn geometry(&mut self, shape: &Shape, facing: Facing) -> Result<Option<Element>, WriteError> {
         let plugin = |name: &str| Element::plugin("shape", name).id(shape.name.as_deref());
         let label = shape.name.as_deref().unwrap_or("mesh");
         Ok(Some(match &shape.kind {
-            ShapeKind::Mesh(file) => self.mesh(file, shape, &|name| plugin(name))?,
+            ShapeKind::Mesh(file) => self.mesh(file, shape, facing, &|name| plugin(name))?,
             ShapeKind::Inline(mesh) => {
                 let name = mesh.made_from.as_deref().filter(|_| shape.name.is_none()).unwrap_or(label);
-                let file = self.out.make_inline_ply(mesh, name)?;
+                let file = self.out.make_inline_ply(mesh, facing, name)?;
                 // Without normals it is flat.
                 plugin("ply").string("filename", &file).boolean_unless(
                     "face_normals",
@@ -104,8 +114,12 @@ impl Writer<'_, '_> {
                 }
                 element.float_unless("radius", *radius, 1.0)
             }
-            ShapeKind::Partial(quadric) => self.quadric(shape, quadric)?,
+            ShapeKind::Partial(quadric) => self.quadric(shape, quadric, facing)?,
             ShapeKind::Rectangle => plugin("rectangle"),
+            ShapeKind::Cube if facing != Facing::FRONT => {
+                let file = self.out.make_cube_ply(facing, shape.name.as_deref().unwrap_or("cube"))?;
+                plugin("ply").string("filename", &file)
+            }
             ShapeKind::Cube => plugin("cube"),
             ShapeKind::Disk => plugin("disk"),
             ShapeKind::Cylinder { p0, p1, radius } => plugin("cylinder")
@@ -140,9 +154,11 @@ impl Writer<'_, '_> {
         &mut self,
         file: &MeshFile,
         shape: &Shape,
+        facing: Facing,
         plugin: &dyn Fn(&str) -> Element,
     ) -> Result<Element, WriteError> {
-        let keep = file.max_smooth_angle.is_none()
+        let keep = facing == Facing::FRONT
+            && file.max_smooth_angle.is_none()
             && match file.format {
                 MeshFormat::Serialized { .. } => true,
                 MeshFormat::Obj => self.out.is("plain OBJ", &file.path, plain_obj)?,
@@ -155,7 +171,8 @@ impl Writer<'_, '_> {
             let mesh = self.out.mesh(file)?;
             // Those that Mitsuba computes itself are of the mirrored mesh.
             let turned = mesh.computed_normals && shape.to_world.determinant3() < 0.0;
-            let name = self.out.make_ply(file, turned, shape.origin)?;
+            let facing = Facing { normals: facing.normals ^ turned, ..facing };
+            let name = self.out.make_ply(file, facing, shape.origin)?;
             let element = plugin("ply").comment(format!("made from {}", file.path.display()));
             let flat = file.face_normals || mesh.normals.is_empty();
             return Ok(element.string("filename", &name).boolean_unless("face_normals", flat, false));
@@ -180,7 +197,12 @@ impl Writer<'_, '_> {
     }
 
     /// Whole cylinders stay analytic; other quadrics that show uv, or are cut, are tessellated.
-    fn quadric(&mut self, shape: &Shape, quadric: &PartialQuadric) -> Result<Element, WriteError> {
+    fn quadric(
+        &mut self,
+        shape: &Shape,
+        quadric: &PartialQuadric,
+        facing: Facing,
+    ) -> Result<Element, WriteError> {
         if let PartialQuadric::Cylinder { radius, z_min, z_max, .. } = *quadric
             && stays_analytic(quadric, &shape.to_world)
         {
@@ -190,19 +212,19 @@ impl Writer<'_, '_> {
                 .triple("point", "p1", [0.0, 0.0, z_max])
                 .float_unless("radius", radius, 1.0));
         }
-        let file = self.out.make_quadric_ply(quadric, shape.name.as_deref().unwrap_or("quadric"))?;
+        let file = self.out.make_quadric_ply(quadric, facing, shape.name.as_deref().unwrap_or("quadric"))?;
         Ok(self.tessellated(shape, &file))
     }
 
     /// Mitsuba 3 draws a stretched sphere or cylinder as a round one.
-    fn stretched(&mut self, shape: &Shape) -> Result<Option<Element>, WriteError> {
+    fn stretched(&mut self, shape: &Shape, facing: Facing) -> Result<Option<Element>, WriteError> {
         let label = shape.name.as_deref().unwrap_or("quadric");
         let file = match shape.kind {
             ShapeKind::Sphere { center, radius } if !keeps_angles(&shape.to_world) => {
-                self.out.make_sphere_ply(center, radius, label)?
+                self.out.make_sphere_ply(center, radius, facing, label)?
             }
             ShapeKind::Cylinder { p0, p1, radius } if !stays_round(&shape.to_world, along(p0, p1)) => {
-                self.out.make_cylinder_ply(p0, p1, radius, label)?
+                self.out.make_cylinder_ply(p0, p1, radius, facing, label)?
             }
             _ => return Ok(None),
         };

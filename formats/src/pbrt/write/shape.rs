@@ -7,7 +7,7 @@ use crate::ir::{
     Transform,
 };
 use crate::mesh::{Mesh, builtin};
-use crate::write::{WriteError, about};
+use crate::write::{Facing, WriteError, about};
 
 /// Meshes up to this size stand in the scene file.
 const INLINE: usize = 64;
@@ -109,7 +109,7 @@ impl Writer<'_, '_> {
                 ("plymesh", none.string("filename", &self.mesh(file, shape.origin)?), None)
             }
             ShapeKind::Inline(mesh) if mesh.triangles.len() > INLINE => {
-                let name = self.out.make_inline_ply(mesh, label.unwrap_or("mesh"))?;
+                let name = self.out.make_inline_ply(mesh, Facing::FRONT, label.unwrap_or("mesh"))?;
                 ("plymesh", none.string("filename", &name), None)
             }
             ShapeKind::Inline(mesh) => ("trianglemesh", triangles(mesh), None),
@@ -187,7 +187,11 @@ impl Writer<'_, '_> {
             && file.format == MeshFormat::Ply
             && !file.flip_tex_coords
             && self.out.is_triangle_ply(file)?;
-        if keep { Ok(self.out.carry(&file.path, "meshes")) } else { self.out.make_ply(file, false, origin) }
+        if keep {
+            Ok(self.out.carry(&file.path, "meshes"))
+        } else {
+            self.out.make_ply(file, Facing::FRONT, origin)
+        }
     }
 
     /// The named material, and the opacity of a mask around it.

@@ -1,6 +1,7 @@
 //! Shapes → world-space primitives, instances and area emitters.
 
 mod contact;
+mod copies;
 mod extent;
 mod lamps;
 mod meshes;

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use caustica_formats::ir::{self, ShapeKind, Transform};
 
 use super::super::{Compiler, analytic};
+use super::copies::Copies;
 use super::extent::origin;
 use super::meshes::{LoadedMeshes, Meshes};
 use super::placement::{add_shape, placement, transform_bounds};
@@ -19,7 +20,7 @@ pub fn build(b: &mut Compiler<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64
     let meshes = loaded.checked(b);
     let origin = origin(b, &meshes, camera);
     b.origin = origin;
-    let mut world = World::default();
+    let mut world = World { copies: Copies::of(b, &meshes), ..World::default() };
     world.add_groups(b, &meshes);
     let to_ours = Transform::translate(origin.map(|x| -x));
     let ir = b.ir;
@@ -53,6 +54,7 @@ struct World {
     /// Group and place of every instance.
     placed: HashSet<(u32, [[u32; 3]; 4])>,
     numbers: Numbers,
+    copies: Copies,
 }
 
 impl World {
@@ -90,6 +92,13 @@ impl World {
 
     /// Adds a shape of the world, or an instance of a group.
     fn add(&mut self, b: &mut Compiler<'_>, meshes: &Meshes, shape: &ir::Shape, to_world: &Transform) {
+        if let Some(known) = self.copies.group(shape).map(|group| *group) {
+            let group = known.unwrap_or_else(|| self.alone(b, meshes, shape));
+            if let Some(kept) = self.copies.group(shape) {
+                *kept = Some(group);
+            }
+            return self.add_instance(b, shape, group, to_world);
+        }
         match &shape.kind {
             ShapeKind::Instance { group } => self.add_instance(b, shape, group.index() as u32, to_world),
             // A stretched quadric becomes an instance of the plain one; an emitting sphere becomes a mesh,
@@ -102,16 +111,22 @@ impl World {
                     let what = "light from a cylinder that is not scaled evenly";
                     b.unsupported(what, "a dark cylinder", e.origin);
                 }
-                let mut parts = LevelParts::default();
-                add_shape(b, meshes, shape, &Transform::IDENTITY, &mut parts, &mut self.records, None);
-                self.groups.push(Level::new(&parts.primitives, parts.analytic, &[]));
-                self.add_instance(b, shape, self.groups.len() as u32 - 1, to_world);
+                let group = self.alone(b, meshes, shape);
+                self.add_instance(b, shape, group, to_world);
             }
             _ => {
                 let emitters = Some(&mut self.emitters);
                 add_shape(b, meshes, shape, to_world, &mut self.level, &mut self.records, emitters);
             }
         }
+    }
+
+    /// A group of this shape alone, without its place.
+    fn alone(&mut self, b: &mut Compiler<'_>, meshes: &Meshes, shape: &ir::Shape) -> u32 {
+        let mut parts = LevelParts::default();
+        add_shape(b, meshes, shape, &Transform::IDENTITY, &mut parts, &mut self.records, None);
+        self.groups.push(Level::new(&parts.primitives, parts.analytic, &[]));
+        self.groups.len() as u32 - 1
     }
 
     fn add_instance(&mut self, b: &mut Compiler<'_>, shape: &ir::Shape, group: u32, to_world: &Transform) {

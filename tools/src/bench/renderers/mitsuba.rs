@@ -24,7 +24,7 @@ pub fn render(
     if let Some(n) = programs.threads {
         command.env("MI_DEFAULT_THREADS", n.to_string());
     }
-    process::run(&mut command, programs.limit).map_err(|e| match e {
+    process::run(&mut command, &programs.watch).map_err(|e| match e {
         // The command itself is a whole script.
         BenchError::Render { message, .. } => {
             BenchError::Render { command: format!("mitsuba {variant} {integrator}"), message }

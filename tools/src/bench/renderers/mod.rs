@@ -8,7 +8,7 @@ mod python;
 use super::args::BenchArgs;
 use super::config::{Config, Renderer};
 use super::error::BenchError;
-use super::process::Cost;
+use super::process::{Cost, Watch};
 use super::{files, process};
 use python::Python;
 use serde_json::Value;
@@ -17,7 +17,8 @@ use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// One render to make.
 #[derive(Debug)]
@@ -51,20 +52,20 @@ pub struct Programs {
     python: Python,
     threads: Option<usize>,
     max_depth: Option<i64>,
-    /// Of every process.
-    limit: Option<Duration>,
+    /// Of every render.
+    watch: Watch,
     /// What pbrt takes to load each of its scenes, by the fingerprint of the scene's text.
     loads: RefCell<HashMap<String, Cost>>,
 }
 
 impl Programs {
-    pub fn new(args: &BenchArgs, caustica: &Path) -> Self {
+    pub fn new(args: &BenchArgs, caustica: &Path, stop: &Arc<AtomicBool>) -> Self {
         Self {
             caustica: caustica.to_path_buf(),
             python: Python::new(args.python.as_deref()),
             threads: args.threads,
             max_depth: args.max_depth,
-            limit: args.process_limit(),
+            watch: Watch { limit: args.process_limit(), stop: stop.clone() },
             loads: RefCell::default(),
         }
     }
@@ -117,7 +118,7 @@ impl Programs {
         let path = folder.join(stem).with_extension(extension);
         let mut command = Command::new(&self.caustica);
         command.arg("convert").arg("--force").arg(job.scene).arg(&path);
-        process::run(&mut command, self.limit)?;
+        process::run(&mut command, &self.watch)?;
         Ok(path)
     }
 }

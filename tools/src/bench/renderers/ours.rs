@@ -23,7 +23,7 @@ pub fn render(programs: &Programs, settings: &[(String, String)], job: &Job<'_>)
     for (key, value) in settings {
         command.args(["--set", &format!("{key}={value}")]);
     }
-    let cost = process::run(&mut command, programs.limit)?;
+    let cost = process::run(&mut command, &programs.watch)?;
     let value = take_json(&stats)?;
     let render = &value["render"];
     let seconds = render["seconds"].as_f64().unwrap_or(cost.seconds);

@@ -90,7 +90,7 @@ fn start(programs: &Programs, scene: &Path, spp: u32, seed: u64, image: &Path) -
         command.args(["--nthreads", &n.to_string()]);
     }
     command.arg("--outfile").arg(image).arg(scene);
-    process::run(&mut command, programs.limit)
+    process::run(&mut command, &programs.watch)
 }
 
 /// The scene with another film size, a box filter, 32-bit floats and an integrator. The command line sets the

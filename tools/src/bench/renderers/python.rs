@@ -1,7 +1,7 @@
 //! A Python that has Mitsuba: the one given, or a virtual environment that is made when it is first needed.
 
 use crate::bench::error::BenchError;
-use crate::bench::process;
+use crate::bench::process::{self, Watch};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -84,10 +84,10 @@ impl Python {
 pub const SCRIPT: &str = include_str!("mitsuba.py");
 
 fn install(python: &Path, venv: &Path) -> Result<(), BenchError> {
-    process::run(Command::new(python).args(["-m", "venv", "--clear"]).arg(venv), None)?;
+    process::run(Command::new(python).args(["-m", "venv", "--clear"]).arg(venv), &Watch::default())?;
     let packages = [format!("mitsuba=={MITSUBA}"), "numpy".to_owned()];
     let mut pip = Command::new(venv.join("bin/python"));
-    process::run(pip.args(["-m", "pip", "install", "--quiet"]).args(packages), None)?;
+    process::run(pip.args(["-m", "pip", "install", "--quiet"]).args(packages), &Watch::default())?;
     Ok(())
 }
 

@@ -17,14 +17,13 @@ use measure::Bench;
 use page::{Common, Made};
 use reference::Reference;
 use std::io::Write;
-use std::path::Path;
 
 /// Makes the study `name`, or `all`, in `args.output`: README.md, plots and pictures. The renders stay in its
 /// folder `work`, where an interrupted run continues.
 ///
 /// # Errors
 /// There is no such study, the renderer fails, or a file cannot be read or written.
-pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -> Result<(), BenchError> {
+pub fn run(name: &str, args: &BenchArgs, programs: Programs, out: &mut dyn Write) -> Result<(), BenchError> {
     let names: Vec<&str> = NAMES.into_iter().filter(|n| name == "all" || name == *n).collect();
     if names.is_empty() {
         return Err(BenchError::Usage(format!(
@@ -34,7 +33,6 @@ pub fn run(name: &str, args: &BenchArgs, caustica: &Path, out: &mut dyn Write) -
     }
     let profile = if args.quick { Profile::QUICK } else { Profile::FULL };
     let machine = Machine::here(args.threads);
-    let programs = Programs::new(args, caustica);
     let work = args.output.join("work");
     files::make_folder(&work)?;
     files::write(&work.join(".gitignore"), b"*\n")?;
