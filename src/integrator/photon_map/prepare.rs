@@ -49,9 +49,9 @@ impl PhotonMapper<'_> {
 
     /// Measures what the settings leave open of light in media.
     pub(super) fn measure_media(&mut self, plan: &Plan) -> VolumeChoice {
-        let segments = self.segments();
+        let (segments, pixel) = self.segments();
         let task = Task { settings: &self.settings, ..self.task };
-        self.volume.measure(&task, plan, &segments, self.halts[0])
+        self.volume.measure(&task, plan, (&segments, pixel), self.halts[0])
     }
 
     /// What the camera sees, for [`Map::take_aim`].

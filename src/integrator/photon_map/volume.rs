@@ -28,6 +28,10 @@ const LONG: f32 = 4.0;
 const MOST_POINTS: u64 = 1 << 21;
 const MOST_BEAMS: u64 = 1 << 18;
 
+/// Most finds of a camera ray, and least light paths, where the number of paths is left open.
+const MOST_FOUND: f32 = 150.0;
+const LEAST_PATHS: u64 = 1 << 10;
+
 /// How much fewer beams a camera ray should find than photons: their number falls with the radius, not with its square.
 const FEWER_BEAMS: f32 = 0.1;
 
@@ -67,7 +71,7 @@ impl fmt::Display for VolumeChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = if self.beams { "beams" } else { "photons at collisions" };
         let Self { paths, radius, free_path, .. } = self;
-        write!(f, "{kind} of {paths} light paths a pass; radius {radius:.3}, light goes {free_path:.3} ")?;
+        write!(f, "{kind} of {paths} light paths a pass; radius {radius:.2e}, light goes {free_path:.2e} ")?;
         f.write_str("between collisions")
     }
 }
@@ -79,64 +83,72 @@ impl VolumeMap {
         Self { job, mode: s.mode, alpha: f64::from(s.volume_alpha), paths: 0, radius: 0.0 }
     }
 
-    /// Measures what the settings leave open, by `segments` of camera rays in media.
+    /// Measures what the settings leave open, by segments of camera rays in media and the size of a pixel there.
     pub fn measure(
         &mut self,
         task: &Task<'_>,
         plan: &Plan,
-        segments: &[Segment],
+        (segments, pixel): (&[Segment], f32),
         halt: Halt<'_>,
     ) -> VolumeChoice {
-        let (scene, s) = (task.scene, task.settings);
         self.job.beams = true;
-        let pilot = self.trace(scene, u32::MAX, PILOT, halt);
+        let pilot = self.trace(task.scene, u32::MAX, PILOT, halt);
         let lengths: f64 = pilot.beams.iter().map(|beam| f64::from(beam.length)).sum();
         let free_path = (lengths / pilot.beams.len().max(1) as f64) as f32;
-        self.paths = count_paths(s, plan, pilot.beams.len() as u64, MOST_BEAMS);
-        let sphere = scene.sphere.radius;
-        let given = match s.volume_radius {
-            Radius::Absolute(r) => Some(r),
-            Radius::Relative(r) => Some(r * sphere),
-            Radius::Auto => None,
+        let found = |r: f32| {
+            let (map, mut near) = (BeamMap::build(&pilot.beams, r), Vec::new());
+            counted(segments, |segment| {
+                map.along(segment, &mut near);
+                near.len()
+            })
         };
-        let wanted = s.volume_neighbours as f32;
-        let of_beams = || {
-            let found = |r: f32| {
-                let (map, mut near) = (BeamMap::build(&pilot.beams, r), Vec::new());
-                counted(segments, |segment| {
-                    map.along(segment, &mut near);
-                    near.len()
-                })
-            };
-            searched(found, (wanted * FEWER_BEAMS).max(1.0), self.share(), 1.0, sphere)
-        };
-        self.radius = given.unwrap_or_else(of_beams);
-        self.job.beams = match s.beams {
+        self.settle(task, plan, pixel, (pilot.beams.len(), MOST_BEAMS), found);
+        self.job.beams = match task.settings.beams {
             Beams::Auto => free_path > LONG * self.radius,
             Beams::Points => false,
             Beams::Beams => true,
         };
         if !self.job.beams {
-            let pilot = self.trace(scene, u32::MAX, PILOT, halt);
-            self.paths = count_paths(s, plan, pilot.points.len() as u64, MOST_POINTS);
-            let of_points = || {
-                let found = |r: f32| {
-                    let (map, mut near) = (PointMap::build(&pilot.points, r), Vec::new());
-                    counted(segments, |segment| {
-                        map.along(segment, &mut near);
-                        near.len()
-                    })
-                };
-                searched(found, wanted, self.share(), 0.5, sphere)
+            let pilot = self.trace(task.scene, u32::MAX, PILOT, halt);
+            let found = |r: f32| {
+                let (map, mut near) = (PointMap::build(&pilot.points, r), Vec::new());
+                counted(segments, |segment| {
+                    map.along(segment, &mut near);
+                    near.len()
+                })
             };
-            self.radius = given.unwrap_or_else(of_points);
+            self.settle(task, plan, pixel, (pilot.points.len(), MOST_POINTS), found);
         }
         VolumeChoice { beams: self.job.beams, paths: self.paths, radius: self.radius, free_path }
     }
 
-    /// Paths of a pass over those of the pilot.
-    fn share(&self) -> f32 {
-        self.paths as f32 / PILOT as f32
+    /// Decides on paths and radius, by how many `found` sees of what a pilot left with a radius; `left` of them, of at
+    /// most so many in a pass.
+    fn settle(
+        &mut self,
+        task: &Task<'_>,
+        plan: &Plan,
+        pixel: f32,
+        (left, most): (usize, u64),
+        found: impl Fn(f32) -> f32,
+    ) {
+        let (s, sphere) = (task.settings, task.scene.sphere.radius);
+        self.paths = count_paths(s, plan, left as u64, most);
+        let share = self.paths as f32 / PILOT as f32;
+        let (wanted, power) = match self.job.beams {
+            true => ((s.volume_neighbours as f32 * FEWER_BEAMS).max(1.0), 1.0),
+            false => (s.volume_neighbours as f32, 0.5),
+        };
+        self.radius = match s.volume_radius {
+            Radius::Absolute(r) => r,
+            Radius::Relative(r) => r * sphere,
+            Radius::Auto => radius::clamped(searched(&found, wanted, share, power, sphere), pixel, sphere),
+        };
+        // More would take longer to add up than to trace.
+        if s.volume_photons == Count::Auto {
+            let each = found(self.radius) * share;
+            self.paths = ((self.paths as f32 * (MOST_FOUND / each).min(1.0)) as u64).max(LEAST_PATHS);
+        }
     }
 
     fn trace(&self, scene: &Scene, pass: u32, paths: u64, halt: Halt<'_>) -> Traced {
