@@ -147,7 +147,7 @@ pub fn render(
 ) -> Outcome {
     let start = Instant::now();
     match task.settings.integrator {
-        IntegratorKind::Path if task.facts.media => {
+        IntegratorKind::Path | IntegratorKind::PhotonMap if task.facts.media => {
             let integrator = VolumePathTracer::new(task);
             run(task, &integrator, budget, sums, start, progress)
         }

@@ -53,6 +53,10 @@ impl Plan {
             notes.push("no emitter: the picture is black".to_owned());
         }
         let (maps, indirect) = match settings.integrator {
+            IntegratorKind::PhotonMap if facts.media => {
+                notes.push("photon mapping does not know media: the picture is path traced".to_owned());
+                (photon_map::Plan::NOTHING, None)
+            }
             IntegratorKind::Path => (photon_map::Plan::NOTHING, None),
             IntegratorKind::PhotonMap => {
                 notes.extend(photon_map::Plan::notes(facts, settings));

@@ -100,16 +100,6 @@ impl Compiler<'_> {
         self.diagnostics.push(problem.unsupported());
     }
 
-    /// Media that something is in or around.
-    fn refuse_media(&mut self) {
-        let uses = ir::Uses::of(self.ir);
-        for (id, medium) in self.ir.media.iter().filter(|(id, _)| uses.count(*id) > 0) {
-            let name =
-                medium.name.as_ref().map_or_else(|| format!("#{}", id.index()), |name| format!("`{name}`"));
-            self.unsupported(&format!("participating medium {name}"), "vacuum", medium.origin);
-        }
-    }
-
     fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Color {
         // The rules differ in spectra only; what range a plain RGB may have is the file's own matter.
         let spectral = !matches!(color, ir::Color::Gray(_) | ir::Color::Rgb(_) | ir::Color::Srgb(_));
@@ -145,7 +135,6 @@ pub fn compile(
         media: media::MediumTable::default(),
         origin: [0.0; 3],
     };
-    b.refuse_media();
     let sensor = sensor::choose(&mut b);
     let camera = sensor.map(|s| s.to_world.point([0.0; 3]));
     let shapes = rayon::scope(|scope| {
