@@ -23,17 +23,7 @@ impl Writer<'_, '_> {
                 "sharp focus everywhere",
             );
         }
-        let plugin = match (s.projection, lens) {
-            (Projection::Perspective { .. }, None) => "perspective",
-            (Projection::Perspective { .. }, Some(_)) => "thinlens",
-            (Projection::Orthographic, lens) => {
-                if lens.is_some() {
-                    self.out.lose(s.origin, "the lens of an orthographic sensor", "sharp focus everywhere");
-                }
-                "orthographic"
-            }
-            (Projection::Ray, _) => "radiancemeter",
-        };
+        let plugin = self.sensor_plugin(s, lens.is_some());
         let mut element = Element::plugin("sensor", plugin).id(s.name.as_deref());
         let mut to_world = s.to_world;
         let aspect = f64::from(s.film.width) / f64::from(s.film.height);
@@ -90,14 +80,32 @@ impl Writer<'_, '_> {
         if let Some([open, close]) = self.shutter() {
             element = element.float("shutter_open", open).float("shutter_close", close);
         }
-        let film = if s.projection == Projection::Ray && s.film.width != 1 && s.film.height != 1 {
-            let what = "a radiancemeter with more than one pixel";
-            self.out.lose(s.origin, what, "the pixel that all of them are");
-            self.film(&Film { width: 1, height: 1, crop: None, ..s.film.clone() })
-        } else {
-            self.film(&s.film)
-        };
+        let film = self.sensor_film(s);
         element.child(film).child(self.sampler(s, &s.sampler))
+    }
+
+    fn sensor_plugin(&mut self, s: &Sensor, lens: bool) -> &'static str {
+        match s.projection {
+            Projection::Perspective { .. } if lens => "thinlens",
+            Projection::Perspective { .. } => "perspective",
+            Projection::Orthographic => {
+                if lens {
+                    self.out.lose(s.origin, "the lens of an orthographic sensor", "sharp focus everywhere");
+                }
+                "orthographic"
+            }
+            Projection::Ray => "radiancemeter",
+        }
+    }
+
+    /// Mitsuba 3 wants one pixel for a ray.
+    fn sensor_film(&mut self, s: &Sensor) -> Element {
+        if s.projection != Projection::Ray || s.film.width == 1 || s.film.height == 1 {
+            return self.film(&s.film);
+        }
+        let what = "a radiancemeter with more than one pixel";
+        self.out.lose(s.origin, what, "the pixel that all of them are");
+        self.film(&Film { width: 1, height: 1, crop: None, ..s.film.clone() })
     }
 
     /// When a light that changes with the time is seen, if there is one.
