@@ -15,6 +15,9 @@ type Express = fn(&Filter) -> Option<Params>;
 const FILTERS: [(&str, Express); 5] =
     [("box", even), ("triangle", triangle), ("gaussian", gaussian), ("mitchell", mitchell), ("sinc", sinc)];
 
+/// Half of the side of the square that stands for a ray.
+const NARROW: f64 = 1e-6;
+
 impl Writer<'_, '_> {
     pub fn head(&mut self, text: &mut String) {
         let scene = self.scene;
@@ -70,8 +73,16 @@ impl Writer<'_, '_> {
                 "perspective"
             }
             Projection::Orthographic => "orthographic",
+            Projection::Ray => {
+                let instead = format!("an orthographic camera that sees a square of side {}", 2.0 * NARROW);
+                self.out.lose(sensor.origin, "a radiancemeter, which sees along one ray", instead);
+                "orthographic"
+            }
         };
         let mut window = sensor.screen_window;
+        if sensor.projection == Projection::Ray {
+            window = Some([-NARROW, NARROW, -NARROW, NARROW]);
+        }
         if sensor.projection == Projection::Orthographic && window.is_none() {
             // Ours shows the width as ±1.
             window = Some([-1.0, 1.0, -1.0 / aspect, 1.0 / aspect]);
