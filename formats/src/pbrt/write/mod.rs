@@ -6,6 +6,7 @@ mod film;
 mod light;
 mod lobes;
 mod material;
+mod metal;
 mod model;
 mod picture;
 mod relief;
