@@ -231,7 +231,13 @@ fn values(
 fn temperature(p: &mut Params, kelvin: Volume, scale: Volume) -> MediumEmission {
     let old_name = p.optional_float("temperaturecutoff");
     let offset = p.optional_float("temperatureoffset").or(old_name).unwrap_or(0.0);
-    MediumEmission::Temperature { kelvin, offset, factor: p.float("temperaturescale", 1.0), scale }
+    MediumEmission::Temperature {
+        kelvin,
+        offset,
+        factor: p.float("temperaturescale", 1.0),
+        peak: Y_INTEGRAL,
+        scale,
+    }
 }
 
 fn uniform_grid(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
@@ -246,7 +252,16 @@ fn uniform_grid(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
     };
     let density = grid(p, "density");
     let kelvin = grid(p, "temperature");
-    let scale = grid(p, "Lescale").unwrap_or(Volume::number(1.0));
+    // As pbrt has it: one value in the middle, from which the emission falls to half of it at the sides of the box.
+    let tent = || GridValues { resolution: [1; 3], channels: 1, values: vec![1.0] };
+    let scale = match p.has("Lescale") {
+        true => grid(p, "Lescale"),
+        false if p.has("Le") || kelvin.is_some() => {
+            Some(Volume::Grid(r.grid(p, VolumeData::Inline(tent().into()), Some(bounds))))
+        }
+        false => None,
+    };
+    let scale = scale.unwrap_or(Volume::number(1.0));
     if p.has("Le") && p.has("temperature") {
         p.complain("Le", format!("{} takes either `Le` or `temperature`, not both", p.what()));
     }

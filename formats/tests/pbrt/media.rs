@@ -49,6 +49,15 @@ fn homogeneous_media() {
     assert_eq!(full.emission, Some(MediumEmission::Radiance { radiance, scale }));
 }
 
+/// Fire needs no lamp.
+#[test]
+fn a_medium_may_be_all_the_light() {
+    let text = "WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\n\
+        MediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\"";
+    assert_eq!(problems(text), [""; 0]);
+    assert_eq!(problems(&text.replace("\"rgb Le\" [1 1 1]", "")).len(), 1);
+}
+
 /// A preset wins over the coefficients in pbrt-v4. In pbrt-v3 they win, and without either there is milk.
 #[test]
 fn presets() {
@@ -81,7 +90,12 @@ fn grids_of_density() {
     let Some(MediumEmission::Temperature { kelvin, offset, factor, scale }) = &smoke.emission else {
         panic!()
     };
-    assert_eq!((grid(kelvin).1[5], *offset, *factor, scale), (500.0, 20.0, 2.0, &gray(1.0)));
+    assert_eq!((grid(kelvin).1[5], *offset, *factor), (500.0, 20.0, 2.0));
+    // Of pbrt's own pictures: a peak of 1 makes a spectrum's luminance the integral of ȳ, and one value alone falls to
+    // half at the sides.
+    assert!((peak - 106.857).abs() < 1e-3);
+    let (tent, values) = grid(scale);
+    assert_eq!((values, tent.bounds, tent.wrap), (&[1.0][..], Some([[-1.0; 3], [1.0; 3]]), WrapMode::Zero));
     let colours = medium(
         "\"string type\" \"rgbgrid\" \"integer nx\" 2 \"rgb sigma_a\" [1 2 3 4 5 6] \"rgb Le\" [1 1 1 0 0 0]",
     );
