@@ -43,6 +43,9 @@ pub(super) struct MediumReader(ReadMedium);
 /// Luminance of pbrt's spectra of luminance 1 before they are scaled to it: the integral of ȳ, nm.
 pub(super) const Y_INTEGRAL: f64 = 106.856_895;
 
+/// Parameters of a temperature, where there is none.
+const HEAT: &[&str] = &["temperatureoffset", "temperaturecutoff", "temperaturescale"];
+
 impl Reader<'_> {
     pub fn medium(&mut self, d: &Directive, params: Vec<Param>) {
         self.report_moving("a medium", d.span);
@@ -271,7 +274,7 @@ fn uniform_grid(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
             Some(temperature(p, kelvin, scale))
         }
         None => {
-            p.ignore(&["temperatureoffset", "temperaturecutoff", "temperaturescale"]);
+            p.ignore(HEAT);
             r.emission(p, scale)
         }
     };
@@ -334,7 +337,10 @@ fn nano_vdb(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
         let format = VolumeFormat::NanoVdb { grid };
         Volume::Grid(r.grid(p, VolumeData::File(VolumeFile { path, format }), None))
     };
-    let path = path?;
+    let Some(path) = path else {
+        p.ignore(HEAT);
+        return None;
+    };
     // What is wrong with the file is said where it is read in full.
     let names = r.files.read(&path).map(|bytes| volume::grid_names(&bytes).unwrap_or_default());
     let hot = names.is_ok_and(|names| names.contains(&heat)) && scale > 0.0;
@@ -342,7 +348,7 @@ fn nano_vdb(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
     let emission = match kelvin {
         Some(kelvin) => Some(temperature(p, kelvin, Volume::number(scale))),
         None => {
-            p.ignore(&["temperatureoffset", "temperaturecutoff", "temperaturescale"]);
+            p.ignore(HEAT);
             None
         }
     };

@@ -87,7 +87,7 @@ fn grids_of_density() {
     assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(density.bounds, Some([[-1.0; 3], [1.0; 3]]));
     assert_eq!((density.to_world, density.wrap), (Transform::translate([1.0, 2.0, 3.0]), WrapMode::Zero));
-    let Some(MediumEmission::Temperature { kelvin, offset, factor, scale }) = &smoke.emission else {
+    let Some(MediumEmission::Temperature { kelvin, offset, factor, peak, scale }) = &smoke.emission else {
         panic!()
     };
     assert_eq!((grid(kelvin).1[5], *offset, *factor), (500.0, 20.0, 2.0));
@@ -137,7 +137,8 @@ fn grids_must_hold_what_they_say() {
     assert!(of("\"uniformgrid\" \"float density\" [-1]")[0].contains("must not be negative"));
     assert!(of("\"rgbgrid\"")[0].contains("needs the parameter \"rgb sigma_a\" or \"rgb sigma_s\""));
     assert!(of("\"homogeneous\" \"float g\" 1")[0].contains("`g` must lie between -1 and 1"));
-    assert!(of("\"nanovdb\" \"string filename\" \"no.nvdb\"")[0].contains("volume `no.nvdb` not found"));
+    let missing = of("\"nanovdb\" \"string filename\" \"no.nvdb\" \"float temperaturescale\" 2");
+    assert!(missing[0].contains("volume `no.nvdb` not found") && missing.len() == 1, "{missing:?}");
     let huge = "\"uniformgrid\" \"integer nx\" 2000000000 \"integer ny\" 2000000000 \"integer nz\" 9 \"float density\" [1]";
     assert!(of(huge)[0].contains("has 1 numbers"));
 }
