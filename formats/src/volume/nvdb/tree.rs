@@ -1,27 +1,12 @@
-//! NanoVDB files of version 32: a sparse tree of 4096³, 128³ and 8³ points. Little endian.
+//! The tree of a grid.
 //!
-//! Everything the tree points at lies in the bytes of its grid: offsets that lead out of them are errors. A sound tree
-//! visits each node once, so that more visits than there is room for nodes are an error as well.
+//! Everything it points at lies in the bytes of its grid: offsets that lead out of them are errors. A sound tree visits
+//! each node once, so that more visits than there is room for nodes are an error as well.
 
-use std::borrow::Cow;
-use std::io::Read;
-
-use flate2::read::ZlibDecoder;
-
-use super::bricks::{Brick, Bricks, SIDE};
-use super::{Grid, Store, VolumeError};
+use super::bytes::{Bytes, MAGIC, invalid};
 use crate::ir::Transform;
-
-/// `NanoVDB0` and `NanoVDB2` begin a file, `NanoVDB0` and `NanoVDB1` a grid in it.
-const MAGIC: &[u8] = b"NanoVDB";
-
-const VERSION: u32 = 32;
-
-const FILE_HEADER: usize = 16;
-const META: usize = 176;
-
-/// Deflate never expands further than this.
-const MAX_RATIO: u64 = 1032;
+use crate::volume::bricks::{Brick, Bricks, SIDE};
+use crate::volume::{Grid, Store, VolumeError};
 
 /// Sizes of nodes whose tiles are floats, and where their parts are.
 const GRID: usize = 672;
@@ -43,15 +28,6 @@ struct Level {
 const UPPER: Level = Level { children: 5, child: 7, child_mask: 4128, table: 8256, size: 270_400 };
 const LOWER: Level = Level { children: 4, child: 3, child_mask: 544, table: 1088, size: 33_856 };
 
-/// A grid in the file.
-struct Entry<'a> {
-    name: String,
-    codec: u16,
-    /// Unpacked.
-    size: u64,
-    data: &'a [u8],
-}
-
 /// How the values of a leaf are stored.
 #[derive(Clone, Copy)]
 enum Values {
@@ -60,138 +36,7 @@ enum Values {
     Steps(Option<u32>),
 }
 
-/// The names of the grids.
-pub(super) fn names(bytes: &[u8]) -> Result<Vec<String>, VolumeError> {
-    Ok(entries(bytes)?.into_iter().map(|entry| entry.name).collect())
-}
-
-/// Reads the grid called `name`.
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Grid, VolumeError> {
-    let entries = entries(bytes)?;
-    let Some(entry) = entries.iter().find(|entry| entry.name == name) else {
-        let has = entries.iter().map(|entry| format!("`{}`", entry.name)).collect::<Vec<_>>().join(", ");
-        return Err(VolumeError::NoGrid { asked: name.to_owned(), has });
-    };
-    let grid = entry.unpacked()?;
-    Tree::of(&grid)?.read()
-}
-
-fn short(needed: usize, found: usize) -> VolumeError {
-    VolumeError::Short { needed: needed as u64, found: found as u64 }
-}
-
-fn invalid(text: impl Into<String>) -> VolumeError {
-    VolumeError::Invalid(text.into())
-}
-
-/// The grids of all segments.
-fn entries(bytes: &[u8]) -> Result<Vec<Entry<'_>>, VolumeError> {
-    if !bytes.starts_with(MAGIC) {
-        return Err(VolumeError::Magic("NanoVDB"));
-    }
-    let all = Bytes(bytes);
-    let mut entries = Vec::new();
-    let mut at = 0;
-    while at < bytes.len() {
-        if !all.array::<8>(at)?.starts_with(MAGIC) {
-            return Err(invalid(format!("no segment begins at byte {at}")));
-        }
-        if bytes[at + 7] == b'1' {
-            return Err(VolumeError::Unsupported("that is a bare NanoVDB grid".to_owned()));
-        }
-        let version = all.u32(at + 8)? >> 21;
-        if version != VERSION {
-            return Err(VolumeError::Unsupported(format!("of NanoVDB version {version}")));
-        }
-        let (count, codec) = (all.u16(at + 12)?, all.u16(at + 14)?);
-        at += FILE_HEADER;
-        let mut metas = Vec::new();
-        for _ in 0..count {
-            let (size, packed) = (all.u64(at)?, all.u64(at + 8)?);
-            let name_size = all.u32(at + 136)? as usize;
-            let name = all.slice(at + META, name_size)?;
-            let name = name.split(|b| *b == 0).next().unwrap_or_default();
-            metas.push((String::from_utf8_lossy(name).into_owned(), size, packed));
-            at += META + name_size;
-        }
-        for (name, size, packed) in metas {
-            let packed = usize::try_from(packed).map_err(|_| invalid("a grid is too large"))?;
-            entries.push(Entry { name, codec, size, data: all.slice(at, packed)? });
-            at += packed;
-        }
-    }
-    Ok(entries)
-}
-
-impl<'a> Entry<'a> {
-    fn unpacked(&self) -> Result<Cow<'a, [u8]>, VolumeError> {
-        match self.codec {
-            0 => Ok(Cow::Borrowed(self.data)),
-            1 => {
-                let data = Bytes(self.data);
-                let packed = usize::try_from(data.u64(0)?).map_err(|_| invalid("a grid is too large"))?;
-                let packed = data.slice(8, packed)?;
-                if self.size > packed.len() as u64 * MAX_RATIO {
-                    return Err(invalid(format!(
-                        "{} bytes cannot hold a grid of {}",
-                        packed.len(),
-                        self.size
-                    )));
-                }
-                let mut grid = Vec::new();
-                let read = ZlibDecoder::new(packed).take(self.size).read_to_end(&mut grid);
-                read.map_err(|e| invalid(format!("the grid cannot be unpacked: {e}")))?;
-                Ok(Cow::Owned(grid))
-            }
-            2 => Err(VolumeError::Unsupported("compressed by BLOSC".to_owned())),
-            codec => Err(VolumeError::Unsupported(format!("with codec {codec}"))),
-        }
-    }
-}
-
-/// Bytes of which any may be missing.
-#[derive(Clone, Copy)]
-struct Bytes<'a>(&'a [u8]);
-
-impl<'a> Bytes<'a> {
-    fn slice(self, at: usize, count: usize) -> Result<&'a [u8], VolumeError> {
-        let end = at.checked_add(count).ok_or_else(|| short(usize::MAX, self.0.len()))?;
-        self.0.get(at..end).ok_or_else(|| short(end, self.0.len()))
-    }
-
-    fn array<const N: usize>(self, at: usize) -> Result<[u8; N], VolumeError> {
-        Ok(self.slice(at, N)?.try_into().expect("a slice of N bytes"))
-    }
-
-    fn u16(self, at: usize) -> Result<u16, VolumeError> {
-        self.array(at).map(u16::from_le_bytes)
-    }
-
-    fn u32(self, at: usize) -> Result<u32, VolumeError> {
-        self.array(at).map(u32::from_le_bytes)
-    }
-
-    fn u64(self, at: usize) -> Result<u64, VolumeError> {
-        self.array(at).map(u64::from_le_bytes)
-    }
-
-    fn f32(self, at: usize) -> Result<f32, VolumeError> {
-        self.array(at).map(f32::from_le_bytes)
-    }
-
-    fn coordinate(self, at: usize) -> Result<[i32; 3], VolumeError> {
-        Ok([self.u32(at)?.cast_signed(), self.u32(at + 4)?.cast_signed(), self.u32(at + 8)?.cast_signed()])
-    }
-
-    /// `from` plus the signed offset that stands at `at`.
-    fn target(self, from: usize, at: usize) -> Result<usize, VolumeError> {
-        let offset = self.u64(at)?.cast_signed();
-        let target = isize::try_from(offset).ok().and_then(|offset| from.checked_add_signed(offset));
-        target.filter(|target| *target < self.0.len()).ok_or_else(|| invalid("a node points out of its grid"))
-    }
-}
-
-struct Tree<'a> {
+pub(super) struct Tree<'a> {
     grid: Bytes<'a>,
     root: usize,
     values: Values,
@@ -206,7 +51,7 @@ struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    fn of(grid: &'a [u8]) -> Result<Self, VolumeError> {
+    pub fn of(grid: &'a [u8]) -> Result<Self, VolumeError> {
         let bytes = Bytes(grid);
         if !bytes.array::<8>(0)?.starts_with(MAGIC) {
             return Err(invalid("a grid of the file does not begin with NanoVDB"));
@@ -237,7 +82,7 @@ impl<'a> Tree<'a> {
         Ok(Self { grid: bytes, root, values, min, max, bricks, left, fills })
     }
 
-    fn read(mut self) -> Result<Grid, VolumeError> {
+    pub fn read(mut self) -> Result<Grid, VolumeError> {
         let tiles = self.grid.u32(self.root + 24)? as usize;
         for tile in 0..tiles {
             let at = self.root + ROOT + tile * ROOT_TILE;
