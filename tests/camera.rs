@@ -1,6 +1,8 @@
 //! Which part of the scene a pixel shows: crop, filters, focus, clip planes, projection.
 
-use crate::support::{Estimate, Picture, area, assert_agree, camera, film, rectangle, render, scene};
+use crate::support::{
+    Estimate, Picture, UP, area, assert_agree, camera, diffuse, film, rectangle, render, scene,
+};
 
 /// A lamp facing the camera, which looks along −z.
 fn panel(half: f64, place: &str, radiance: &str) -> String {
@@ -121,5 +123,32 @@ fn an_orthographic_camera_shows_the_same_scale_at_any_distance() {
             _ => 0.25,
         };
         assert!((v - expected).abs() < 1e-6, "pixel {i}: {v}");
+    }
+}
+
+/// Its pixel is the radiance along one ray. A diffuse floor lit by a point lamp sends ρ/π·I·cosθ/d² of it: here the ray
+/// ends 2 below the lamp and 1.5 aside, past a mirror at 45°. The lamp is reached by a shadow ray, so there is no noise;
+/// 0.1 % is for single precision.
+#[test]
+fn a_radiancemeter_measures_radiance_along_its_ray() {
+    let meter = format!(
+        "<sensor type='radiancemeter'><point name='origin' value='-3,1,0'/>
+         <vector name='direction' value='1,0,0'/>{}</sensor>",
+        film(1, 1)
+    );
+    let mirror = rectangle(
+        0.2,
+        "<rotate y='1' angle='90'/><rotate z='1' angle='-135'/><translate value='1.5,1,0'/>",
+        "<bsdf type='twosided'><bsdf type='conductor'><string name='material' value='none'/></bsdf></bsdf>",
+    );
+    let floor = rectangle(5.0, UP, &diffuse("0.6"));
+    let lamp = "<emitter type='point'><point name='position' value='0,2,0'/>
+                <rgb name='intensity' value='3'/></emitter>";
+    let stage = scene(&format!("{meter}{mirror}{floor}{lamp}"));
+    let square = 2.0f64 * 2.0 + 1.5 * 1.5;
+    let expected = 0.6 / std::f64::consts::PI * 3.0 * (2.0 / square.sqrt()) / square;
+    for settings in [&[("integrator", "path")][..], &[("max_depth", "3")][..]] {
+        let picture = render(&stage, settings, 4);
+        assert_agree("radiancemeter", picture.beauty(0), Estimate::exact(expected), 0.001);
     }
 }

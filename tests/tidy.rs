@@ -155,6 +155,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                 "image" => &["image", "files", "memory", "misnamed"],
                 "spectrum" => &["spectrum", "ir", "misnamed"],
                 "mesh" => &["mesh", "ir", "files", "encoding", "misnamed"],
+                "volume" => &["volume", "ir"],
                 "mitsuba" => &[
                     "mitsuba",
                     "ir",
@@ -185,6 +186,7 @@ fn formats_know_nothing_of_rendering_and_tools_nothing_of_the_renderer() {
                     "missing",
                     "plugin",
                     "read",
+                    "volume",
                     "write",
                 ],
                 _ => continue,

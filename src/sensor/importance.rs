@@ -102,7 +102,8 @@ impl Sensor {
             return None;
         }
         let film = self.projection.window().inverse(on_window) - self.principal_point_offset;
-        if film.cmplt(Vec2::ZERO).any() || film.cmpgt(Vec2::ONE).any() {
+        // Where the window has no extent, nothing is on the film.
+        if !(film.cmpge(Vec2::ZERO).all() && film.cmple(Vec2::ONE).all()) {
             return None;
         }
         let scale = self.axes[0].cross(self.axes[1]).length();

@@ -3,11 +3,13 @@
 mod importance;
 mod orthographic;
 mod perspective;
+mod radiancemeter;
 mod thinlens;
 
 pub use importance::{Importance, Line, SensorSample};
 pub use orthographic::Orthographic;
 pub use perspective::{Axis, Perspective};
+pub use radiancemeter::Radiancemeter;
 pub use thinlens::ThinLens;
 
 use crate::math::{Ray, Vec2, Vec3, closed_enum};
@@ -51,6 +53,8 @@ closed_enum! {
         Perspective(Perspective),
         /// All rays are parallel.
         Orthographic(Orthographic),
+        /// There is one ray.
+        Radiancemeter(Radiancemeter),
     }
 }
 

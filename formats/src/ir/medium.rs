@@ -93,7 +93,7 @@ kinds! {
             /// Factor on it.
             scale: Volume,
         },
-        /// A black body of (`kelvin` − `offset`)·`factor`; none up to 100 K. Its spectrum is scaled to a maximum of 1.
+        /// A black body of (`kelvin` − `offset`)·`factor`; none up to 100 K.
         "temperature" => Temperature {
             /// As stored.
             kelvin: Volume,
@@ -101,6 +101,9 @@ kinds! {
             offset: f64,
             /// On the difference.
             factor: f64,
+            /// The maximum that its spectrum is scaled to, in units in which a spectrum of 1 has luminance 1. pbrt's
+            /// is 1 where that has 106.857, the integral of ȳ.
+            peak: f64,
             /// Factor on the radiance.
             scale: Volume,
         },

@@ -115,5 +115,7 @@ pub fn uses_textures(scene: &Scene, shape: &Shape) -> bool {
 
 /// Whether the scene has any light outside of its shape groups.
 pub fn emits(scene: &Scene) -> bool {
-    !scene.emitters.is_empty() || scene.shapes.iter().any(|shape| shape.emission.is_some())
+    !scene.emitters.is_empty()
+        || scene.shapes.iter().any(|shape| shape.emission.is_some())
+        || scene.media.iter().any(|(_, medium)| medium.emission.is_some())
 }

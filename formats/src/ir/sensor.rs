@@ -48,6 +48,8 @@ pub enum Projection {
     },
     /// Sees x in ±1 and y in ±1/aspect of its local frame, which `to_world` may scale.
     Orthographic,
+    /// All of the film sees the radiance along one ray, the local +Z axis (Mitsuba's `radiancemeter`).
+    Ray,
 }
 
 /// How the angle of a camera is given.

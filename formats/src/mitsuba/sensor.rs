@@ -4,18 +4,25 @@ use super::number;
 use super::object::{Class, ObjectIndex};
 use super::props::Props;
 use super::reader::Reader;
+use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
-use crate::ir::{Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform};
+use crate::ir::{Film, Fov, FovAxis, Lens, Projection, Sampler, Sensor, Transform};
 use crate::plugin::{Plugin, read, unsupported};
 
-/// What is special to a sensor; the number is `far_clip`.
-type ReadOptics = fn(&mut Props<'_>, f64) -> (Projection, Option<Lens>);
+/// What is special to a sensor.
+#[derive(Clone, Copy)]
+pub(super) enum Optics {
+    /// The number is `far_clip`.
+    Camera(fn(&mut Props<'_>, f64) -> (Projection, Option<Lens>)),
+    /// A ray from somewhere, which meets all that is in its way.
+    Ray,
+}
 
-pub(super) const SENSORS: &[Plugin<ReadOptics>] = &[
-    read("perspective", pinhole),
-    read("thinlens", thin_lens),
-    read("orthographic", orthographic),
-    unsupported("radiancemeter"),
+pub(super) const SENSORS: &[Plugin<Optics>] = &[
+    read("perspective", Optics::Camera(pinhole)),
+    read("thinlens", Optics::Camera(thin_lens)),
+    read("orthographic", Optics::Camera(orthographic)),
+    read("radiancemeter", Optics::Ray),
     unsupported("irradiancemeter"),
     unsupported("distant"),
     unsupported("batch"),
@@ -54,14 +61,15 @@ impl<'a> Reader<'a> {
     pub fn sensor(&mut self, index: ObjectIndex) {
         let Some(optics) = self.plugin(SENSORS, index, "it is skipped") else { return };
         let mut props = self.props(index);
-        let near_clip = props.positive("near_clip", 0.01);
-        let far_clip = props.positive("far_clip", 10_000.0);
-        if near_clip >= far_clip {
-            let text = format!("`near_clip` ({near_clip}) must be below `far_clip` ({far_clip})");
-            props.complain("near_clip", text);
-        }
-        let (projection, lens) = optics(&mut props, far_clip);
-        let to_world = props.transform("to_world");
+        let (seen, projection, lens, to_world) = match optics {
+            Optics::Camera(optics) => {
+                let seen @ [_, far] = clips(&mut props);
+                let (projection, lens) = optics(&mut props, far);
+                (seen, projection, lens, props.transform("to_world"))
+            }
+            Optics::Ray => ([0.0, ENDLESS], Projection::Ray, None, along(&mut props)),
+        };
+        let [near_clip, far_clip] = seen;
         if projection != Projection::Orthographic {
             check_rigid(&mut props, &to_world);
         }
@@ -91,7 +99,20 @@ impl<'a> Reader<'a> {
             props.problems.push(Diagnostic::warning(text, Some(nested.span)));
         }
         self.finish(props);
+        self.check_film(&sensor);
         self.scene.sensors.push(sensor);
+    }
+
+    /// As Mitsuba 3 does.
+    fn check_film(&mut self, sensor: &Sensor) {
+        let Film { width, height, origin, .. } = sensor.film;
+        if self.dialect != Dialect::Old && sensor.projection == Projection::Ray && width != 1 && height != 1 {
+            let text =
+                format!("a radiancemeter sees along one ray: its film has 1×1 pixels, not {width}×{height}");
+            let help = "write <integer name=\"width\" value=\"1\"/> and <integer name=\"height\" value=\"1\"/> \
+                        in its <film>";
+            self.problems.push(Diagnostic::error(text, origin.0).help(help));
+        }
     }
 
     fn sampler(&mut self, index: Option<ObjectIndex>) -> Sampler {
@@ -122,6 +143,43 @@ fn sample_count(props: &mut Props<'_>) -> u32 {
         }
         _ => props.count("sample_count", 4, 1..=MOST),
     }
+}
+
+/// Farther than any scene reaches.
+const ENDLESS: f64 = 1e30;
+
+fn clips(props: &mut Props<'_>) -> [f64; 2] {
+    let near_clip = props.positive("near_clip", 0.01);
+    let far_clip = props.positive("far_clip", 10_000.0);
+    if near_clip >= far_clip {
+        let text = format!("`near_clip` ({near_clip}) must be below `far_clip` ({far_clip})");
+        props.complain("near_clip", text);
+    }
+    [near_clip, far_clip]
+}
+
+/// The place of a ray: `to_world`, or without it `origin` and `direction`.
+fn along(props: &mut Props<'_>) -> Transform {
+    let (from, direction) = (props.triple("origin"), props.triple("direction"));
+    if props.has("to_world") {
+        return props.transform("to_world");
+    }
+    let (from, direction) = match (from, direction) {
+        (Some(from), Some(direction)) => (from, direction),
+        (None, None) => return Transform::IDENTITY,
+        (from, _) => {
+            let given = if from.is_some() { "origin" } else { "direction" };
+            props.complain(given, "a radiancemeter takes both `origin` and `direction`, or neither");
+            return Transform::IDENTITY;
+        }
+    };
+    let target = std::array::from_fn(|i| from[i] + direction[i]);
+    // What lies beside the ray is not seen, so which way is up is no matter.
+    let up = if direction[0].abs() < direction[1].abs() { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    Transform::look_at(from, target, up).unwrap_or_else(|| {
+        props.complain("direction", "`direction` has no length");
+        Transform::IDENTITY
+    })
 }
 
 fn pinhole(props: &mut Props<'_>, _: f64) -> (Projection, Option<Lens>) {

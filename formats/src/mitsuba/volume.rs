@@ -50,7 +50,9 @@ impl<'a> Reader<'a> {
 fn constant<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Volume> {
     // The bounds of a constant matter to the medium alone.
     props.ignore(&["to_world"]);
-    Some(reader.volume_or(props, "value", 1.0))
+    let name = if props.has("color") && !props.has("value") { "color" } else { "value" };
+    // `color` is what the first version of Mitsuba 2 called it.
+    Some(reader.volume_or(props, name, 1.0))
 }
 
 fn grid<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Volume> {

@@ -43,6 +43,9 @@ pub(super) struct MediumReader(ReadMedium);
 /// Luminance of pbrt's spectra of luminance 1 before they are scaled to it: the integral of ȳ, nm.
 pub(super) const Y_INTEGRAL: f64 = 106.856_895;
 
+/// Parameters of a temperature, where there is none.
+const HEAT: &[&str] = &["temperatureoffset", "temperaturecutoff", "temperaturescale"];
+
 impl Reader<'_> {
     pub fn medium(&mut self, d: &Directive, params: Vec<Param>) {
         self.report_moving("a medium", d.span);
@@ -231,7 +234,13 @@ fn values(
 fn temperature(p: &mut Params, kelvin: Volume, scale: Volume) -> MediumEmission {
     let old_name = p.optional_float("temperaturecutoff");
     let offset = p.optional_float("temperatureoffset").or(old_name).unwrap_or(0.0);
-    MediumEmission::Temperature { kelvin, offset, factor: p.float("temperaturescale", 1.0), scale }
+    MediumEmission::Temperature {
+        kelvin,
+        offset,
+        factor: p.float("temperaturescale", 1.0),
+        peak: Y_INTEGRAL,
+        scale,
+    }
 }
 
 fn uniform_grid(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
@@ -246,7 +255,16 @@ fn uniform_grid(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
     };
     let density = grid(p, "density");
     let kelvin = grid(p, "temperature");
-    let scale = grid(p, "Lescale").unwrap_or(Volume::number(1.0));
+    // As pbrt has it: one value in the middle, from which the emission falls to half of it at the sides of the box.
+    let tent = || GridValues { resolution: [1; 3], channels: 1, values: vec![1.0] };
+    let scale = match p.has("Lescale") {
+        true => grid(p, "Lescale"),
+        false if p.has("Le") || kelvin.is_some() => {
+            Some(Volume::Grid(r.grid(p, VolumeData::Inline(tent().into()), Some(bounds))))
+        }
+        false => None,
+    };
+    let scale = scale.unwrap_or(Volume::number(1.0));
     if p.has("Le") && p.has("temperature") {
         p.complain("Le", format!("{} takes either `Le` or `temperature`, not both", p.what()));
     }
@@ -256,7 +274,7 @@ fn uniform_grid(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
             Some(temperature(p, kelvin, scale))
         }
         None => {
-            p.ignore(&["temperatureoffset", "temperaturecutoff", "temperaturescale"]);
+            p.ignore(HEAT);
             r.emission(p, scale)
         }
     };
@@ -319,7 +337,10 @@ fn nano_vdb(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
         let format = VolumeFormat::NanoVdb { grid };
         Volume::Grid(r.grid(p, VolumeData::File(VolumeFile { path, format }), None))
     };
-    let path = path?;
+    let Some(path) = path else {
+        p.ignore(HEAT);
+        return None;
+    };
     // What is wrong with the file is said where it is read in full.
     let names = r.files.read(&path).map(|bytes| volume::grid_names(&bytes).unwrap_or_default());
     let hot = names.is_ok_and(|names| names.contains(&heat)) && scale > 0.0;
@@ -327,7 +348,7 @@ fn nano_vdb(r: &mut Reader<'_>, p: &mut Params) -> Option<Contents> {
     let emission = match kelvin {
         Some(kelvin) => Some(temperature(p, kelvin, Volume::number(scale))),
         None => {
-            p.ignore(&["temperatureoffset", "temperaturecutoff", "temperaturescale"]);
+            p.ignore(HEAT);
             None
         }
     };

@@ -115,7 +115,7 @@ fn grids_of_both_generations() {
         "<medium type='heterogeneous'><string name='method' value='woodcock'/>
         <volume name='density' type='volcache'><volume type='gridvolume'>
             <string name='filename' value='smoke.vol'/></volume></volume>
-        <volume name='albedo' type='constvolume'><rgb name='value' value='.5 .6 .7'/></volume>
+        <volume name='albedo' type='constvolume'><rgb name='color' value='.5 .6 .7'/></volume>
         <volume name='orientation' type='constvolume'><vector name='value' x='0' y='1' z='0'/></volume>
         <phase type='microflake'><float name='stddev' value='.2'/></phase></medium>",
     );

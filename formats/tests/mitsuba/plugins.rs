@@ -6,9 +6,11 @@ use caustica_formats::ir::{
     TextureKind, Tonemap, WrapMode,
 };
 
-use caustica_formats::ReadOptions;
+use std::path::Path;
 
-use crate::{headlines, try_read, v3, v06};
+use caustica_formats::{ReadOptions, write_scene};
+
+use crate::{files, headlines, try_read, v3, v06};
 
 fn bsdf(text: &str) -> BsdfKind {
     let scene = v3(text);
@@ -203,4 +205,63 @@ fn substitutes_are_those_that_the_warning_names() {
     assert_eq!(read.scene.bsdfs.len(), 1);
     let used = &read.scene.bsdfs[read.scene.shapes[0].bsdf.unwrap()];
     assert!(matches!(&used.kind, BsdfKind::Conductor(c) if c.specular_reflectance == HALF));
+}
+
+const PIXEL: &str =
+    "<film type='hdrfilm'><integer name='width' value='1'/><integer name='height' value='1'/></film>";
+
+/// `to_world` wins over `origin` and `direction`, as in Mitsuba 3.9; both are the same ray here.
+#[test]
+fn a_radiancemeter_is_a_ray() {
+    let ray = "<point name='origin' x='1' y='2' z='3'/><vector name='direction' x='0' y='-2' z='0'/>";
+    let place = "<transform name='to_world'><lookat origin='1,2,3' target='1,0,3' up='1,0,0'/></transform>";
+    for body in [ray.to_owned(), place.to_owned(), format!("{place}{}", ray.replace('1', "7"))] {
+        let scene = v3(&format!("<sensor type='radiancemeter'>{body}{PIXEL}</sensor>"));
+        let sensor = &scene.sensors[0];
+        assert_eq!(sensor.projection, Projection::Ray);
+        assert_eq!(sensor.to_world.point([0.0; 3]), [1.0, 2.0, 3.0]);
+        assert_eq!(sensor.to_world.vector([0.0, 0.0, 1.0]), [0.0, -1.0, 0.0]);
+        assert_eq!(sensor.near_clip, 0.0);
+    }
+    for (body, message) in [
+        (PIXEL.replace("'1'", "'2'"), "a radiancemeter sees along one ray: its film has 1×1 pixels, not 2×2"),
+        (
+            format!("<point name='origin' x='1' y='0' z='0'/>{PIXEL}"),
+            "a radiancemeter takes both `origin` and `direction`, or neither",
+        ),
+        (format!("{ray}{PIXEL}").replace("-2", "0"), "`direction` has no length"),
+        (
+            format!("<float name='near_clip' value='1'/>{PIXEL}"),
+            "unknown parameter `near_clip` of radiancemeter",
+        ),
+    ] {
+        let text = format!("<scene version='3.0.0'><sensor type='radiancemeter'>{body}</sensor></scene>");
+        assert_eq!(headlines(&text), [message], "{body}");
+    }
+    // Mitsuba 0.6 takes any film.
+    let old = v06("<sensor type='radiancemeter'/><emitter type='constant'/>");
+    assert_eq!(old.sensors[0].projection, Projection::Ray);
+}
+
+/// Mitsuba has it back as it was; pbrt has an orthographic camera instead.
+#[test]
+fn a_radiancemeter_is_written() {
+    let text = format!(
+        "<scene version='3.0.0'><sensor type='radiancemeter'><point name='origin' x='1' y='2' z='3'/>
+         <vector name='direction' x='1' y='-2' z='0.5'/>{PIXEL}</sensor><emitter type='constant'/></scene>"
+    );
+    let read = try_read(&text, &[], &ReadOptions::default()).unwrap();
+    let written = |name: &str| write_scene(&read, &files(&text, &[]), Path::new(name)).unwrap();
+    let copy = written("copy.xml");
+    assert!(copy.losses.is_empty(), "{:?}", copy.losses);
+    let again = try_read(&copy.text, &[], &ReadOptions::default()).unwrap();
+    assert_eq!(again.warnings, []);
+    let [a, b] = [&read, &again].map(|read| &read.scene.sensors[0]);
+    assert_eq!((a.projection, a.near_clip, a.far_clip), (b.projection, b.near_clip, b.far_clip));
+    for (a, b) in a.to_world.0.as_flattened().iter().zip(b.to_world.0.as_flattened()) {
+        assert!((a - b).abs() < 1e-12, "{a} {b}");
+    }
+    let pbrt = written("copy.pbrt");
+    assert!(pbrt.text.contains("Camera \"orthographic\""), "{}", pbrt.text);
+    assert_eq!(pbrt.losses[0].what, "a radiancemeter, which sees along one ray");
 }

@@ -49,6 +49,15 @@ fn homogeneous_media() {
     assert_eq!(full.emission, Some(MediumEmission::Radiance { radiance, scale }));
 }
 
+/// Fire needs no lamp.
+#[test]
+fn a_medium_may_be_all_the_light() {
+    let text = "WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\n\
+        MediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\"";
+    assert_eq!(problems(text), [""; 0]);
+    assert_eq!(problems(&text.replace("\"rgb Le\" [1 1 1]", "")).len(), 1);
+}
+
 /// A preset wins over the coefficients in pbrt-v4. In pbrt-v3 they win, and without either there is milk.
 #[test]
 fn presets() {
@@ -78,10 +87,15 @@ fn grids_of_density() {
     assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(density.bounds, Some([[-1.0; 3], [1.0; 3]]));
     assert_eq!((density.to_world, density.wrap), (Transform::translate([1.0, 2.0, 3.0]), WrapMode::Zero));
-    let Some(MediumEmission::Temperature { kelvin, offset, factor, scale }) = &smoke.emission else {
+    let Some(MediumEmission::Temperature { kelvin, offset, factor, peak, scale }) = &smoke.emission else {
         panic!()
     };
-    assert_eq!((grid(kelvin).1[5], *offset, *factor, scale), (500.0, 20.0, 2.0, &gray(1.0)));
+    assert_eq!((grid(kelvin).1[5], *offset, *factor), (500.0, 20.0, 2.0));
+    // Of pbrt's own pictures: a peak of 1 makes a spectrum's luminance the integral of ȳ, and one value alone falls to
+    // half at the sides.
+    assert!((peak - 106.857).abs() < 1e-3);
+    let (tent, values) = grid(scale);
+    assert_eq!((values, tent.bounds, tent.wrap), (&[1.0][..], Some([[-1.0; 3], [1.0; 3]]), WrapMode::Zero));
     let colours = medium(
         "\"string type\" \"rgbgrid\" \"integer nx\" 2 \"rgb sigma_a\" [1 2 3 4 5 6] \"rgb Le\" [1 1 1 0 0 0]",
     );
@@ -123,7 +137,8 @@ fn grids_must_hold_what_they_say() {
     assert!(of("\"uniformgrid\" \"float density\" [-1]")[0].contains("must not be negative"));
     assert!(of("\"rgbgrid\"")[0].contains("needs the parameter \"rgb sigma_a\" or \"rgb sigma_s\""));
     assert!(of("\"homogeneous\" \"float g\" 1")[0].contains("`g` must lie between -1 and 1"));
-    assert!(of("\"nanovdb\" \"string filename\" \"no.nvdb\"")[0].contains("volume `no.nvdb` not found"));
+    let missing = of("\"nanovdb\" \"string filename\" \"no.nvdb\" \"float temperaturescale\" 2");
+    assert!(missing[0].contains("volume `no.nvdb` not found") && missing.len() == 1, "{missing:?}");
     let huge = "\"uniformgrid\" \"integer nx\" 2000000000 \"integer ny\" 2000000000 \"integer nz\" 9 \"float density\" [1]";
     assert!(of(huge)[0].contains("has 1 numbers"));
 }

@@ -22,7 +22,11 @@ const PILOT: u64 = 1 << 13;
 
 /// Beams are taken where light goes on average farther than so many radii between collisions: fewer photons of a path
 /// would then be found by a camera ray than beams.
-const LONG: f32 = 4.0;
+const LONG: f32 = 3.4;
+
+/// Largest radius in mean ways between collisions: no more of a dense medium is seen than the outer one or two, and a
+/// wide kernel would blur them over its border.
+const WIDEST: f32 = 0.3;
 
 /// Most photons and beams of a pass where their number is left open: in milk a path leaves hundreds.
 const MOST_POINTS: u64 = 1 << 21;
@@ -102,7 +106,7 @@ impl VolumeMap {
                 near.len()
             })
         };
-        self.settle(task, plan, pixel, (pilot.beams.len(), MOST_BEAMS), found);
+        self.settle(task, plan, [pixel, free_path], (pilot.beams.len(), MOST_BEAMS), found);
         self.job.beams = match task.settings.beams {
             Beams::Auto => free_path > LONG * self.radius,
             Beams::Points => false,
@@ -117,7 +121,7 @@ impl VolumeMap {
                     near.len()
                 })
             };
-            self.settle(task, plan, pixel, (pilot.points.len(), MOST_POINTS), found);
+            self.settle(task, plan, [pixel, free_path], (pilot.points.len(), MOST_POINTS), found);
         }
         VolumeChoice { beams: self.job.beams, paths: self.paths, radius: self.radius, free_path }
     }
@@ -128,7 +132,7 @@ impl VolumeMap {
         &mut self,
         task: &Task<'_>,
         plan: &Plan,
-        pixel: f32,
+        [pixel, free_path]: [f32; 2],
         (left, most): (usize, u64),
         found: impl Fn(f32) -> f32,
     ) {
@@ -142,7 +146,10 @@ impl VolumeMap {
         self.radius = match s.volume_radius {
             Radius::Absolute(r) => r,
             Radius::Relative(r) => r * sphere,
-            Radius::Auto => radius::clamped(searched(&found, wanted, share, power, sphere), pixel, sphere),
+            Radius::Auto => {
+                let r = radius::clamped(searched(&found, wanted, share, power, sphere), pixel, sphere);
+                if free_path > 0.0 { r.min(WIDEST * free_path) } else { r }
+            }
         };
         // More would take longer to add up than to trace.
         if s.volume_photons == Count::Auto {

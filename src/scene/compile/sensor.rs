@@ -8,7 +8,7 @@ use super::Compiler;
 use crate::film::filter::{Box, Cubic, Gaussian, Lanczos, Shape, Sinc, Stretched, Tent, Truncated};
 use crate::film::{FilmSize, Filter, Response};
 use crate::math::{Vec2, Vec3};
-use crate::sensor::{Axis, Orthographic, Perspective, Projection, Sensor, ThinLens, Window};
+use crate::sensor::{Axis, Orthographic, Perspective, Projection, Radiancemeter, Sensor, ThinLens, Window};
 use crate::spectrum::rgb;
 
 /// Diagonal of the 36 × 24 mm frame that focal lengths refer to.
@@ -96,6 +96,7 @@ fn projection(b: &mut Compiler<'_>, s: &ir::Sensor, aspect: f64) -> Projection {
             let plain = Orthographic::new(aspect);
             return Projection::Orthographic(Orthographic { window: window.unwrap_or(plain.window) });
         }
+        ir::Projection::Ray => return Projection::Radiancemeter(Radiancemeter),
     };
     if !(fov > 0.0 && fov < 180.0) {
         b.error(format!("the field of view must lie between 0 and 180 degrees, not {fov}"), s.origin);

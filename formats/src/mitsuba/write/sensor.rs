@@ -2,7 +2,7 @@
 
 use super::Writer;
 use super::element::{Element, number};
-use crate::ir::{EmitterKind, Fov, FovAxis, Projection, Sampler, Sensor, SunPosition, Transform};
+use crate::ir::{EmitterKind, Film, Fov, FovAxis, Projection, Sampler, Sensor, SunPosition, Transform};
 use crate::write::WriteError;
 
 /// Samplers of Mitsuba 3.
@@ -24,16 +24,7 @@ impl Writer<'_, '_> {
                 "sharp focus everywhere",
             );
         }
-        let plugin = match (s.projection, lens) {
-            (Projection::Perspective { .. }, None) => "perspective",
-            (Projection::Perspective { .. }, Some(_)) => "thinlens",
-            (Projection::Orthographic, lens) => {
-                if lens.is_some() {
-                    self.out.lose(s.origin, "the lens of an orthographic sensor", "sharp focus everywhere");
-                }
-                "orthographic"
-            }
-        };
+        let plugin = self.sensor_plugin(s, lens.is_some());
         let mut element = Element::plugin("sensor", plugin).id(s.name.as_deref());
         let mut to_world = s.to_world;
         let aspect = f64::from(s.film.width) / f64::from(s.film.height);
@@ -58,6 +49,7 @@ impl Writer<'_, '_> {
                 };
                 element = fov(element, angle, axis);
             }
+            Projection::Ray => to_world = self.unit_axes(s, &to_world),
             Projection::Orthographic => {
                 if let Some([x0, x1, y0, y1]) = window {
                     // pbrt's x grows to the right, ours to the left.
@@ -71,12 +63,14 @@ impl Writer<'_, '_> {
                 to_world = to_world.after(&Transform::translate([-2.0 * dx, -2.0 * dy / aspect, 0.0]));
             }
         }
-        element = element
-            .transform("to_world", &to_world)
-            .float_unless("near_clip", s.near_clip, 0.01)
-            .float_unless("far_clip", s.far_clip, 10_000.0)
-            .float_unless("principal_point_offset_x", offset[0], 0.0)
-            .float_unless("principal_point_offset_y", offset[1], 0.0);
+        element = element.transform("to_world", &to_world);
+        if s.projection != Projection::Ray {
+            element = element
+                .float_unless("near_clip", s.near_clip, 0.01)
+                .float_unless("far_clip", s.far_clip, 10_000.0)
+                .float_unless("principal_point_offset_x", offset[0], 0.0)
+                .float_unless("principal_point_offset_y", offset[1], 0.0);
+        }
         if let (Some(lens), Projection::Perspective { .. }) = (lens, s.projection) {
             element = element.float("aperture_radius", lens.aperture_radius).float_unless(
                 "focus_distance",
@@ -87,9 +81,33 @@ impl Writer<'_, '_> {
         if let Some([open, close]) = self.shutter() {
             element = element.float("shutter_open", open).float("shutter_close", close);
         }
-        let film = self.film(&s.film);
+        let film = self.sensor_film(s);
         let element = element.child(film).child(self.sampler(s, &s.sampler));
         Ok(element.children(s.medium.map(|id| self.medium(None, id)).transpose()?))
+    }
+
+    fn sensor_plugin(&mut self, s: &Sensor, lens: bool) -> &'static str {
+        match s.projection {
+            Projection::Perspective { .. } if lens => "thinlens",
+            Projection::Perspective { .. } => "perspective",
+            Projection::Orthographic => {
+                if lens {
+                    self.out.lose(s.origin, "the lens of an orthographic sensor", "sharp focus everywhere");
+                }
+                "orthographic"
+            }
+            Projection::Ray => "radiancemeter",
+        }
+    }
+
+    /// Mitsuba 3 wants one pixel for a ray.
+    fn sensor_film(&mut self, s: &Sensor) -> Element {
+        if s.projection != Projection::Ray || s.film.width == 1 || s.film.height == 1 {
+            return self.film(&s.film);
+        }
+        let what = "a radiancemeter with more than one pixel";
+        self.out.lose(s.origin, what, "the pixel that all of them are");
+        self.film(&Film { width: 1, height: 1, crop: None, ..s.film.clone() })
     }
 
     /// When a light that changes with the time is seen, if there is one.

@@ -15,11 +15,18 @@ type Express = fn(&Filter) -> Option<Params>;
 const FILTERS: [(&str, Express); 5] =
     [("box", even), ("triangle", triangle), ("gaussian", gaussian), ("mitchell", mitchell), ("sinc", sinc)];
 
+/// Half of the side of the square that stands for a ray.
+const NARROW: f64 = 1e-6;
+
 impl Writer<'_, '_> {
     pub fn head(&mut self, text: &mut String) {
         let scene = self.scene;
-        if let Some(integrator) = &scene.integrator {
-            self.integrator(text, integrator);
+        match &scene.integrator {
+            Some(integrator) => self.integrator(text, integrator),
+            // pbrt would stop after 5 bounces.
+            None => {
+                Params::default().integer("maxdepth", UNLIMITED).write(text, "", "Integrator", &["volpath"]);
+            }
         }
         let Some(sensor) = scene.sensors.get(scene.default_sensor) else { return };
         for (i, other) in scene.sensors.iter().enumerate() {
@@ -70,8 +77,16 @@ impl Writer<'_, '_> {
                 "perspective"
             }
             Projection::Orthographic => "orthographic",
+            Projection::Ray => {
+                let instead = format!("an orthographic camera that sees a square of side {}", 2.0 * NARROW);
+                self.out.lose(sensor.origin, "a radiancemeter, which sees along one ray", instead);
+                "orthographic"
+            }
         };
         let mut window = sensor.screen_window;
+        if sensor.projection == Projection::Ray {
+            window = Some([-NARROW, NARROW, -NARROW, NARROW]);
+        }
         if sensor.projection == Projection::Orthographic && window.is_none() {
             // Ours shows the width as ±1.
             window = Some([-1.0, 1.0, -1.0 / aspect, 1.0 / aspect]);

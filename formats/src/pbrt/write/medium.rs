@@ -131,7 +131,9 @@ impl Writer<'_, '_> {
                 let p = self.color(p, "Le", radiance, ColorSlot::Emission, medium.origin);
                 self.emission_scale(p, scale, medium.origin)?
             }
-            Some(MediumEmission::Temperature { kelvin: Volume::Grid(kelvin), offset, factor, scale }) => {
+            Some(MediumEmission::Temperature {
+                kelvin: Volume::Grid(kelvin), offset, factor, scale, ..
+            }) => {
                 let (p, _) = self.numbers(p, "temperature", kelvin, medium.origin)?;
                 let p = p.float_unless("temperatureoffset", *offset, 0.0);
                 let p = p.float_unless("temperaturescale", *factor, 1.0);
@@ -149,7 +151,7 @@ impl Writer<'_, '_> {
 
     fn emission_scale(&mut self, p: Params, scale: &Volume, origin: Origin) -> Result<Params, WriteError> {
         Ok(match scale {
-            Volume::Constant(Color::Gray(1.0)) => p,
+            Volume::Grid(grid) if is_tent(grid) => p,
             Volume::Grid(grid) => self.numbers(p, "Lescale", grid, origin)?.0,
             _ => self.no_emission(p, origin),
         })
@@ -163,6 +165,7 @@ impl Writer<'_, '_> {
             offset,
             factor,
             scale: Volume::Constant(Color::Gray(scale)),
+            ..
         } = emission
             && let VolumeFormat::NanoVdb { grid } = &file.format
         {
@@ -318,6 +321,11 @@ impl Writer<'_, '_> {
         };
         Ok(Some(("rgbgrid", p, place)))
     }
+}
+
+/// What pbrt has where no `Lescale` is given.
+fn is_tent(grid: &VolumeGrid) -> bool {
+    matches!(&grid.data, VolumeData::Inline(values) if values.resolution == [1; 3] && values.values == [1.0])
 }
 
 /// Whether pbrt's grid of colours is the same.
