@@ -32,10 +32,22 @@ pub(super) const INTEGRATORS: &[Plugin<ReadIntegrator>] = &[
 /// What stands for unlimited depth: pbrt has no infinity, and no path survives this many bounces.
 pub(super) const UNLIMITED: i64 = 1_000_000;
 
+/// Most bounces where the file does not say.
+const BOUNCES: u32 = 5;
+
 impl Reader<'_> {
-    /// The scene's integrator; nothing where the file names none, so that the command line decides.
+    /// The scene's integrator. A file that names none has pbrt's `volpath`, and its limit to the bounces.
     pub fn integrator(&mut self) {
-        let Some(mut p) = self.head.integrator.take() else { return };
+        let Some(mut p) = self.head.integrator.take() else {
+            let depth = Setting { origin: Origin(None), value: Scalar::Integer(i64::from(BOUNCES) + 1) };
+            self.scene.integrator = Some(Integrator {
+                origin: Origin(None),
+                plugin: "path".to_owned(),
+                settings: BTreeMap::from([("max_depth".to_owned(), depth)]),
+                aovs: Vec::new(),
+            });
+            return;
+        };
         let origin = p.origin();
         let mut settings = Settings::new();
         let Some(reader) = self.plugin(INTEGRATORS, &mut p, "photon mapping is used") else {
@@ -43,7 +55,7 @@ impl Reader<'_> {
         };
         let plugin = reader(&mut p, &mut settings);
         // pbrt counts bounces, we count the segments of a path.
-        let bounces = i64::from(p.count("maxdepth", 5, 0));
+        let bounces = i64::from(p.count("maxdepth", BOUNCES, 0));
         let depth = if bounces >= UNLIMITED { -1 } else { bounces + 1 };
         let place = Origin(Some(p.span_of("maxdepth")));
         settings.insert("max_depth".to_owned(), Setting { origin: place, value: Scalar::Integer(depth) });

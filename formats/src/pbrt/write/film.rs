@@ -21,8 +21,12 @@ const NARROW: f64 = 1e-6;
 impl Writer<'_, '_> {
     pub fn head(&mut self, text: &mut String) {
         let scene = self.scene;
-        if let Some(integrator) = &scene.integrator {
-            self.integrator(text, integrator);
+        match &scene.integrator {
+            Some(integrator) => self.integrator(text, integrator),
+            // pbrt would stop after 5 bounces.
+            None => {
+                Params::default().integer("maxdepth", UNLIMITED).write(text, "", "Integrator", &["volpath"]);
+            }
         }
         let Some(sensor) = scene.sensors.get(scene.default_sensor) else { return };
         for (i, other) in scene.sensors.iter().enumerate() {

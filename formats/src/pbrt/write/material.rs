@@ -3,10 +3,10 @@
 use super::Writer;
 use super::text::Params;
 use crate::ir::{
-    Bsdf, BsdfKind, Coat, Color, ColorInput, ColorSlot, Conductor, ConductorMaterial, Dielectric, FloatInput,
-    Id, Ior, Microfacet, MicrofacetDistribution, Origin, RoughnessRemap, Shadowing,
+    Bsdf, BsdfKind, Coat, Color, ColorInput, ColorSlot, Dielectric, FloatInput, Id, Ior, Microfacet,
+    MicrofacetDistribution, Origin, RoughnessRemap, Shadowing,
 };
-use crate::spectrum::{conductor, ior};
+use crate::spectrum::ior;
 use crate::write::WriteError;
 
 use ColorSlot::{Reflectance, Unbounded};
@@ -215,57 +215,15 @@ impl Writer<'_, '_> {
     }
 
     pub fn lose_factor(&mut self, input: &ColorInput, what: &str, origin: Origin) {
-        let white = match input {
-            ColorInput::Color(color) => self.out.rgb(color, Unbounded, origin) == [1.0; 3],
-            ColorInput::Texture(_) => false,
-        };
-        if !white {
+        if !self.is_one(input, origin) {
             self.out.lose(origin, what, "1: physical glass and metal");
         }
     }
 
-    fn metal(
-        &mut self,
-        p: Params,
-        c: &Conductor,
-        [eta, k]: [&str; 2],
-        origin: Origin,
-    ) -> Result<Params, WriteError> {
-        let around = |ext: &Option<Ior>| ext.as_ref().map_or(1.0, index);
-        if c.material != ConductorMaterial::Mirror {
-            self.lose_factor(&c.specular_reflectance, "the specular reflectance of a metal", origin);
-        }
-        match &c.material {
-            ConductorMaterial::Mirror => {
-                self.out.lose(
-                    origin,
-                    "a mirror with the same reflectance at all angles",
-                    "a metal with this reflectance at normal incidence",
-                );
-                self.color_input(p, "reflectance", &c.specular_reflectance, Reflectance, origin)
-            }
-            ConductorMaterial::Reflectance(reflectance) => {
-                self.color_input(p, "reflectance", reflectance, Reflectance, origin)
-            }
-            ConductorMaterial::Named { name, ext_eta } => {
-                let ext = around(ext_eta);
-                let Some(metal) = conductor(name) else { return Ok(p) };
-                Ok(p.rgb(eta, metal.eta.map(|v| v / ext)).rgb(k, metal.k.map(|v| v / ext)))
-            }
-            ConductorMaterial::EtaK { eta: e, k: kappa, ext_eta } => {
-                let ext = around(ext_eta);
-                let mut p = p;
-                for (name, input) in [(eta, e), (k, kappa)] {
-                    p = match input {
-                        ColorInput::Color(color) if ext != 1.0 => {
-                            let rgb = self.out.rgb(color, Unbounded, origin);
-                            p.rgb(name, rgb.map(|v| v / ext))
-                        }
-                        input => self.color_input(p, name, input, Unbounded, origin)?,
-                    };
-                }
-                Ok(p)
-            }
+    pub fn is_one(&mut self, factor: &ColorInput, origin: Origin) -> bool {
+        match factor {
+            ColorInput::Color(color) => self.out.rgb(color, Unbounded, origin) == [1.0; 3],
+            ColorInput::Texture(_) => false,
         }
     }
 

@@ -7,6 +7,7 @@ mod light;
 mod lobes;
 mod material;
 mod medium;
+mod metal;
 mod model;
 mod picture;
 mod relief;

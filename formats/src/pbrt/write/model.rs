@@ -24,7 +24,7 @@ impl Writer<'_, '_> {
             BsdfKind::BumpMap { height, scale, shading, nested } => {
                 self.lose_shading(*shading, origin);
                 let FloatInput::Texture(id) = height else { return self.said_of(*nested) };
-                let texture = self.scaled_texture(*id, *scale)?;
+                let texture = self.scaled_texture(*id, *scale, true)?;
                 self.with_relief(*nested, &|p| p.texture("displacement", &texture), origin)
             }
             BsdfKind::NormalMap { normals, shading, nested } => {

@@ -28,15 +28,20 @@ impl Writer<'_, '_> {
         Ok(name)
     }
 
-    /// A texture of numbers times a factor.
-    pub fn scaled_texture(&mut self, id: Id<Texture>, factor: f64) -> Result<String, WriteError> {
-        let plain = self.texture(id, true)?;
+    /// A texture of numbers or of colours times a factor.
+    pub fn scaled_texture(
+        &mut self,
+        id: Id<Texture>,
+        factor: f64,
+        numbers: bool,
+    ) -> Result<String, WriteError> {
+        let plain = self.texture(id, numbers)?;
         if factor == 1.0 {
             return Ok(plain);
         }
         let name = self.free(&None, "scaled");
         let p = Params::default().texture("tex", &plain).float("scale", factor);
-        self.define(&name, true, ("scale", p, None), self.scene.textures[id].origin);
+        self.define(&name, numbers, ("scale", p, None), self.scene.textures[id].origin);
         Ok(name)
     }
 
