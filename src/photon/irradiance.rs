@@ -14,7 +14,7 @@ use crate::film::{Layer, Radiance};
 use crate::math::Color;
 use crate::sampling::{Sampler, mix};
 use crate::scene::{Facts, Scene};
-use crate::transport::PathClass;
+use crate::transport::{PathClass, Smallness};
 
 /// Places with the irradiance there, as if they were photons.
 #[derive(Clone, Debug)]
@@ -48,7 +48,7 @@ impl Irradiance {
                 let b = boundary.then_some(Boundary { scene, facts, sampler: &mut sampler, rays: &mut rays });
                 let flux = estimator.irradiance(map, &q, b, gather);
                 let class = PathClass::Indirect;
-                (Photon { p: at.p, flux, wi: at.n, n: at.n, class, depth: 0 }, rays)
+                (Photon { p: at.p, flux, wi: at.n, n: at.n, class, depth: 0, smallness: Smallness::default() }, rays)
             })
             .unzip();
         let places = PhotonMap::build_for_nearest(&places, 1, estimator.radius);

@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 use super::PathClass;
+use crate::transport::Smallness;
 use crate::math::{Bounds, Color, Vec3, encode_direction};
 
 /// A photon as traced.
@@ -23,6 +24,8 @@ pub struct Photon {
     pub class: PathClass,
     /// Path segments from the lamp, saturating.
     pub depth: u8,
+    /// Of the lamp, as the first surface saw it; counts for glints only.
+    pub smallness: Smallness,
 }
 
 /// A disc on a surface.
@@ -53,7 +56,8 @@ pub struct PhotonMap {
     pub(super) flux: [Vec<f32>; 3],
     pub(super) normal: [Vec<i8>; 3],
     pub(super) direction: Vec<u32>,
-    pub(super) class: Vec<u8>,
+    /// Path class in the lowest two bits, smallness of the lamp above.
+    class: Vec<u8>,
     pub(super) depth: Vec<u8>,
     count: usize,
     /// First photon of each cell, and the count at the end.
@@ -199,6 +203,18 @@ impl PhotonMap {
         Vec3::new(n(0), n(1), n(2)).normalize_or(Vec3::Z)
     }
 
+    /// Class of the path of photon `i`.
+    #[inline(always)]
+    pub(super) fn class(&self, i: usize) -> PathClass {
+        PathClass::from_tag(self.class[i] & 3)
+    }
+
+    /// How small the lamp of photon `i` is.
+    #[inline(always)]
+    pub(super) fn smallness(&self, i: usize) -> Smallness {
+        Smallness::from_bits(self.class[i] >> 2)
+    }
+
     #[inline(always)]
     fn coordinate(&self, x: f32, axis: usize) -> usize {
         // The cast saturates: positions outside the box fall into its border cells, so that a query
@@ -247,7 +263,7 @@ impl Columns {
             self.normal[c].push((photon.n[c] * 127.0).round() as i8);
         }
         self.direction.push(encode_direction(photon.wi));
-        self.class.push(photon.class as u8);
+        self.class.push(photon.class as u8 | photon.smallness.bits() << 2);
         self.depth.push(photon.depth);
     }
 }

@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 use super::Photon;
 use crate::bsdf::{Event, Range, Transport, adjoint_correction};
-use crate::emitter::{Aim, Emission};
+use crate::emitter::Aim;
 use crate::film::Rejected;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::{Sampler, mix};
-use crate::scene::Scene;
+use crate::scene::{LightStart, Scene};
 use crate::transport::roulette::Length;
 use crate::transport::walk::{self, Lamps, Next};
-use crate::transport::{Owner, PathClass, Vertex, roulette};
+use crate::transport::{Owner, PathClass, Smallness, Vertex, roulette};
 
 /// Which photons to trace.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,8 @@ pub struct TraceJob {
     pub caustic_map: bool,
     /// Roughness below which lobes hold no photons.
     pub glossy: f32,
+    /// Photons of glints are stored, in a list of their own.
+    pub glints: bool,
     /// Path segments from camera to lamp, at most.
     pub max_depth: u32,
 }
@@ -65,6 +67,8 @@ pub struct Traced {
     pub paths: u64,
     /// In the order of the paths.
     pub photons: Vec<Photon>,
+    /// Those of glints, on glossy surfaces.
+    pub glints: Vec<Photon>,
     /// Rays traced.
     pub rays: u64,
     /// Photons dropped because they were not finite.
@@ -109,7 +113,7 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<
             let mut sampler = path_sampler(job, i);
             let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
             if let Some(start) = scene.sample_aimed(pick, place, direction, aim) {
-                follow(scene, job, &start.emission, &mut sampler, &mut out);
+                follow(scene, job, &start, &mut sampler, &mut out);
             }
         }
         out
@@ -119,17 +123,19 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<
     }
     let mut all = Traced {
         photons: Vec::with_capacity(chunks.iter().map(|c| c.photons.len()).sum()),
+        glints: Vec::with_capacity(chunks.iter().map(|c| c.glints.len()).sum()),
         ..Traced::default()
     };
     for c in chunks {
         all.photons.extend(c.photons);
+        all.glints.extend(c.glints);
         all.paths += c.paths;
         all.rays += c.rays;
         all.rejected.add(&c.rejected);
     }
     if all.paths < job.paths {
         let share = job.paths as f32 / all.paths.max(1) as f32;
-        all.photons.iter_mut().for_each(|p| p.flux *= share);
+        all.photons.iter_mut().chain(&mut all.glints).for_each(|p| p.flux *= share);
     }
     all
 }
@@ -146,15 +152,17 @@ pub(super) fn path_sampler(job: &TraceJob, index: u64) -> Sampler {
 pub(super) fn follow(
     scene: &Scene,
     job: &TraceJob,
-    start: &Emission,
+    start: &LightStart,
     sampler: &mut Sampler,
     out: &mut Traced,
 ) -> Option<Vec3> {
-    let mut flux = start.flux / job.paths as f32;
-    let mut ray = Ray::new(start.o, start.d);
+    let emission = &start.emission;
+    let mut flux = emission.flux / job.paths as f32;
+    let mut ray = Ray::new(emission.o, emission.d);
     let mut class = PathClass::FROM_LAMP;
     let mut depth = 1u32;
     let mut first = None;
+    let mut smallness = Smallness::default();
     loop {
         out.rays += 1;
         let Next::Surface(surface) = walk::next(scene, &mut ray, Lamps::Solid) else { return first };
@@ -163,7 +171,13 @@ pub(super) fn follow(
         let kept = job.all || class.owner(job.next_event, job.caustic_map) == job.owner;
         if kept && holds_photons(scene, job, &vertex) {
             let class = if job.all { PathClass::Indirect } else { class };
-            store(scene, &vertex, flux, class, depth, out);
+            let n = scene.photon_side(&surface, vertex.back).n;
+            out.photons.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
+        }
+        let glint = job.glints && class == PathClass::Caustic && smallness.enough();
+        if glint && vertex.closure.has_smooth(vertex.wi, Range::glossy(job.glossy)) {
+            let n = scene.glint_side(&surface, vertex.back).n;
+            out.glints.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
         }
         // A photon at the next surface needs two more segments: there, and from there to the camera.
         if depth.saturating_add(2) > job.max_depth {
@@ -178,6 +192,9 @@ pub(super) fn follow(
         } else {
             next
         };
+        if job.glints && class == PathClass::Direct && event != Event::Null {
+            smallness = Smallness::of(scene.pdf_direct_start(surface.p, -ray.d, start));
+        }
         class = class.after_light_event(event);
         depth += 1;
         ray = surface.leave(d);
@@ -218,18 +235,24 @@ fn adjoint(vertex: &Vertex<'_>, wo: Vec3, wo_ns: f32, event: Event) -> f32 {
     adjoint_correction([vertex.wi.z, wo_ns], [vertex.back.dot(s.ng), wo.dot(s.ng)])
 }
 
-fn store(scene: &Scene, vertex: &Vertex<'_>, flux: Color, class: PathClass, depth: u32, out: &mut Traced) {
+/// `None` where it is not finite.
+fn photon(
+    vertex: &Vertex<'_>,
+    n: Vec3,
+    (flux, class, depth): (Color, PathClass, u32),
+    smallness: Smallness,
+    rejected: &mut Rejected,
+) -> Option<Photon> {
     let (s, wi) = (vertex.surface, vertex.back);
     // Density is counted per geometric area, but irradiance is wanted on the shading plane.
     let flux = flux * adjoint_correction([vertex.wi.z, 1.0], [wi.dot(s.ng), 1.0]);
     if !s.p.is_finite() {
-        out.rejected.photon_place += 1;
-        return;
+        rejected.photon_place += 1;
+        return None;
     }
     if !flux.is_finite() {
-        out.rejected.photon_flux += 1;
-        return;
+        rejected.photon_flux += 1;
+        return None;
     }
-    let n = scene.photon_side(s, wi).n;
-    out.photons.push(Photon { p: s.p, flux, wi, n, class, depth: depth.min(255) as u8 });
+    Some(Photon { p: s.p, flux, wi, n, class, depth: depth.min(255) as u8, smallness })
 }

@@ -5,6 +5,7 @@
 //! [`walk`] follows a camera path to where it gathers, and [`gather`] reads the maps there.
 
 mod choice;
+mod glints;
 mod gather;
 mod maps;
 mod onward;

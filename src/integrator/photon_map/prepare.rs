@@ -5,7 +5,7 @@ use super::PhotonMapper;
 use super::maps::Map;
 use crate::emitter::Aim;
 use crate::photon::aim::Sights;
-use crate::photon::radius;
+use crate::photon::{Photon, radius};
 use crate::photon::trace::{Halt, Traced};
 use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Radius};
@@ -75,6 +75,10 @@ impl Map {
                 let traced = self.trace(scene, 0, self.paths, halt);
                 let pixel = radius::pixel(gather_places);
                 let mut found = self.radius_for(&traced, gather_places, scene.sphere.radius);
+                if self.has_glints() {
+                    let glints = dense_quarter(&traced.glints, scene.sphere.radius);
+                    self.glint_radius = radius::clamped(glints, pixel, scene.sphere.radius);
+                }
                 let before = self.paths;
                 if self.seen_directly()
                     && self.owner() == Owner::GlobalMap
@@ -94,6 +98,9 @@ impl Map {
                 radius::clamped(found, pixel, scene.sphere.radius)
             }
         };
+        if self.glint_radius == 0.0 {
+            self.glint_radius = self.radius;
+        }
     }
 
     /// The radius in which an estimate finds its photons.
@@ -106,8 +113,12 @@ impl Map {
             return radius::measured(&traced.photons, gather_places, radius::FOR_SIGHT, 0.5, scene_radius);
         }
         // Caustics are sharp where their photons crowd: their radius follows the densest quarter.
-        let places = radius::photon_places(&traced.photons);
-        let wanted = radius::for_caustics(traced.photons.len());
-        radius::measured(&traced.photons, &places, wanted, 0.25, scene_radius)
+        dense_quarter(&traced.photons, scene_radius)
     }
+}
+
+/// The radius in which a quarter of the photons of caustics find the others that an estimate wants.
+fn dense_quarter(photons: &[Photon], scene_radius: f32) -> f32 {
+    let wanted = radius::for_caustics(photons.len());
+    radius::measured(photons, &radius::photon_places(photons), wanted, 0.25, scene_radius)
 }

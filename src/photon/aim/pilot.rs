@@ -230,7 +230,7 @@ impl Part {
         if let Some(light) = task.scene.emission_of(start, bounds) {
             self.out.photons.clear();
             self.out.rays = 0;
-            let first = follow(task.scene, job, &light.emission, sampler, &mut self.out);
+            let first = follow(task.scene, job, &light, sampler, &mut self.out);
             path.way = first.map(|to| [light.emission.o, to]);
             path.from_infinity = light.from_infinity;
             path.weight = if light.from_infinity { 1.0 } else { light.emission.weight };
