@@ -37,7 +37,7 @@ impl Irradiance {
         boundary: bool,
         key: u64,
     ) -> (Self, u64) {
-        let (places, rays): (Vec<Photon>, Vec<u64>) = places
+        let (photons, rays): (Vec<Photon>, Vec<u64>) = places
             .par_iter()
             .with_min_len(256)
             .enumerate()
@@ -51,7 +51,7 @@ impl Irradiance {
                 (Photon { p: at.p, flux, wi: at.n, n: at.n, class, depth: 0, smallness: Smallness::default() }, rays)
             })
             .unzip();
-        let places = PhotonMap::build_for_nearest(&places, 1, estimator.radius);
+        let places = PhotonMap::build_for_nearest(&photons, 1, estimator.radius);
         (Self { places, deepest: map.deepest }, rays.iter().sum())
     }
 

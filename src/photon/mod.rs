@@ -7,11 +7,14 @@ mod find;
 pub mod irradiance;
 pub mod radius;
 mod scan;
+mod sort;
 pub mod store;
+mod stored;
 pub mod trace;
 
 pub use boundary::Boundary;
 pub use estimate::{Estimator, Gather, GatherPoint};
 pub use store::{Photon, PhotonMap, Query};
+pub use stored::Stored;
 
 use crate::transport::PathClass;

@@ -1,12 +1,13 @@
 //! Light paths: from the lamps through the scene, leaving photons on rough surfaces.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use rayon::prelude::*;
-
-use super::Photon;
-use crate::bsdf::{Event, Range, Transport, adjoint_correction};
+use super::{Photon, Stored};
+use crate::bsdf::{self, Event, Transport, adjoint_correction};
 use crate::emitter::Aim;
 use crate::film::Rejected;
 use crate::math::{Color, Ray, Vec3};
@@ -66,36 +67,109 @@ pub struct Traced {
     /// Paths traced: fewer than asked for if the deadline passed. The photons carry the whole power either way.
     pub paths: u64,
     /// In the order of the paths.
-    pub photons: Vec<Photon>,
+    pub photons: Stored,
     /// Those of glints, on glossy surfaces.
-    pub glints: Vec<Photon>,
+    pub glints: Stored,
     /// Rays traced.
     pub rays: u64,
     /// Photons dropped because they were not finite.
     pub rejected: Rejected,
 }
 
+/// The same of some paths.
+#[derive(Debug, Default)]
+pub(super) struct Part {
+    paths: u64,
+    pub photons: Vec<Photon>,
+    glints: Vec<Photon>,
+    pub rays: u64,
+    rejected: Rejected,
+}
+
+impl Traced {
+    /// Adds photons of some of `paths` paths.
+    fn add(&mut self, part: Part, paths: u64) {
+        self.paths += part.paths;
+        let left = (paths - self.paths) as f64 / self.paths.max(1) as f64;
+        let extend = |list: &mut Stored, more: Vec<Photon>| {
+            let count = list.len() + more.len();
+            if count > list.capacity() {
+                // As many as the paths so far left, and some: lists that grow hold memory twice.
+                list.reserve(more.len() + ((count as f64 * left * 1.02) as usize).min(MOST_RESERVED));
+            }
+            list.extend(more);
+        };
+        extend(&mut self.photons, part.photons);
+        extend(&mut self.glints, part.glints);
+        self.rays += part.rays;
+        self.rejected.add(&part.rejected);
+    }
+}
+
 /// Light paths of one unit of parallel work. Fixed, so that results are always joined in the same order.
 pub const CHUNK: u64 = 2048;
+
+/// Photons for which memory is taken beforehand, at most.
+const MOST_RESERVED: usize = 1 << 26;
 
 /// Chunks that are traced even after the deadline: a map of fewer paths would be useless.
 const LEAST_CHUNKS: u64 = 32;
 
-/// Runs `trace` on every chunk of the paths, in parallel, and returns the results in order. Chunks skipped because of
-/// `halt` give the default; the first `least` chunks ignore the deadline.
-pub(super) fn in_chunks<T: Default + Send>(
+/// Runs `trace` on every chunk of the paths, in parallel, and returns the results in order. There are fewer when
+/// `halt` says so; the first `least` chunks ignore the deadline.
+pub(super) fn in_chunks<T: Send>(
     paths: u64,
     least: u64,
     halt: Halt<'_>,
-    trace: impl Fn(std::ops::Range<u64>) -> T + Sync,
+    trace: impl Fn(Range<u64>) -> T + Sync,
 ) -> Vec<T> {
-    let chunk = |c: u64| {
-        if halt.stopped() || (c >= least && halt.late()) {
-            return T::default();
+    let mut all = Vec::new();
+    in_order(paths, least, halt, trace, |part| all.push(part));
+    all
+}
+
+/// [`in_chunks`] whose results `take` gets in order, while others are still traced: few wait for it at any time.
+fn in_order<T: Send>(
+    paths: u64,
+    least: u64,
+    halt: Halt<'_>,
+    trace: impl Fn(Range<u64>) -> T + Sync,
+    take: impl FnMut(T) + Send,
+) {
+    let next = AtomicU64::new(0);
+    let queue = Mutex::new(Queue { next: 0, early: BTreeMap::new(), take });
+    let work = || {
+        loop {
+            let c = next.fetch_add(1, Ordering::Relaxed);
+            if c >= paths.div_ceil(CHUNK) {
+                return;
+            }
+            if halt.stopped() || (c >= least && halt.late()) {
+                return;
+            }
+            let part = trace(c * CHUNK..((c + 1) * CHUNK).min(paths));
+            queue.lock().unwrap_or_else(PoisonError::into_inner).put(c, part);
         }
-        trace(c * CHUNK..((c + 1) * CHUNK).min(paths))
     };
-    (0..paths.div_ceil(CHUNK)).into_par_iter().map(chunk).collect()
+    rayon::scope(|scope| (0..rayon::current_num_threads()).for_each(|_| scope.spawn(|_| work())));
+}
+
+/// Results on their way to who takes them in order.
+struct Queue<T, F> {
+    next: u64,
+    /// By number, those that came before their turn.
+    early: BTreeMap<u64, T>,
+    take: F,
+}
+
+impl<T, F: FnMut(T)> Queue<T, F> {
+    fn put(&mut self, number: u64, result: T) {
+        self.early.insert(number, result);
+        while let Some(result) = self.early.remove(&self.next) {
+            self.next += 1;
+            (self.take)(result);
+        }
+    }
 }
 
 /// Traces all paths of a job. The result does not depend on the number of threads.
@@ -106,8 +180,9 @@ pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
 /// [`trace`] with light sent where `aim` says, with fewer paths if the deadline comes first, and
 /// without a result if work is cancelled.
 pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> Traced {
-    let chunks = in_chunks(job.paths, LEAST_CHUNKS, halt, |paths| {
-        let mut out = Traced { paths: paths.end - paths.start, ..Traced::default() };
+    let mut all = Traced::default();
+    let trace = |paths: Range<u64>| {
+        let mut out = Part { paths: paths.end - paths.start, ..Part::default() };
         // A single path may take long; the result of cancelled work is discarded anyway.
         for i in paths.take_while(|_| !halt.stopped()) {
             let mut sampler = path_sampler(job, i);
@@ -117,25 +192,15 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<
             }
         }
         out
-    });
+    };
+    in_order(job.paths, LEAST_CHUNKS, halt, trace, |part| all.add(part, job.paths));
     if halt.stopped() {
         return Traced::default();
     }
-    let mut all = Traced {
-        photons: Vec::with_capacity(chunks.iter().map(|c| c.photons.len()).sum()),
-        glints: Vec::with_capacity(chunks.iter().map(|c| c.glints.len()).sum()),
-        ..Traced::default()
-    };
-    for c in chunks {
-        all.photons.extend(c.photons);
-        all.glints.extend(c.glints);
-        all.paths += c.paths;
-        all.rays += c.rays;
-        all.rejected.add(&c.rejected);
-    }
     if all.paths < job.paths {
         let share = job.paths as f32 / all.paths.max(1) as f32;
-        all.photons.iter_mut().chain(&mut all.glints).for_each(|p| p.flux *= share);
+        all.photons.scale(share);
+        all.glints.scale(share);
     }
     all
 }
@@ -154,7 +219,7 @@ pub(super) fn follow(
     job: &TraceJob,
     start: &LightStart,
     sampler: &mut Sampler,
-    out: &mut Traced,
+    out: &mut Part,
 ) -> Option<Vec3> {
     let emission = &start.emission;
     let mut flux = emission.flux / job.paths as f32;
@@ -175,7 +240,7 @@ pub(super) fn follow(
             out.photons.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
         }
         let glint = job.glints && class == PathClass::Caustic && smallness.enough();
-        if glint && vertex.closure.has_smooth(vertex.wi, Range::glossy(job.glossy)) {
+        if glint && vertex.closure.has_smooth(vertex.wi, bsdf::Range::glossy(job.glossy)) {
             let n = scene.glint_side(&surface, vertex.back).n;
             out.glints.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
         }
@@ -204,7 +269,7 @@ pub(super) fn follow(
 /// Whether there are lobes that photons are for.
 #[inline(always)]
 fn holds_photons(scene: &Scene, job: &TraceJob, vertex: &Vertex<'_>) -> bool {
-    let rough = Range::rough(job.glossy);
+    let rough = bsdf::Range::rough(job.glossy);
     vertex.closure.has_smooth(vertex.wi, rough) || scene.material(vertex.surface).may_have(rough)
 }
 

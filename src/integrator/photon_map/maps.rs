@@ -212,13 +212,13 @@ impl Map {
         let estimator =
             Estimator { lobes, ..Estimator::new(s.kernel, radius, s.lookup, s.neighbours, s.cap) };
         let photons = match s.lookup {
-            Lookup::Nearest => PhotonMap::build_for_nearest(&traced.photons, estimator.cap, radius),
-            Lookup::Radius => PhotonMap::build(&traced.photons, 2.0 * radius),
+            Lookup::Nearest => PhotonMap::build_for_nearest(traced.photons, estimator.cap, radius),
+            Lookup::Radius => PhotonMap::build(traced.photons, 2.0 * radius),
         };
         let glints = self.has_glints().then(|| {
             let radius = self.radius_of(pass, self.glint_radius);
             let lobes = Range::glossy(task.settings.glossy);
-            let photons = PhotonMap::build(&traced.glints, 2.0 * radius);
+            let photons = PhotonMap::build(traced.glints, 2.0 * radius);
             (photons, Estimator { lobes, radius, cap: usize::MAX, ..estimator })
         });
         let glint_photons = glints.as_ref().map_or(0, |(map, _)| map.len());

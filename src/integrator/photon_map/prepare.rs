@@ -5,7 +5,7 @@ use super::PhotonMapper;
 use super::maps::Map;
 use crate::emitter::Aim;
 use crate::photon::aim::Sights;
-use crate::photon::{Photon, radius};
+use crate::photon::{Stored, radius};
 use crate::photon::trace::{Halt, Traced};
 use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Radius};
@@ -118,7 +118,7 @@ impl Map {
 }
 
 /// The radius in which a quarter of the photons of caustics find the others that an estimate wants.
-fn dense_quarter(photons: &[Photon], scene_radius: f32) -> f32 {
+fn dense_quarter(photons: &Stored, scene_radius: f32) -> f32 {
     let wanted = radius::for_caustics(photons.len());
     radius::measured(photons, &radius::photon_places(photons), wanted, 0.25, scene_radius)
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::seen::Seen;
 use crate::emitter::{EmissionBounds, EntrySegment, PathFound, Start, Starts};
 use crate::math::Vec3;
-use crate::photon::trace::{Halt, TraceJob, Traced, follow, in_chunks, path_sampler};
+use crate::photon::trace::{self, Halt, TraceJob, follow, in_chunks, path_sampler};
 use crate::sampling::{Discrete, Found, Sampler, mix};
 use crate::scene::Scene;
 
@@ -213,7 +213,7 @@ pub(super) fn gain(paths: impl Iterator<Item = Tried>) -> Gain {
 struct Part {
     paths: Vec<Path>,
     landed: Vec<Landed>,
-    out: Traced,
+    out: trace::Part,
 }
 
 impl Part {
