@@ -2,6 +2,7 @@
 
 pub mod aim;
 mod boundary;
+mod clearance;
 pub mod estimate;
 mod find;
 pub mod irradiance;
@@ -12,7 +13,8 @@ pub mod store;
 mod stored;
 pub mod trace;
 
-pub use boundary::Boundary;
+pub use boundary::{Boundary, Surroundings};
+pub use clearance::Clearance;
 pub use estimate::{Estimator, Gather, GatherPoint};
 pub use store::{Photon, PhotonMap, Query};
 pub use stored::Stored;

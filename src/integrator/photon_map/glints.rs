@@ -20,15 +20,15 @@ impl PhotonMapper<'_> {
         gather: &mut Gather,
         out: &mut Radiance,
     ) {
-        let Some((map, estimator)) = maps.caustic.as_ref().and_then(|map| map.glints.as_ref()) else { return };
-        let (scene, facts, settings) = (self.task.scene, self.task.facts, &self.settings);
-        let at = GatherPoint {
+        let Some(caustic) = &maps.caustic else { return };
+        let Some((map, estimator)) = &caustic.glints else { return };
+                let at = GatherPoint {
             vertex,
-            side: scene.glint_side(vertex.surface, vertex.back),
+            side: self.task.scene.glint_side(vertex.surface, vertex.back),
             throughput,
-            max_photon_depth: settings.max_depth.0 - depth,
+            max_photon_depth: self.settings.max_depth.0 - depth,
         };
-        let boundary = settings.boundary.then_some(Boundary { scene, facts, sampler, rays });
+        let boundary = self.surroundings(caustic).map(|around| Boundary { around, sampler, rays });
         estimator.glints(map, &at, boundary, gather, out);
     }
 }

@@ -20,6 +20,7 @@ use std::time::Instant;
 
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::Range;
+use crate::photon::Surroundings;
 use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::Halt;
 use crate::sampling::mix;
@@ -110,15 +111,20 @@ impl<'a> PhotonMapper<'a> {
             let key = map.key_of_places(pass);
             let count = (map.paths / 2).clamp(1024, u64::from(u32::MAX)) as u32;
             let places = self.second_places(key, count);
-            let (scene, facts, boundary) = (self.task.scene, self.task.facts, self.settings.boundary);
-            let (known, rays) =
-                Irradiance::of(&places, &built.photons, &built.estimator, scene, facts, boundary, mix(key));
+            let around = self.surroundings(&built);
+            let (known, rays) = Irradiance::of(&places, &built.photons, &built.estimator, around, mix(key));
             stats.build_seconds += start.elapsed().as_secs_f64();
             stats.photon_rays += rays;
             stats.map_bytes += known.bytes() as u64;
             built.irradiance = Some(known);
         }
         Some(built)
+    }
+
+    /// What the boundary test looks at, unless it is off.
+    fn surroundings<'m>(&'m self, map: &'m PassMap) -> Option<Surroundings<'m>> {
+        let (scene, facts) = (self.task.scene, self.task.facts);
+        self.settings.boundary.then(|| Surroundings { scene, facts, clearance: map.clearance() })
     }
 
     /// Lobes that light is gathered from photons for.

@@ -297,11 +297,10 @@ impl PhotonMapper<'_> {
         sample: &mut CameraSample,
     ) {
         let Some(map) = &stage.maps.caustic else { return };
-        let (scene, facts) = (self.task.scene, self.task.facts);
         let mut rays = 0;
-        let corrected = self.settings.boundary && walk.at_first();
+        let around = self.surroundings(map).filter(|_| walk.at_first());
         let sampler = &mut walk.sampler;
-        let boundary = corrected.then_some(Boundary { scene, facts, sampler, rays: &mut rays });
+        let boundary = around.map(|around| Boundary { around, sampler, rays: &mut rays });
         let mut found = Radiance::default();
         map.estimator.estimate(&map.photons, at, boundary, stage.gather, &mut found);
         stage.shadows.count(rays);
@@ -322,9 +321,8 @@ impl PhotonMapper<'_> {
         if map.irradiance.as_ref().is_some_and(|known| known.add(at, map.estimator.radius, gather, out)) {
             return;
         }
-        let (scene, facts, sampler) = (self.task.scene, self.task.facts, &mut walk.sampler);
-        let mut rays = 0;
-        let boundary = self.settings.boundary.then_some(Boundary { scene, facts, sampler, rays: &mut rays });
+        let (sampler, mut rays) = (&mut walk.sampler, 0);
+        let boundary = self.surroundings(map).map(|around| Boundary { around, sampler, rays: &mut rays });
         map.estimator.estimate(&map.photons, at, boundary, gather, out);
         stage.shadows.count(rays);
     }

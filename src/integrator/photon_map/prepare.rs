@@ -1,11 +1,13 @@
 //! Before the first pass: where light is sent, how many light paths a pass traces, and the
 //! first search radii.
 
+use std::sync::Arc;
+
 use super::PhotonMapper;
 use super::maps::Map;
 use crate::emitter::Aim;
 use crate::photon::aim::Sights;
-use crate::photon::{Stored, radius};
+use crate::photon::{Clearance, Stored, radius};
 use crate::photon::trace::{Halt, Traced};
 use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Radius};
@@ -98,6 +100,7 @@ impl Map {
                 radius::clamped(found, pixel, scene.sphere.radius)
             }
         };
+        self.clearance = (self.radius > 0.0).then(|| Arc::new(Clearance::new(self.radius)));
         if self.glint_radius == 0.0 {
             self.glint_radius = self.radius;
         }
