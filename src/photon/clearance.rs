@@ -10,7 +10,7 @@ use crate::scene::{Near, Scene};
 /// is filled where it is asked.
 #[derive(Debug)]
 pub struct Clearance {
-    /// Size of a cell.
+    /// Size of a cell: the radius of the widest disc.
     size: f32,
     /// No more is asked for.
     most: f32,
@@ -19,7 +19,7 @@ pub struct Clearance {
 }
 
 /// How many cells are remembered.
-const SLOTS: usize = 1 << 16;
+const SLOTS: usize = 1 << 17;
 
 /// Bits of a cell's number along an axis.
 const BITS: u32 = 18;
@@ -27,10 +27,7 @@ const BITS: u32 = 18;
 /// Steps in which a clearance is remembered.
 const STEPS: f32 = 254.0;
 
-/// Cells along the radius of the widest disc.
-const CELLS: f32 = 2.0;
-
-/// Near more triangles than these no disc is said to be free.
+/// Where more things than these are near, no disc is said to be free.
 const MANY: usize = 64;
 
 /// What the boundary test looks at is not farther from the centre than this times the radius.
@@ -40,7 +37,7 @@ impl Clearance {
     /// For discs of `radius` and smaller ones.
     pub fn new(radius: f32) -> Self {
         let slots = (0..SLOTS).map(|_| AtomicU64::new(0)).collect();
-        Self { size: radius / CELLS, most: 2.0 * HIGHEST * radius, slots }
+        Self { size: radius, most: 2.0 * HIGHEST * radius, slots }
     }
 
     /// Whether the disc of `radius` around the place `p` of a surface, whose rays start at the height `lift`, is surely free.
@@ -70,16 +67,17 @@ impl Clearance {
         let center = (cell + 0.5) * self.size;
         let corner = 0.87 * self.size;
         let reach = corner + self.most;
-        let (mut triangles, mut others) = (Vec::new(), reach);
+        let (mut triangles, mut others, mut seen) = (Vec::new(), reach, 0);
         scene.geometry.near(center, reach, |near| {
+            seen += 1;
             match near {
                 Near::Triangle(triangle) if to_triangle(center, triangle) < reach => triangles.push(triangle),
                 Near::Triangle(_) => {}
                 Near::Other(distance) => others = others.min(distance),
             }
-            triangles.len() <= MANY && others > corner
+            seen <= MANY && others > corner
         });
-        if triangles.len() > MANY {
+        if seen > MANY {
             return 0.0;
         }
         (others.min(room(&triangles, center)) - corner).clamp(0.0, self.most)

@@ -2,6 +2,7 @@
 //! settings leave it open.
 
 use std::fmt;
+use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -9,6 +10,7 @@ use super::super::Task;
 use super::pilot::{Parts, Reference, Seen};
 use super::{PhotonMapper, Plan};
 use crate::emitter::Aim;
+use crate::photon::Clearance;
 use crate::photon::radius;
 use crate::photon::trace::Halt;
 use crate::sampling::mix;
@@ -44,8 +46,13 @@ const MOST_STORED: f64 = (1 << 21) as f64;
 /// Passes of the render that the pilot has in mind, in which radii shrink.
 const PASSES: u32 = 16;
 
-/// Where each map sends its light.
-pub(super) type Aims = [Option<Aim>; 2];
+/// What the pilot of the chosen estimator has measured for the render.
+pub(super) struct Known {
+    /// Where each map sends its light.
+    pub aims: [Option<Aim>; 2],
+    /// Where discs lie free.
+    pub clearance: Option<Arc<Clearance>>,
+}
 
 /// What a pilot found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -102,10 +109,10 @@ struct Rated {
     at: usize,
 }
 
-/// The settings with choices made where they are open, and where light is sent if that is known already.
-pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Aims>) {
+/// The settings with choices made where they are open, and what is known then.
+pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Known>) {
     match choose(task, halts) {
-        Some((settings, _, aims)) => (settings, Some(aims)),
+        Some((settings, _, known)) => (settings, Some(known)),
         None => (without_choice(task.settings), None),
     }
 }
@@ -140,7 +147,7 @@ fn is_open(task: &Task<'_>) -> bool {
         && plan.global_map
 }
 
-fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice, Aims)> {
+fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice, Known)> {
     if !is_open(&task) {
         return None;
     }
@@ -159,7 +166,8 @@ fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice,
     let best = best(&rated)?;
     let (settings, choice) = divide(&task, best, &rated);
     let chosen = candidates.swap_remove(best.at).mapper;
-    Some((settings, choice, [chosen.global.aim, chosen.caustic.aim]))
+    let known = Known { aims: [chosen.global.aim, chosen.caustic.aim], clearance: chosen.clearance };
+    Some((settings, choice, known))
 }
 
 /// A mapper for the pilot, which takes over what others have measured.
@@ -192,6 +200,7 @@ fn pilot<'a>(
         }
         None => [None, None],
     };
+    mapper.clearance = others.first().and_then(|other| other.mapper.clearance.clone());
     mapper.prepare(aims);
     mapper
 }

@@ -20,15 +20,14 @@ impl PhotonMapper<'_> {
         gather: &mut Gather,
         out: &mut Radiance,
     ) {
-        let Some(caustic) = &maps.caustic else { return };
-        let Some((map, estimator)) = &caustic.glints else { return };
+        let Some((map, estimator)) = maps.caustic.as_ref().and_then(|map| map.glints.as_ref()) else { return };
                 let at = GatherPoint {
             vertex,
             side: self.task.scene.glint_side(vertex.surface, vertex.back),
             throughput,
             max_photon_depth: self.settings.max_depth.0 - depth,
         };
-        let boundary = self.surroundings(caustic).map(|around| Boundary { around, sampler, rays });
+        let boundary = self.surroundings().map(|around| Boundary { around, sampler, rays });
         estimator.glints(map, &at, boundary, gather, out);
     }
 }

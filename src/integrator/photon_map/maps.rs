@@ -1,6 +1,6 @@
 //! One photon map: what belongs to it for a whole render, and how a pass traces and builds it.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 use std::time::Instant;
 
 use super::super::{PassStats, Task};
@@ -11,7 +11,7 @@ use crate::math::kernel::KernelKind;
 use crate::photon::aim::{Sights, aim};
 use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
-use crate::photon::{Clearance, Estimator, PhotonMap, radius};
+use crate::photon::{Estimator, PhotonMap, radius};
 use crate::sampling::mix;
 use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Limit, Lookup, Mode, Radius, Settings};
@@ -53,9 +53,7 @@ pub(super) struct Map {
     pub paths: u64,
     /// Search radius of the first pass; 0 where it was to be measured and the map is not needed.
     pub radius: f32,
-    /// Where discs of this radius lie free.
-    pub clearance: Option<Arc<Clearance>>,
-    /// The search radius for glints.
+    /// The same for glints.
     pub glint_radius: f32,
     /// Photons of pass 0 that were traced to measure their density.
     pub pilot: Mutex<Option<Traced>>,
@@ -70,17 +68,8 @@ pub(super) struct PassMap {
     pub estimator: Estimator,
     /// Glints, and how they are read.
     pub glints: Option<(PhotonMap, Estimator)>,
-    /// Where discs lie free.
-    clearance: Option<Arc<Clearance>>,
     /// Known beforehand at some places.
     pub irradiance: Option<Irradiance>,
-}
-
-impl PassMap {
-    /// Where discs lie free.
-    pub fn clearance(&self) -> Option<&Clearance> {
-        self.clearance.as_deref()
-    }
 }
 
 /// The pass that pilots trace: no render comes so far.
@@ -120,7 +109,7 @@ impl Map {
     }
 
     fn new(settings: MapSettings, job: TraceJob) -> Self {
-        Self { settings, job, aim: None, paths: 0, radius: 0.0, clearance: None, glint_radius: 0.0, pilot: Mutex::default() }
+        Self { settings, job, aim: None, paths: 0, radius: 0.0, glint_radius: 0.0, pilot: Mutex::default() }
     }
 
     /// Whether the scene needs it.
@@ -244,8 +233,7 @@ impl Map {
             Owner::CausticMap => stats.caustic_radius = radius,
             _ => stats.radius = radius,
         }
-        let clearance = self.clearance.clone();
-        Some(PassMap { photons, estimator, glints, clearance, irradiance: None })
+        Some(PassMap { photons, estimator, glints, irradiance: None })
     }
 
     /// Random numbers of the places of a pass where the map is read beforehand.

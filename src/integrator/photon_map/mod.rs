@@ -20,7 +20,7 @@ use std::time::Instant;
 
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::Range;
-use crate::photon::Surroundings;
+use crate::photon::{Clearance, Surroundings};
 use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::Halt;
 use crate::sampling::mix;
@@ -41,6 +41,8 @@ pub struct PhotonMapper<'a> {
     halts: [Halt<'a>; 2],
     global: Map,
     caustic: Map,
+    /// Where discs lie free.
+    clearance: Option<Arc<Clearance>>,
     /// Classic mode traces once.
     kept: OnceLock<Arc<Maps>>,
 }
@@ -68,16 +70,20 @@ impl<'a> PhotonMapper<'a> {
 
     /// [`PhotonMapper::new`] with one limit for pass 0 and what is measured before it, and one for the passes after it.
     pub fn halting(task: Task<'a>, halts: [Halt<'a>; 2]) -> Self {
-        let (settings, aims) = choice::settled(task, halts);
+        let (settings, known) = choice::settled(task, halts);
         let mut mapper = Self::unmeasured(task, settings, halts);
-        mapper.prepare(aims.map_or([None, None], |aims| aims.map(Some)));
+        let aims = known.map(|known| {
+            mapper.clearance = known.clearance;
+            known.aims.map(Some)
+        });
+        mapper.prepare(aims.unwrap_or_default());
         mapper
     }
 
     fn unmeasured(task: Task<'a>, settings: Settings, halts: [Halt<'a>; 2]) -> Self {
         let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
         let (global, caustic) = (Map::global(&settings, &plan), Map::caustic(&settings, &plan));
-        Self { task, settings, halts, global, caustic, kept: OnceLock::new() }
+        Self { task, settings, halts, global, caustic, clearance: None, kept: OnceLock::new() }
     }
 
     /// The task with the settings that are in use.
@@ -111,7 +117,7 @@ impl<'a> PhotonMapper<'a> {
             let key = map.key_of_places(pass);
             let count = (map.paths / 2).clamp(1024, u64::from(u32::MAX)) as u32;
             let places = self.second_places(key, count);
-            let around = self.surroundings(&built);
+            let around = self.surroundings();
             let (known, rays) = Irradiance::of(&places, &built.photons, &built.estimator, around, mix(key));
             stats.build_seconds += start.elapsed().as_secs_f64();
             stats.photon_rays += rays;
@@ -122,9 +128,9 @@ impl<'a> PhotonMapper<'a> {
     }
 
     /// What the boundary test looks at, unless it is off.
-    fn surroundings<'m>(&'m self, map: &'m PassMap) -> Option<Surroundings<'m>> {
-        let (scene, facts) = (self.task.scene, self.task.facts);
-        self.settings.boundary.then(|| Surroundings { scene, facts, clearance: map.clearance() })
+    fn surroundings(&self) -> Option<Surroundings<'_>> {
+        let (scene, facts, clearance) = (self.task.scene, self.task.facts, self.clearance.as_deref());
+        self.settings.boundary.then_some(Surroundings { scene, facts, clearance })
     }
 
     /// Lobes that light is gathered from photons for.

@@ -298,7 +298,7 @@ impl PhotonMapper<'_> {
     ) {
         let Some(map) = &stage.maps.caustic else { return };
         let mut rays = 0;
-        let around = self.surroundings(map).filter(|_| walk.at_first());
+        let around = self.surroundings().filter(|_| walk.at_first());
         let sampler = &mut walk.sampler;
         let boundary = around.map(|around| Boundary { around, sampler, rays: &mut rays });
         let mut found = Radiance::default();
@@ -322,7 +322,7 @@ impl PhotonMapper<'_> {
             return;
         }
         let (sampler, mut rays) = (&mut walk.sampler, 0);
-        let boundary = self.surroundings(map).map(|around| Boundary { around, sampler, rays: &mut rays });
+        let boundary = self.surroundings().map(|around| Boundary { around, sampler, rays: &mut rays });
         map.estimator.estimate(&map.photons, at, boundary, gather, out);
         stage.shadows.count(rays);
     }

@@ -37,6 +37,10 @@ impl PhotonMapper<'_> {
             map.count_paths(scene, halt);
             map.measure(scene, &places, halt);
         }
+        let widest = self.global.radius.max(self.caustic.radius);
+        if self.settings.boundary && widest > 0.0 {
+            self.clearance.get_or_insert_with(|| Arc::new(Clearance::new(widest)));
+        }
     }
 
     /// What the camera sees, for [`Map::take_aim`].
@@ -100,7 +104,6 @@ impl Map {
                 radius::clamped(found, pixel, scene.sphere.radius)
             }
         };
-        self.clearance = (self.radius > 0.0).then(|| Arc::new(Clearance::new(self.radius)));
         if self.glint_radius == 0.0 {
             self.glint_radius = self.radius;
         }
