@@ -6,8 +6,8 @@ mod construct;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 
-use crate::math::{Bounds, Ray, Vec3};
 use crate::math::simd::{WIDTH, Wide};
+use crate::math::{Bounds, Ray, Vec3};
 
 /// Eight children, one per lane; unused lanes hold empty boxes.
 #[derive(Clone, Copy, Debug)]

@@ -4,8 +4,8 @@ use super::direct::power_heuristic;
 use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec3};
 use crate::scene::{Hit, Scene, Surface};
-use crate::transport::{PathClass, Smallness};
 use crate::transport::walk::{self, Lamps, Next};
+use crate::transport::{PathClass, Smallness};
 
 /// How a lamp at the end of the ray counts.
 #[derive(Clone, Copy, Debug)]

@@ -88,7 +88,9 @@ impl Clearance {
 /// those that do.
 fn room(triangles: &[[Vec3; 3]], p: Vec3) -> f32 {
     let distance = |t: &&[Vec3; 3]| to_triangle(p, **t);
-    let Some([a, b, c]) = triangles.iter().min_by(|s, t| distance(s).total_cmp(&distance(t))) else { return 0.0 };
+    let Some([a, b, c]) = triangles.iter().min_by(|s, t| distance(s).total_cmp(&distance(t))) else {
+        return 0.0;
+    };
     let normal = (*b - *a).cross(*c - *a).normalize_or_zero();
     // Rays of the test start at the height of the lift.
     let tolerance = 0.25 * LIFT * a.abs().max_element();
@@ -99,9 +101,10 @@ fn room(triangles: &[[Vec3; 3]], p: Vec3) -> f32 {
         let same = |edge: &[Vec3; 2]| *edge == [from, to] || *edge == [to, from];
         flat.iter().enumerate().any(|(i, t)| i != of && edges(t).iter().any(same))
     };
-    let rims = flat.iter().enumerate().flat_map(|(i, t)| {
-        edges(t).into_iter().filter(move |&edge| !shared(i, edge)).collect::<Vec<_>>()
-    });
+    let rims = flat
+        .iter()
+        .enumerate()
+        .flat_map(|(i, t)| edges(t).into_iter().filter(move |&edge| !shared(i, edge)).collect::<Vec<_>>());
     let to_rim = rims.map(|[from, to]| to_segment(p, from, to));
     to_rim.chain(others.iter().map(|t| to_triangle(p, *t))).fold(f32::INFINITY, f32::min)
 }

@@ -4,8 +4,8 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::boundary::Boundary;
-use super::store::{PhotonMap, Query};
 use super::scan;
+use super::store::{PhotonMap, Query};
 use crate::bsdf::{Range, Transport};
 use crate::film::{Layer, Radiance};
 use crate::math::kernel::{Kernel, KernelKind, with_kernel};

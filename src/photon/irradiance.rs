@@ -45,7 +45,18 @@ impl Irradiance {
                 let b = around.map(|around| Boundary { around, sampler: &mut sampler, rays: &mut rays });
                 let flux = estimator.irradiance(map, &q, b, gather);
                 let class = PathClass::Indirect;
-                (Photon { p: at.p, flux, wi: at.n, n: at.n, class, depth: 0, smallness: Smallness::default() }, rays)
+                (
+                    Photon {
+                        p: at.p,
+                        flux,
+                        wi: at.n,
+                        n: at.n,
+                        class,
+                        depth: 0,
+                        smallness: Smallness::default(),
+                    },
+                    rays,
+                )
             })
             .unzip();
         let places = PhotonMap::build_for_nearest(&photons, 1, estimator.radius);

@@ -98,7 +98,9 @@ mod tests {
 
     #[test]
     fn the_order_is_that_of_a_stable_sort() {
-        for (photons, cells) in [(0, 1), (1, 1), (1000, 3), (300_000, 1), (300_000, 70_000), (70_000, 900_000)] {
+        for (photons, cells) in
+            [(0, 1), (1, 1), (1000, 3), (300_000, 1), (300_000, 70_000), (70_000, 900_000)]
+        {
             let cell_of = |i: usize| (mix(i as u64) % cells as u64) as usize;
             let (order, starts) = by_cell(photons, cells, cell_of);
             let mut expected: Vec<u32> = (0..photons as u32).collect();

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use super::PathClass;
 use super::sort::{PART, by_cell};
 use super::stored::{Rest, Stored};
-use crate::transport::Smallness;
 use crate::math::{Bounds, Color, Vec3};
+use crate::transport::Smallness;
 
 /// A photon as traced.
 #[derive(Clone, Copy, Debug)]

@@ -20,8 +20,10 @@ impl PhotonMapper<'_> {
         gather: &mut Gather,
         out: &mut Radiance,
     ) {
-        let Some((map, estimator)) = maps.caustic.as_ref().and_then(|map| map.glints.as_ref()) else { return };
-                let at = GatherPoint {
+        let Some((map, estimator)) = maps.caustic.as_ref().and_then(|map| map.glints.as_ref()) else {
+            return;
+        };
+        let at = GatherPoint {
             vertex,
             side: self.task.scene.glint_side(vertex.surface, vertex.back),
             throughput,

@@ -5,8 +5,8 @@
 //! [`walk`] follows a camera path to where it gathers, and [`gather`] reads the maps there.
 
 mod choice;
-mod glints;
 mod gather;
+mod glints;
 mod maps;
 mod onward;
 mod pilot;
@@ -20,9 +20,9 @@ use std::time::Instant;
 
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::Range;
-use crate::photon::{Clearance, Surroundings};
 use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::Halt;
+use crate::photon::{Clearance, Surroundings};
 use crate::sampling::mix;
 use crate::settings::{Indirect, Mode, Settings};
 
@@ -50,8 +50,8 @@ pub struct PhotonMapper<'a> {
 /// The maps of a pass.
 #[derive(Clone, Debug)]
 pub struct Maps {
-    global: Option<PassMap>,
-    caustic: Option<PassMap>,
+    global: Option<Arc<PassMap>>,
+    caustic: Option<Arc<PassMap>>,
 }
 
 /// Light paths of the pilot that tells how many photons a pass will leave.
@@ -76,7 +76,7 @@ impl<'a> PhotonMapper<'a> {
             mapper.clearance = known.clearance;
             known.aims.map(Some)
         });
-        mapper.prepare(aims.unwrap_or_default());
+        mapper.prepare(aims.unwrap_or_default(), [None; 2]);
         mapper
     }
 
@@ -110,21 +110,21 @@ impl<'a> PhotonMapper<'a> {
 
     /// A map of a pass; one that is not seen directly is read beforehand at some of the places where camera paths
     /// will read it.
-    fn build(&self, map: &Map, pass: u32, halt: Halt<'_>, stats: &mut PassStats) -> Option<PassMap> {
+    fn build(&self, map: &Map, pass: u32, halt: Halt<'_>, stats: &mut PassStats) -> Option<Arc<PassMap>> {
         let mut built = map.build(&self.task(), pass, halt, stats)?;
         if !map.seen_directly() {
             let start = Instant::now();
             let key = map.key_of_places(pass);
             let count = (map.paths / 2).clamp(1024, u64::from(u32::MAX)) as u32;
-            let places = self.second_places(key, count);
+            let (places, found) = self.second_places(key, count);
             let around = self.surroundings();
             let (known, rays) = Irradiance::of(&places, &built.photons, &built.estimator, around, mix(key));
             stats.build_seconds += start.elapsed().as_secs_f64();
-            stats.photon_rays += rays;
+            stats.photon_rays += found + rays;
             stats.map_bytes += known.bytes() as u64;
             built.irradiance = Some(known);
         }
-        Some(built)
+        Some(Arc::new(built))
     }
 
     /// What the boundary test looks at, unless it is off.

@@ -7,8 +7,8 @@ use super::PhotonMapper;
 use super::maps::Map;
 use crate::emitter::Aim;
 use crate::photon::aim::Sights;
-use crate::photon::{Clearance, Stored, radius};
 use crate::photon::trace::{Halt, Traced};
+use crate::photon::{Clearance, Stored, radius};
 use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Radius};
 use crate::transport::Owner;
@@ -23,13 +23,18 @@ const MOST_PATHS_A_PHOTON: u64 = 1000;
 const MOST_COST: f64 = 8.0;
 
 impl PhotonMapper<'_> {
-    /// Measures what the settings leave open. Where `aims` of a map are given they are taken.
-    pub(super) fn prepare(&mut self, aims: [Option<Option<Aim>>; 2]) {
+    /// Measures what the settings leave open. Where the `aims` of a map are given they are taken, and from a map that is
+    /// the `same` all that was measured.
+    pub(super) fn prepare(&mut self, aims: [Option<Option<Aim>>; 2], same: [Option<&Map>; 2]) {
         let wanted = self.maps().iter().any(|map| map.wanted());
         let places = if wanted { self.gather_places() } else { Vec::new() };
         let sights = self.sights(&places);
         let (scene, halt) = (self.task.scene, self.halts[0]);
-        for (map, aim) in [&mut self.global, &mut self.caustic].into_iter().zip(aims) {
+        for ((map, aim), same) in [&mut self.global, &mut self.caustic].into_iter().zip(aims).zip(same) {
+            if let Some(same) = same {
+                map.take_measures(same);
+                continue;
+            }
             match aim {
                 Some(known) => map.aim = known,
                 None => map.take_aim(scene, &sights, halt),
@@ -53,6 +58,11 @@ impl PhotonMapper<'_> {
 }
 
 impl Map {
+    fn take_measures(&mut self, same: &Self) {
+        self.aim.clone_from(&same.aim);
+        (self.paths, self.radius, self.glint_radius) = (same.paths, same.radius, same.glint_radius);
+    }
+
     /// Decides how many light paths a pass traces.
     fn count_paths(&mut self, scene: &Scene, halt: Halt<'_>) {
         self.paths = match self.settings.planned {

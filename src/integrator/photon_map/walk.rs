@@ -67,7 +67,13 @@ impl PhotonMapper<'_> {
             depth += 1;
             scratch.rays += 1;
             let lamps = seen || !settings.hide_emitters;
-            let sight = Sight { lamps, through: self.task.view.hidden_lamps_are_transparent, pdf, from, left: chain.on_the_way() };
+            let sight = Sight {
+                lamps,
+                through: self.task.view.hidden_lamps_are_transparent,
+                pdf,
+                from,
+                left: chain.on_the_way(),
+            };
             let hit = scene.geometry.closest(&ray);
             let s = match sight.meet(scene, &mut ray, hit.as_ref(), path, &mut out) {
                 Next::Escape => break,

@@ -150,6 +150,12 @@ impl Pilot {
         found.iter().filter(|p| p.found.value > 0.0).count() as f64 / found.len().max(1) as f64
     }
 
+    /// The same of the paths of the last round.
+    pub fn last_share(&self, found: &[PathFound]) -> f64 {
+        let count = self.rounds.last().map_or(0, |round| round.count);
+        self.share(&found[found.len() - count..])
+    }
+
     /// The first segments of paths from infinity that brought something, how many such paths met the scene.
     pub fn entry_segments(&self, found: &[PathFound]) -> (usize, Vec<EntrySegment>) {
         let met = self.paths.iter().filter(|p| p.from_infinity && p.way.is_some()).count();

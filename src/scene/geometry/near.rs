@@ -25,7 +25,9 @@ impl Geometry {
                 let used = if packet.others > 0 { packet.others as usize } else { WIDTH };
                 (0..used).filter(|&lane| packet.shape[lane] != u32::MAX || packet.others > 0).all(|lane| {
                     see(match kind(packet.tag[lane]) {
-                        Kind::Triangle(_) => Near::Triangle([0, 1, 2].map(|i| packet.triangles.corner(i, lane))),
+                        Kind::Triangle(_) => {
+                            Near::Triangle([0, 1, 2].map(|i| packet.triangles.corner(i, lane)))
+                        }
                         Kind::Analytic(i) => Near::Other(to_shape(&level.analytic[i as usize], p)),
                         Kind::Instance(i) => {
                             let instance = &self.instances[i as usize];
