@@ -16,7 +16,7 @@ pub mod trace;
 pub use boundary::{Boundary, Surroundings};
 pub use clearance::Clearance;
 pub use estimate::{Estimator, Gather, GatherPoint};
-pub use store::{Photon, PhotonMap, Query};
-pub use stored::Stored;
+pub use store::{PhotonMap, Query};
+pub use stored::{Photon, Stored};
 
 use crate::transport::PathClass;

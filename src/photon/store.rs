@@ -11,25 +11,6 @@ use super::stored::{Rest, Stored};
 use crate::math::{Bounds, Color, Vec3};
 use crate::transport::Smallness;
 
-/// A photon as traced.
-#[derive(Clone, Copy, Debug)]
-pub struct Photon {
-    /// In the world.
-    pub p: Vec3,
-    /// W per channel.
-    pub flux: Color,
-    /// Unit, back towards where it came from.
-    pub wi: Vec3,
-    /// Unit geometric normal of the side it arrived at.
-    pub n: Vec3,
-    /// Of the light path that left it.
-    pub class: PathClass,
-    /// Path segments from the lamp, saturating.
-    pub depth: u8,
-    /// Of the lamp, as the first surface saw it; counts for glints only.
-    pub smallness: Smallness,
-}
-
 /// A disc on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Query {

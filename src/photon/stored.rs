@@ -1,8 +1,26 @@
 //! Photons in the order in which they were traced, packed until a map takes them.
 
-use super::store::Photon;
 use crate::math::{Color, LANES, Vec3, decode_direction, encode_direction};
 use crate::transport::{PathClass, Smallness};
+
+/// A photon as traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Photon {
+    /// In the world.
+    pub p: Vec3,
+    /// W per channel.
+    pub flux: Color,
+    /// Unit, back towards where it came from.
+    pub wi: Vec3,
+    /// Unit geometric normal of the side it arrived at.
+    pub n: Vec3,
+    /// Of the light path that left it.
+    pub class: PathClass,
+    /// Path segments from the lamp, saturating.
+    pub depth: u8,
+    /// Of the lamp, as the first surface saw it; counts for glints only.
+    pub smallness: Smallness,
+}
 
 /// A list of photons in three parts. A map sorts one after the other and frees it, so that hardly more than one of them is
 /// ever there twice.
