@@ -13,6 +13,8 @@ fn tracing(c: &mut Criterion) {
     for (name, next_event) in [("next_event", true), ("all", false)] {
         let job = TraceJob {
             all: false,
+
+            glints: false,
             key: 1,
             paths: 100_000,
             owner: Owner::GlobalMap,

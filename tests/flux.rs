@@ -17,6 +17,7 @@ use crate::support::{
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
         all: false,
+        glints: false,
         key,
         paths,
         owner: Owner::GlobalMap,

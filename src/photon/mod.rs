@@ -2,16 +2,21 @@
 
 pub mod aim;
 mod boundary;
+mod clearance;
 pub mod estimate;
 mod find;
 pub mod irradiance;
 pub mod radius;
 mod scan;
+mod sort;
 pub mod store;
+mod stored;
 pub mod trace;
 
-pub use boundary::Boundary;
+pub use boundary::{Boundary, Surroundings};
+pub use clearance::Clearance;
 pub use estimate::{Estimator, Gather, GatherPoint};
-pub use store::{Photon, PhotonMap, Query};
+pub use store::{PhotonMap, Query};
+pub use stored::{Photon, Stored};
 
 use crate::transport::PathClass;

@@ -95,6 +95,11 @@ impl fmt::Display for Plan {
         write!(f, "instances            {}", yes(self.instances))?;
         if let Some(choice) = &self.indirect {
             write!(f, "\nindirect light       {choice}")?;
+            for (name, aim) in ["global aim", "caustic aim"].into_iter().zip(&choice.aims) {
+                if let Some(aim) = aim {
+                    write!(f, "\n{name:<20} {aim}")?;
+                }
+            }
         }
         self.notes.iter().try_for_each(|n| write!(f, "\nnote: {n}"))
     }

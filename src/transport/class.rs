@@ -10,6 +10,8 @@
 //! | caustic | S* D S+ | the caustic map, or else the global map | caustic |
 //! | indirect | S* D … D S* | the global map | indirect |
 //!
+//! Of emission, glints (`glint`) belong to photons of the caustic map instead.
+//!
 //! Both directions use it. A camera path carries the class that it has if it meets a lamp next; a light
 //! path carries the class that it has if it meets next the rough surface that the camera path ends at.
 

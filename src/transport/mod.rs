@@ -2,11 +2,13 @@
 //! through masks, Russian roulette, and the table of path classes.
 
 mod class;
+mod glint;
 pub mod roulette;
 mod vertex;
 mod visibility;
 pub mod walk;
 
 pub use class::{Owner, PathClass};
+pub use glint::{Chain, Smallness};
 pub use vertex::Vertex;
 pub use visibility::{ray_to, shadow_ray, transparency, visibility};

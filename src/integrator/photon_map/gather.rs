@@ -37,7 +37,7 @@ impl PhotonMapper<'_> {
         let at = GatherPoint { vertex, side, throughput, max_photon_depth: left };
         for map in [&maps.global, &maps.caustic].into_iter().flatten() {
             let rays = &mut scratch.rays;
-            let boundary = settings.boundary.then_some(Boundary { scene, facts, sampler, rays });
+            let boundary = self.surroundings().map(|around| Boundary { around, sampler, rays });
             map.estimator.estimate(&map.photons, &at, boundary, &mut scratch.gather, out);
         }
     }
