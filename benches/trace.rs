@@ -12,6 +12,7 @@ fn tracing(c: &mut Criterion) {
     let mut group = c.benchmark_group("trace");
     for (name, next_event) in [("next_event", true), ("all", false)] {
         let job = TraceJob {
+            beams: false,
             all: false,
 
             glints: false,

@@ -21,8 +21,8 @@
 //!
 //! `session::Output` writes pictures to files and `session::Saver` writes checkpoints.
 //!
-//! Code map, upwards: `math` ← `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `emitter`, `sensor`,
-//! `film` ← `settings` ← `scene` ← `transport` ← `photon` ← `integrator` ← `render` ← `session` ← `cli`. Imports point
+//! Code map, upwards: `math` ← `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `medium`, `emitter`,
+//! `sensor`, `film` ← `settings` ← `scene` ← `transport` ← `photon` ← `integrator` ← `render` ← `session` ← `cli`. Imports point
 //! downwards only; `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` and
 //! `session` (and `cli`, for arguments and `convert`) alone read the scene representation of `caustica-formats`.
 
@@ -35,6 +35,7 @@ pub mod emitter;
 pub mod film;
 pub mod integrator;
 pub mod math;
+pub mod medium;
 pub mod photon;
 pub mod render;
 pub mod sampling;

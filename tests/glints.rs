@@ -2,7 +2,9 @@
 
 use caustica::film::Layer;
 
-use crate::support::{Picture, Stage, UP, area, assert_agree, camera, diffuse, rectangle, render, scene, sphere};
+use crate::support::{
+    Picture, Stage, UP, area, assert_agree, camera, diffuse, rectangle, render, scene, sphere,
+};
 
 /// A small lamp behind a ball of rough glass, above a floor.
 fn rough_ball() -> Stage {

@@ -145,6 +145,7 @@ fn flux(photons: &caustica::photon::Stored, wanted: impl Fn(PathClass) -> bool) 
 fn owners_divide_the_photons_without_loss_or_overlap() {
     let scene = glass_box();
     let job = |owner, next_event, caustic_map| TraceJob {
+        beams: false,
         all: false,
         glints: false,
         key: 7,

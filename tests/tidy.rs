@@ -70,7 +70,7 @@ const LEVELS: &[&[&str]] = &[
     &["sampling"],
     &["spectrum"],
     &["shape", "texture", "accel"],
-    &["bsdf", "emitter", "sensor", "film"],
+    &["bsdf", "medium", "emitter", "sensor", "film"],
     &["settings"],
     &["scene"],
     &["transport"],

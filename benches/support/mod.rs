@@ -72,6 +72,7 @@ pub fn hills() -> Session {
 /// The photons of the global map in a default render, all of which have scattered at least once.
 pub fn photons(scene: &Scene, count: usize) -> Stored {
     let job = |paths| TraceJob {
+        beams: false,
         all: false,
         glints: false,
         key: 1,

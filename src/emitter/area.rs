@@ -260,6 +260,10 @@ impl Light for Area {
         self.area
     }
 
+    fn place(&self, u: Vec2) -> Option<Vec3> {
+        Some(self.surface.sample(u).p)
+    }
+
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         self.flux()
     }

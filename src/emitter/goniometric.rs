@@ -70,6 +70,10 @@ impl Light for Goniometric {
         (flux.max_element() > 0.0).then_some(Emission::from_point(self.position, d, flux, density))
     }
 
+    fn place(&self, _: Vec2) -> Option<Vec3> {
+        Some(self.position)
+    }
+
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         self.flux()
     }

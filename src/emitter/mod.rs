@@ -191,6 +191,12 @@ closed_enum! {
             (Color::ZERO, 0.0)
         }
 
+        /// A place of the emitter, chosen by `u` about as [`Emitter::sample_direct`] does; `None` where it is
+        /// infinitely far.
+        fn place(&self, _u: Vec2) -> Option<Vec3> {
+            None
+        }
+
         /// Area of the emitter's surface that scattered rays can find shining; 0 for emitters without one.
         fn visible_area(&self) -> f32 {
             0.0

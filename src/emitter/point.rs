@@ -39,6 +39,10 @@ impl Light for Point {
         Emission::headed(headed, self.position, flux, even)
     }
 
+    fn place(&self, _: Vec2) -> Option<Vec3> {
+        Some(self.position)
+    }
+
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         self.intensity * (4.0 * PI)
     }

@@ -72,6 +72,10 @@ impl Light for Projection {
         flux.is_finite().then_some(Emission::from_point(self.frustum.position, d, flux, 1.0 / weight))
     }
 
+    fn place(&self, _: Vec2) -> Option<Vec3> {
+        Some(self.frustum.position)
+    }
+
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         self.power
     }

@@ -38,6 +38,10 @@ impl Light for Projector {
         (flux.max_element() > 0.0).then_some(Emission::from_point(self.frustum.position, d, flux, density))
     }
 
+    fn place(&self, _: Vec2) -> Option<Vec3> {
+        Some(self.frustum.position)
+    }
+
     fn power(&self, textures: &Textures, _scene: &SceneSphere) -> Color {
         textures.mean(self.irradiance) * (PI * self.frustum.area())
     }

@@ -133,6 +133,10 @@ impl Light for Spot {
     }
 
     /// Without the texture: 2π∫ falloff·sinθ dθ, in closed form.
+    fn place(&self, _: Vec2) -> Option<Vec3> {
+        Some(self.position)
+    }
+
     fn power(&self, _textures: &Textures, _scene: &SceneSphere) -> Color {
         let (b, c) = (f64::from(self.beam), f64::from(self.cutoff));
         let ramp = match self.falloff {

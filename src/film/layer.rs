@@ -11,16 +11,19 @@ pub enum Layer {
     Direct,
     /// Light that reaches it through specular surfaces only.
     Caustic,
-    /// Everything else.
+    /// Everything else that a rough surface scattered last.
     Indirect,
+    /// Light that a medium scattered last, on its way to the camera or to the first rough surface in sight.
+    Medium,
 }
 
 /// Layers in storage order with their names in files.
-pub const LAYERS: [(Layer, &str); 4] = [
+pub const LAYERS: [(Layer, &str); 5] = [
     (Layer::Emission, "emission"),
     (Layer::Direct, "direct"),
     (Layer::Caustic, "caustic"),
     (Layer::Indirect, "indirect"),
+    (Layer::Medium, "medium"),
 ];
 
 /// One camera sample, by layer.

@@ -24,6 +24,8 @@ pub struct Rejected {
     pub caustic: RejectedLayer,
     /// Of the indirect layer.
     pub indirect: RejectedLayer,
+    /// Of the medium layer.
+    pub medium: RejectedLayer,
     /// Photons whose flux is no finite number.
     pub photon_flux: u64,
     /// Photons that landed nowhere finite.
@@ -38,6 +40,7 @@ impl Rejected {
             Layer::Direct => &mut self.direct,
             Layer::Caustic => &mut self.caustic,
             Layer::Indirect => &mut self.indirect,
+            Layer::Medium => &mut self.medium,
         };
         *(if nan { &mut layer.nan } else { &mut layer.infinite }) += 1;
     }
@@ -50,7 +53,7 @@ impl Rejected {
     }
 
     /// Every cause with its count.
-    pub fn causes(&self) -> [(&'static str, u64); 10] {
+    pub fn causes(&self) -> [(&'static str, u64); 12] {
         let mut copy = *self;
         copy.counts_mut().map(|(name, count)| (name, *count))
     }
@@ -60,7 +63,7 @@ impl Rejected {
         self.causes().iter().map(|(_, count)| count).sum()
     }
 
-    fn counts_mut(&mut self) -> [(&'static str, &mut u64); 10] {
+    fn counts_mut(&mut self) -> [(&'static str, &mut u64); 12] {
         [
             ("samples with emission that is NaN", &mut self.emission.nan),
             ("samples with infinite emission", &mut self.emission.infinite),
@@ -70,6 +73,8 @@ impl Rejected {
             ("samples with an infinite caustic", &mut self.caustic.infinite),
             ("samples with indirect light that is NaN", &mut self.indirect.nan),
             ("samples with infinite indirect light", &mut self.indirect.infinite),
+            ("samples with light from a medium that is NaN", &mut self.medium.nan),
+            ("samples with infinite light from a medium", &mut self.medium.infinite),
             ("photons whose flux is not finite", &mut self.photon_flux),
             ("photons at a place that is not finite", &mut self.photon_place),
         ]
@@ -79,19 +84,18 @@ impl Rejected {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::LAYERS;
 
     #[test]
     fn every_cause_is_counted_by_itself() {
-        let mut all = Rejected { photon_flux: 9, photon_place: 10, ..Rejected::default() };
-        for (i, layer) in
-            [Layer::Emission, Layer::Direct, Layer::Caustic, Layer::Indirect].into_iter().enumerate()
-        {
+        let mut all = Rejected { photon_flux: 11, photon_place: 12, ..Rejected::default() };
+        for (i, (layer, _)) in LAYERS.into_iter().enumerate() {
             (0..=2 * i).for_each(|_| all.sample(layer, true));
             (0..=2 * i + 1).for_each(|_| all.sample(layer, false));
         }
-        assert_eq!(all.causes().map(|(_, n)| n), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+        assert_eq!(all.causes().map(|(_, n)| n), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
         let one = all;
         all.add(&one);
-        assert_eq!(all.total(), 110);
+        assert_eq!(all.total(), 156);
     }
 }

@@ -6,12 +6,16 @@ mod clearance;
 pub mod estimate;
 mod find;
 pub mod irradiance;
+mod job;
+mod media;
 pub mod radius;
 mod scan;
 mod sort;
 pub mod store;
 mod stored;
+mod surfaces;
 pub mod trace;
+pub mod volume;
 
 pub use boundary::{Boundary, Surroundings};
 pub use clearance::Clearance;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::PathClass;
 use super::sort::{PART, by_cell};
 use super::stored::{Rest, Stored};
-use crate::math::{Bounds, Color, Vec3};
+use crate::math::{Bounds, Vec3};
 use crate::transport::Smallness;
 
 /// A disc on a surface.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::aovs::Eye;
 use super::bands::{Bands, Before};
 use crate::film::{Aov, Pixels, Rejected};
-use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task};
+use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task, VolumePathTracer};
 use crate::math::Vec2;
 use crate::photon::trace::Halt;
 use crate::settings::IntegratorKind;
@@ -146,7 +146,12 @@ pub fn render(
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
     let start = Instant::now();
-    match task.settings.integrator {
+    let kind = task.settings.integrator;
+    // What media emit leaves no photons.
+    if task.facts.media_emit || (task.facts.media && kind == IntegratorKind::Path) {
+        return run(task, &VolumePathTracer::new(task), budget, sums, start, progress);
+    }
+    match kind {
         IntegratorKind::Path => {
             let integrator = PathTracer::new(task);
             run(task, &integrator, budget, sums, start, progress)

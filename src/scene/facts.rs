@@ -3,11 +3,12 @@
 
 use super::Scene;
 use crate::emitter::Emitter;
+use crate::medium::Medium;
 
 /// Facts of a compiled scene, gathered once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facts {
-    /// There is an emitter. Without one the picture is black.
+    /// There is an emitter, or a medium that emits. Without one the picture is black.
     pub lit: bool,
     /// More than one emitter: a random number decides which one is sampled.
     pub many_lamps: bool,
@@ -25,6 +26,12 @@ pub struct Facts {
     pub transmission: bool,
     /// Shadow rays look through masks and index-matched boundaries.
     pub transparent_shadows: bool,
+    /// Something fills a part of space. Without media, nothing about them is ever computed.
+    pub media: bool,
+    /// Some of it scatters light.
+    pub media_scatter: bool,
+    /// Some of it shines.
+    pub media_emit: bool,
     /// Light comes from infinity.
     pub environment: bool,
     /// There are textures.
@@ -41,7 +48,7 @@ impl Facts {
         let environment = !scene.environments.is_empty();
         let widened = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self {
-            lit: !scene.emitters.is_empty(),
+            lit: !scene.emitters.is_empty() || scene.media.iter().any(|m| m.emits()),
             many_lamps: scene.emitters.len() > 1,
             large_lamps: environment || scene.emitters.iter().any(large),
             specular: natures().any(|n| n.delta),
@@ -49,6 +56,9 @@ impl Facts {
             many_lobes: scene.materials.iter().any(|m| m.chooses_lobes()),
             transmission: natures().any(|n| n.transmits),
             transparent_shadows: scene.materials.iter().any(|m| m.passes_shadow_rays()),
+            media: !scene.media.is_empty(),
+            media_scatter: scene.media.iter().any(Medium::scatters),
+            media_emit: scene.media.iter().any(Medium::emits),
             environment,
             textured: !scene.textures.0.is_empty(),
             instances: !scene.geometry.instances.is_empty(),

@@ -91,6 +91,15 @@ impl Scene {
         Some(s)
     }
 
+    /// A place of the lamp that [`Scene::sample_direct`] would choose for the same numbers.
+    pub fn lamp_place(&self, pick: f32, u: Vec2) -> Option<Vec3> {
+        match self.emitters.as_slice() {
+            [] => None,
+            [only] => only.place(u),
+            all => all[self.direct.sample(pick).0].place(u),
+        }
+    }
+
     /// Start of a light path; the expected flux over all draws is the scene's power. `None` where the sample
     /// carries no light, and in a scene without any.
     pub fn sample_emission(&self, pick: f32, place: Vec2, direction: Vec2) -> Option<LightStart> {

@@ -4,6 +4,7 @@ pub mod compile;
 mod facts;
 mod geometry;
 mod lamps;
+mod media;
 mod shown;
 mod surface;
 mod view;
@@ -17,6 +18,7 @@ pub use view::View;
 
 use crate::bsdf::Material;
 use crate::emitter::{Emitter, SceneSphere};
+use crate::medium::{Boundary, Medium, MediumId};
 use crate::sampling::Discrete;
 use crate::texture::Textures;
 
@@ -27,6 +29,8 @@ pub struct ShapeRecord {
     pub material: u32,
     /// Index into `Scene::emitters`.
     pub emitter: Option<u32>,
+    /// Where it is a boundary between media; elsewhere a ray keeps its medium.
+    pub boundary: Option<Boundary>,
     /// Normals are reversed.
     pub flip: bool,
     /// The shading frame follows ∂p/∂u, because the material asks for it.
@@ -55,8 +59,14 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// What materials and emitters refer to.
     pub textures: Textures,
+    /// What boundaries and lamps refer to.
+    pub media: Vec<Medium>,
+    /// Their names, by the author or by number.
+    pub medium_names: Vec<String>,
     /// Lamps of all kinds: shapes that emit first.
     pub emitters: Vec<Emitter>,
+    /// What each lamp stands in, where its own shape is no boundary.
+    pub lamp_media: Vec<Option<MediumId>>,
     /// By power, for photons.
     pub emission: Discrete,
     /// For direct light: half uniform, half by power, because a weak lamp nearby may matter most.

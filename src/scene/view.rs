@@ -1,6 +1,7 @@
 //! How a scene is looked at.
 
 use crate::film::{Aov, FilmSize, Filter, Response};
+use crate::medium::MediumId;
 use crate::sensor::Sensor;
 
 /// A camera with its film, beside the [`Scene`](super::Scene) it looks at: another view of the same
@@ -9,6 +10,8 @@ use crate::sensor::Sensor;
 pub struct View {
     /// Maps film positions to rays, in the coordinates of the scene.
     pub sensor: Sensor,
+    /// What the camera stands in; `None` is vacuum.
+    pub medium: Option<MediumId>,
     /// Size of the picture and the part of it that is rendered.
     pub film: FilmSize,
     /// Reconstruction filter, drawn from by importance sampling.

@@ -7,6 +7,7 @@ use std::path::Path;
 use caustica_formats::ir;
 use serde::Serialize;
 
+use super::media::Media;
 use super::units::{count, megabytes};
 use super::{Finding, Plan, Session};
 use crate::scene::Scene;
@@ -23,6 +24,8 @@ pub struct Description<'a> {
     hash: Option<&'a str>,
     read: Option<&'a Contents>,
     statistics: Option<Statistics>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    media: Option<Media>,
     plan: Option<Plan>,
     settings: Option<BTreeMap<&'static str, String>>,
 }
@@ -98,6 +101,7 @@ impl<'a> Description<'a> {
             hash: session.map(Session::hash),
             read: session.map(|session| &session.contents).or(contents),
             statistics: session.map(|session| Statistics::of(&session.scene)),
+            media: session.and_then(|session| Media::of(&session.scene, &session.view)),
             plan: session.map(Session::plan),
             settings: session.map(|session| session.settings.values().collect()),
         }
@@ -112,6 +116,9 @@ impl<'a> Description<'a> {
         }
         if let Some(made) = &self.statistics {
             made.rows(&mut row);
+        }
+        if let Some(media) = &self.media {
+            media.rows(&mut row);
         }
         if let Some(plan) = &self.plan {
             out.push_str(&format!("\nplan\n{plan}\n"));

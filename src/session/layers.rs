@@ -112,7 +112,13 @@ impl Layers {
         Self(LAYERS.map(|(layer, name)| LayerRequest::new(name, Content::Part(layer))).to_vec())
     }
 
-    /// What is stored when nothing is asked for: the parts of the picture, and what the scene itself asks for. A
+    /// Without what media would add.
+    fn without_media(mut self) -> Self {
+        self.0.retain(|layer| layer.content != Content::Part(Layer::Medium));
+        self
+    }
+
+    /// What is stored when nothing is asked for: the parts of the picture that the scene may have, and what the scene itself asks for. A
     /// layer of the scene takes the place of a part of that name.
     pub(super) fn of(scene: &ir::Scene, film: Option<&ir::Film>) -> Self {
         let mut own: Vec<LayerRequest> = Vec::new();
@@ -123,7 +129,8 @@ impl Layers {
             let aov = Aov::GBuffer { world: system == CoordinateSystem::World };
             own.push(LayerRequest::new("", Content::Surface(aov)));
         }
-        let mut layers = Self::parts();
+        let all = Self::parts();
+        let mut layers = if scene.media.is_empty() { all.without_media() } else { all };
         layers.0.retain(|part| !own.iter().any(|layer| layer.name == part.name));
         layers.0.extend(own);
         layers

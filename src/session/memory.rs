@@ -6,6 +6,7 @@ use super::{Error, Session};
 use crate::film::{Aov, STRIDE};
 use crate::integrator::PhotonMapper;
 use crate::photon::Stored;
+use crate::photon::volume::VolumePhoton;
 use crate::settings::{Count, IntegratorKind};
 
 /// Bytes a pixel for each of its sums: the sums twice (a cut pass is taken back), and a checkpoint or a picture
@@ -15,6 +16,9 @@ const SUM: usize = 3 * size_of::<f64>();
 /// Bytes of a photon while its map is built: as it was traced, its key in the sort and its place in the order, cells of
 /// the grid, and the columns of one part.
 const PHOTON: usize = Stored::BYTES + size_of::<u64>() + 4 * size_of::<u32>() + 3 * size_of::<f32>();
+
+/// The same in a medium, with its box in the tree and the tree.
+const VOLUME_PHOTON: usize = 3 * size_of::<VolumePhoton>();
 
 /// Bytes that a render is expected to hold at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +62,12 @@ impl Session {
             return Ok(());
         }
         let named = |name: &str, count: Count| format!("setting `{name}` = {count}");
-        let counts = [("photons", self.settings.photons), ("caustic_photons", self.settings.caustic_photons)];
+        let s = &self.settings;
+        if let (true, Count::Paths(n)) = (self.facts.media, s.volume_photons) {
+            // One collision a path: most leave more.
+            refuse(named("volume_photons", s.volume_photons), u128::from(n) * VOLUME_PHOTON as u128, free)?;
+        }
+        let counts = [("photons", s.photons), ("caustic_photons", s.caustic_photons)];
         for ((name, count), needed) in counts.into_iter().zip(self.memory().photons) {
             refuse(named(name, count), needed, free)?;
         }

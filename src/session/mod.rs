@@ -19,6 +19,7 @@ mod hashing;
 mod inspection;
 mod layers;
 mod lock;
+mod media;
 mod memory;
 mod options;
 mod output;

@@ -26,7 +26,7 @@ pub use dots::Dots;
 pub use grid::Grid;
 pub use mapping::{Mapping, ToTexture, UvTransform};
 pub use mix::Mix;
-pub use noise::{Noise, NoiseKind};
+pub use noise::{Noise, NoiseKind, perlin};
 pub use product::Product;
 pub use scaled::Scaled;
 pub use site::{OnMesh, Site};

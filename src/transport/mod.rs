@@ -1,8 +1,9 @@
 //! What light paths and camera paths share: the walk from one vertex to the next, the straight way
-//! through masks, Russian roulette, and the table of path classes.
+//! through masks and media, Russian roulette, and the table of path classes.
 
 mod class;
 mod glint;
+pub mod media;
 pub mod roulette;
 mod vertex;
 mod visibility;

@@ -13,6 +13,9 @@ const MOST: f32 = 0.98;
 /// long paths through glass heavy: 0.95 from the fifth segment on is a weight of 1800 after 150.
 const FORCED: u32 = 128;
 
+/// The same for paths through media, of which scattering in milk may take thousands of segments.
+const FORCED_IN_MEDIA: u32 = 4096;
+
 /// How long a path may become.
 #[derive(Clone, Copy, Debug)]
 pub struct Length {
@@ -25,8 +28,8 @@ pub struct Length {
 impl Length {
     /// `survival` as a probability, below 1 where nothing else ends the path.
     #[inline(always)]
-    fn cap(self, survival: f32) -> f32 {
-        survival.min(if self.most == u32::MAX && self.segments >= FORCED { MOST } else { 1.0 })
+    fn cap(self, survival: f32, forced: u32) -> f32 {
+        survival.min(if self.most == u32::MAX && self.segments >= forced { MOST } else { 1.0 })
     }
 }
 
@@ -34,14 +37,26 @@ impl Length {
 /// refraction: radiance is smaller by their square inside glass, and comes out again as it went in.
 #[inline(always)]
 pub fn camera_survival(throughput: Color, eta: f32, length: Length) -> f32 {
-    length.cap(throughput.max_element() * eta * eta)
+    length.cap(throughput.max_element() * eta * eta, FORCED)
+}
+
+/// The same in a scene with media.
+#[inline(always)]
+pub fn camera_survival_in_media(throughput: Color, eta: f32, length: Length) -> f32 {
+    length.cap(throughput.max_element() * eta * eta, FORCED_IN_MEDIA)
 }
 
 /// Probability that a light path goes on, from its flux before and after it scattered: survivors keep the
 /// flux that they had, so that stored photons stay alike.
 #[inline(always)]
 pub fn light_survival(before: Color, after: Color, length: Length) -> f32 {
-    length.cap(after.max_element() / before.max_element())
+    length.cap(after.max_element() / before.max_element(), FORCED)
+}
+
+/// The same in a scene with media.
+#[inline(always)]
+pub fn light_survival_in_media(before: Color, after: Color, length: Length) -> f32 {
+    length.cap(after.max_element() / before.max_element(), FORCED_IN_MEDIA)
 }
 
 /// What a path carries if it goes on, which it does with probability `survival`; `None` when it ends.

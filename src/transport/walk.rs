@@ -2,8 +2,7 @@
 //!
 //! A hidden lamp lets the ray go on. Masks and index-matched boundaries are surfaces like others: whether
 //! light passes straight through is drawn with their other lobes (`Event::Null`), and costs a segment.
-//! The media of a scene will stand here: one that the ray is in may scatter it before the surface, which
-//! is then another kind of [`Next`].
+//! In scenes with media, [`super::media`] goes along.
 
 use crate::math::Ray;
 use crate::scene::{Hit, Scene, Surface};

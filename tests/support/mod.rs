@@ -294,4 +294,4 @@ pub fn assert_same(what: &str, a: &Picture, b: &Picture, layers: &[Layer], chann
     assert_agree(what, shifted, Estimate::exact(whole), relative);
 }
 
-pub const ALL: &[Layer] = &[Layer::Emission, Layer::Direct, Layer::Caustic, Layer::Indirect];
+pub const ALL: &[Layer] = &[Layer::Emission, Layer::Direct, Layer::Caustic, Layer::Indirect, Layer::Medium];

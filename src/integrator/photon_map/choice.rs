@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::super::Task;
 use super::pilot::{BuiltMap, Parts, Reference, Seen};
-use super::{PhotonMapper, Plan};
+use super::{PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::{Aim, Aimed};
 use crate::photon::Clearance;
 use crate::photon::radius;
@@ -117,22 +117,41 @@ struct Rated {
 pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Known>) {
     match choose(task, halts) {
         Some((settings, _, known)) => (settings, Some(known)),
-        None => (without_choice(task.settings), None),
+        None => (without_choice(&task), None),
     }
 }
 
-/// The maps of a render, and what the pilot chose where something was open.
-pub fn decided(task: Task<'_>) -> (Plan, Option<Choice>) {
-    let (settings, choice) = match choose(task, [Halt::default(); 2]) {
-        Some((settings, choice, _)) => (settings, Some(choice)),
-        None => (without_choice(task.settings), None),
-    };
-    (Plan::new(task.facts, &settings, task.view.film.pixel_count()), choice)
+/// What was decided before a render.
+#[derive(Clone, Debug)]
+pub struct Decided {
+    /// The maps.
+    pub plan: Plan,
+    /// How indirect light is computed, where that was open.
+    pub indirect: Option<Choice>,
+    /// What light leaves in media.
+    pub volume: Option<VolumeChoice>,
 }
 
-/// Settings where nothing has to be measured.
-fn without_choice(settings: &Settings) -> Settings {
-    let indirect = if settings.indirect == Indirect::Auto { Indirect::Density } else { settings.indirect };
+/// The maps of a render, and what pilots chose where something was open.
+pub fn decided(task: Task<'_>) -> Decided {
+    let (settings, choice) = match choose(task, [Halt::default(); 2]) {
+        Some((settings, choice, _)) => (settings, Some(choice)),
+        None => (without_choice(&task), None),
+    };
+    let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
+    let volume = plan.volume_map.then(|| {
+        let mut mapper = PhotonMapper::unmeasured(task, settings, [Halt::default(); 2]);
+        mapper.measure_media(&plan)
+    });
+    Decided { plan, indirect: choice, volume }
+}
+
+/// Settings where nothing has to be measured. In scenes with media, what is scattered in them is found along camera
+/// paths up to the first rough surface, and no farther.
+fn without_choice(task: &Task<'_>) -> Settings {
+    let settings = task.settings;
+    let open = settings.indirect == Indirect::Auto || task.facts.media;
+    let indirect = if open { Indirect::Density } else { settings.indirect };
     Settings { indirect, ..settings.clone() }
 }
 
@@ -144,6 +163,7 @@ fn is_open(task: &Task<'_>) -> bool {
         && (s.neighbours, s.alpha) == (d.neighbours, d.alpha);
     let plan = Plan::new(task.facts, s, task.view.film.pixel_count());
     s.indirect == Indirect::Auto
+        && !task.facts.media
         && s.mode == Mode::Progressive
         && s.nee
         && s.caustic_map

@@ -242,7 +242,8 @@ impl Map {
     }
 }
 
-fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
+/// What the light paths of a map are traced for.
+pub(super) fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
     let all = s.indirect == Indirect::Gather && owner == Owner::GlobalMap;
     TraceJob {
         key: mix(s.seed ^ 0x9d07_0b5e),
@@ -251,6 +252,7 @@ fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
         all,
         next_event: s.nee,
         caustic_map: plan.caustic_map,
+        beams: false,
         glossy: s.glossy,
         glints: plan.glints && owner == Owner::CausticMap,
         // Behind two rough surfaces the camera path has one segment more; no limit stays none.

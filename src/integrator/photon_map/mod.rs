@@ -8,17 +8,19 @@ mod choice;
 mod gather;
 mod glints;
 mod maps;
+mod medium;
 mod onward;
 mod pilot;
 mod places;
 mod plan;
 mod prepare;
+mod volume;
 mod walk;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use super::{CameraSample, Integrator, PassStats, Scratch, Task};
+use super::{CameraSample, Integrator, PassStats, Scratch, Task, VolumePathTracer};
 use crate::bsdf::Range;
 use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::Halt;
@@ -26,10 +28,12 @@ use crate::photon::{Clearance, Surroundings};
 use crate::sampling::mix;
 use crate::settings::{Indirect, Mode, Settings};
 
-pub use choice::{Choice, decided};
+pub use choice::{Choice, Decided, decided};
 use maps::{Map, PassMap};
 pub use onward::Onward;
 pub use plan::Plan;
+pub use volume::VolumeChoice;
+use volume::{PassVolume, VolumeMap};
 
 /// Numbers that every pass uses.
 #[derive(Debug)]
@@ -43,15 +47,19 @@ pub struct PhotonMapper<'a> {
     caustic: Map,
     /// Where discs lie free.
     clearance: Option<Arc<Clearance>>,
+    volume: VolumeMap,
+    /// Finds what media scatter once, in scenes with media.
+    single: Option<VolumePathTracer<'a>>,
     /// Classic mode traces once.
     kept: OnceLock<Arc<Maps>>,
 }
 
 /// The maps of a pass.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Maps {
     global: Option<Arc<PassMap>>,
     caustic: Option<Arc<PassMap>>,
+    volume: Option<PassVolume>,
 }
 
 /// Light paths of the pilot that tells how many photons a pass will leave.
@@ -83,7 +91,10 @@ impl<'a> PhotonMapper<'a> {
     fn unmeasured(task: Task<'a>, settings: Settings, halts: [Halt<'a>; 2]) -> Self {
         let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
         let (global, caustic) = (Map::global(&settings, &plan), Map::caustic(&settings, &plan));
-        Self { task, settings, halts, global, caustic, clearance: None, kept: OnceLock::new() }
+        let volume = VolumeMap::new(&settings, &plan);
+        let single = task.facts.media.then(|| VolumePathTracer::once(task));
+        let kept = OnceLock::new();
+        Self { task, settings, halts, global, caustic, clearance: None, volume, single, kept }
     }
 
     /// The task with the settings that are in use.
@@ -169,7 +180,9 @@ impl Integrator for PhotonMapper<'_> {
         let mut make = |pass| {
             let halt = self.halts[usize::from(pass > 0)];
             let mut build = |map: &Map| self.build(map, pass, halt, &mut stats);
-            Arc::new(Maps { global: build(&self.global), caustic: build(&self.caustic) })
+            let (global, caustic) = (build(&self.global), build(&self.caustic));
+            let volume = self.volume.build(self.task.scene, pass, halt, &mut stats);
+            Arc::new(Maps { global, caustic, volume })
         };
         let maps = match self.settings.mode {
             Mode::Progressive => make(pass),
@@ -179,6 +192,10 @@ impl Integrator for PhotonMapper<'_> {
     }
 
     fn sample(&self, maps: &Arc<Maps>, samples: &mut [CameraSample], scratch: &mut Scratch) {
+        if self.task.facts.media {
+            samples.iter_mut().for_each(|sample| self.trace_in_media(maps, sample, scratch));
+            return;
+        }
         if self.settings.indirect != Indirect::Density {
             self.go_on(maps, samples, scratch);
             return;

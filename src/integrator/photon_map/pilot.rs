@@ -133,7 +133,7 @@ impl PhotonMapper<'_> {
                 sum.paths += one.paths;
                 sum.photons += one.photons;
             }
-            let maps = Arc::new(Maps { global, caustic });
+            let maps = Arc::new(Maps { global, caustic, volume: None });
             let looks: Vec<(Vec<Light>, f64)> =
                 patches.par_iter().map(|&patch| self.look_at(&maps, patch, size)).collect();
             for (light, work) in looks {

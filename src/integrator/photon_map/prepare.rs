@@ -3,8 +3,9 @@
 
 use std::sync::Arc;
 
-use super::PhotonMapper;
+use super::super::Task;
 use super::maps::Map;
+use super::{PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::Aim;
 use crate::photon::aim::Sights;
 use crate::photon::trace::{Halt, Traced};
@@ -51,6 +52,17 @@ impl PhotonMapper<'_> {
         if self.settings.boundary && widest > 0.0 {
             self.clearance.get_or_insert_with(|| Arc::new(Clearance::new(widest)));
         }
+        let plan = Plan::new(self.task.facts, &self.settings, self.task.view.film.pixel_count());
+        if plan.volume_map {
+            self.measure_media(&plan);
+        }
+    }
+
+    /// Measures what the settings leave open of light in media.
+    pub(super) fn measure_media(&mut self, plan: &Plan) -> VolumeChoice {
+        let (segments, pixel) = self.segments();
+        let task = Task { settings: &self.settings, ..self.task };
+        self.volume.measure(&task, plan, (&segments, pixel), self.halts[0])
     }
 
     /// What the camera sees, for [`Map::take_aim`].

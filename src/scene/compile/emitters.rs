@@ -10,6 +10,7 @@ use crate::emitter::{
     Constant, Directional, Emitter, Environment, EnvironmentMapping, Falloff, Point, Spot, Stretched,
 };
 use crate::math::{Frame, Vec3};
+use crate::medium::MediumId;
 
 fn vec3(v: [f64; 3]) -> Vec3 {
     Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)
@@ -20,12 +21,18 @@ fn unit(v: [f64; 3]) -> Option<Vec3> {
     (length.is_normal()).then(|| vec3(v.map(|x| x / length)))
 }
 
-/// Appends the scene's point-like and infinite lights; returns the indices of the environments.
-pub fn build(b: &mut Compiler<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>) -> Vec<u32> {
+/// Appends the scene's point-like and infinite lights, and what they stand in; returns the indices of the environments.
+pub fn build(
+    b: &mut Compiler<'_>,
+    origin: [f64; 3],
+    emitters: &mut Vec<Emitter>,
+    media: &mut Vec<Option<MediumId>>,
+) -> Vec<u32> {
     let relative = |p: [f64; 3]| vec3([p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]);
     let mut environments = Vec::new();
     for e in &b.ir.emitters {
         let at = e.origin;
+        let medium = b.medium(e.medium);
         let emitter = match &e.kind {
             EmitterKind::Point { position, intensity } => Emitter::Point(Point {
                 position: relative(*position),
@@ -87,6 +94,7 @@ pub fn build(b: &mut Compiler<'_>, origin: [f64; 3], emitters: &mut Vec<Emitter>
             }
         };
         emitters.push(emitter);
+        media.push(medium);
     }
     environments
 }

@@ -11,6 +11,7 @@ mod interfaces;
 mod lamps;
 mod light_image;
 mod materials;
+mod media;
 mod partial;
 mod principled;
 mod sensor;
@@ -68,6 +69,7 @@ struct Compiler<'a> {
     diagnostics: Vec<Diagnostic>,
     textures: textures::TextureTable,
     materials: materials::MaterialTable,
+    media: media::MediumTable,
     /// The author's coordinates of the compiled scene's (0, 0, 0).
     origin: [f64; 3],
 }
@@ -96,16 +98,6 @@ impl Compiler<'_> {
                 .help(format!("--lenient renders {substitute} instead"))
         };
         self.diagnostics.push(problem.unsupported());
-    }
-
-    /// Media that something is in or around.
-    fn refuse_media(&mut self) {
-        let uses = ir::Uses::of(self.ir);
-        for (id, medium) in self.ir.media.iter().filter(|(id, _)| uses.count(*id) > 0) {
-            let name =
-                medium.name.as_ref().map_or_else(|| format!("#{}", id.index()), |name| format!("`{name}`"));
-            self.unsupported(&format!("participating medium {name}"), "vacuum", medium.origin);
-        }
     }
 
     fn color(&mut self, color: &ir::Color, slot: ir::ColorSlot, origin: ir::Origin) -> Color {
@@ -140,9 +132,9 @@ pub fn compile(
         diagnostics: Vec::new(),
         textures: textures::TextureTable::default(),
         materials: materials::MaterialTable::default(),
+        media: media::MediumTable::default(),
         origin: [0.0; 3],
     };
-    b.refuse_media();
     let sensor = sensor::choose(&mut b);
     let camera = sensor.map(|s| s.to_world.point([0.0; 3]));
     let shapes = rayon::scope(|scope| {
@@ -155,7 +147,9 @@ pub fn compile(
         shapes::build(&mut b, meshes, camera)
     });
     let mut emitters = shapes.emitters;
-    let environments = emitters::build(&mut b, shapes.origin, &mut emitters);
+    let mut lamp_media = vec![None; emitters.len()];
+    let environments = emitters::build(&mut b, shapes.origin, &mut emitters, &mut lamp_media);
+    let medium = sensor.and_then(|s| b.medium(s.medium));
     let camera = sensor.map(|s| (sensor::build(&mut b, s, shapes.origin), sensor::response(&s.film)));
     let settings = integrator::settings(&mut b);
     b.settle();
@@ -165,11 +159,15 @@ pub fn compile(
     };
     let textures = b.textures.finish();
     let (direct, emission) = emitter_distributions(&emitters, &textures, &shapes.sphere);
-    let scene = Scene {
+    let (media, medium_names) = b.media.finish();
+    let mut scene = Scene {
         geometry: shapes.geometry,
         shapes: shapes.records,
         materials: b.materials.finish(),
         textures,
+        media,
+        medium_names,
+        lamp_media,
         emitters,
         emission,
         direct,
@@ -179,7 +177,12 @@ pub fn compile(
         numbers: shapes.numbers,
     };
     let hidden_lamps_are_transparent = ir.hide_emitters == ir::HideEmitters::Surface;
-    let view = View { sensor, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
+    let view =
+        View { sensor, medium, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
     let facts = Facts::of(&scene);
+    if facts.media {
+        b.diagnostics.extend(media::check(ir, &scene, &view));
+        scene.place_lamps(view.sensor.position, view.medium);
+    }
     Ok(Compiled { scene, facts, view, settings, warnings: b.diagnostics })
 }

@@ -34,6 +34,7 @@ pub fn add_shape(
     let mut record = ShapeRecord {
         material,
         emitter: None,
+        boundary: b.boundary(shape.media),
         flip: shape.flip_normals,
         oriented: b.oriented(material),
         varies: shines_by_texture(shape) || b.varies(material),
