@@ -14,6 +14,8 @@ fn tracing(c: &mut Criterion) {
         let job = TraceJob {
             beams: false,
             all: false,
+
+            glints: false,
             key: 1,
             paths: 100_000,
             owner: Owner::GlobalMap,

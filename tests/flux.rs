@@ -18,6 +18,7 @@ fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
         beams: false,
         all: false,
+        glints: false,
         key,
         paths,
         owner: Owner::GlobalMap,

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use super::Photon;
 use super::volume::{Beam, VolumePhoton};
+use super::{Photon, Stored};
 use crate::film::Rejected;
 use crate::transport::Owner;
 
@@ -27,6 +27,8 @@ pub struct TraceJob {
     pub beams: bool,
     /// Roughness below which lobes hold no photons.
     pub glossy: f32,
+    /// Photons of glints are stored, in a list of their own.
+    pub glints: bool,
     /// Path segments from camera to lamp, at most.
     pub max_depth: u32,
 }
@@ -58,7 +60,9 @@ pub struct Traced {
     /// Paths traced: fewer than asked for if the deadline passed. The photons carry the whole power either way.
     pub paths: u64,
     /// In the order of the paths.
-    pub photons: Vec<Photon>,
+    pub photons: Stored,
+    /// Those of glints, on glossy surfaces.
+    pub glints: Stored,
     /// At collisions with media.
     pub points: Vec<VolumePhoton>,
     /// Between them.
@@ -67,4 +71,49 @@ pub struct Traced {
     pub rays: u64,
     /// Photons dropped because they were not finite.
     pub rejected: Rejected,
+}
+
+/// The same of some paths.
+#[derive(Debug, Default)]
+pub(super) struct Part {
+    pub paths: u64,
+    pub photons: Vec<Photon>,
+    pub glints: Vec<Photon>,
+    pub points: Vec<VolumePhoton>,
+    pub beams: Vec<Beam>,
+    pub rays: u64,
+    pub rejected: Rejected,
+}
+
+/// Photons for which memory is taken beforehand, at most.
+const MOST_RESERVED: usize = 1 << 26;
+
+impl Traced {
+    /// Adds photons of some of `paths` paths.
+    pub(super) fn add(&mut self, part: Part, paths: u64) {
+        self.paths += part.paths;
+        let left = (paths - self.paths) as f64 / self.paths.max(1) as f64;
+        let extend = |list: &mut Stored, more: Vec<Photon>| {
+            let count = list.len() + more.len();
+            if count > list.capacity() {
+                // As many as the paths so far left, and some: lists that grow hold memory twice.
+                list.reserve(more.len() + ((count as f64 * left * 1.02) as usize).min(MOST_RESERVED));
+            }
+            list.extend(more);
+        };
+        extend(&mut self.photons, part.photons);
+        extend(&mut self.glints, part.glints);
+        self.points.extend(part.points);
+        self.beams.extend(part.beams);
+        self.rays += part.rays;
+        self.rejected.add(&part.rejected);
+    }
+
+    /// Multiplies all flux.
+    pub(super) fn scale(&mut self, share: f32) {
+        self.photons.scale(share);
+        self.glints.scale(share);
+        self.points.iter_mut().for_each(|p| p.flux *= share);
+        self.beams.iter_mut().for_each(|b| b.flux *= share);
+    }
 }

@@ -1,7 +1,7 @@
 //! Light paths in scenes with media. As in path tracing there, straight passages cost no segment.
 
-use super::job::{TraceJob, Traced};
-use super::surfaces::{holds_photons, scatter, store};
+use super::job::{Part, TraceJob};
+use super::surfaces::{holds_photons, photon, scatter};
 use super::volume::flight::{Flight, fly};
 use super::volume::{Beam, VolumePhoton};
 use crate::bsdf::Event;
@@ -11,7 +11,7 @@ use crate::sampling::Sampler;
 use crate::scene::{LightStart, Scene, Surface};
 use crate::transport::media::MOST_PASSED;
 use crate::transport::roulette::{self, Length};
-use crate::transport::{Owner, PathClass, Vertex};
+use crate::transport::{Owner, PathClass, Smallness, Vertex};
 
 /// A light path between two events.
 struct Walk<'a> {
@@ -37,7 +37,7 @@ pub(super) fn follow(
     job: &TraceJob,
     start: &LightStart,
     sampler: &mut Sampler,
-    out: &mut Traced,
+    out: &mut Part,
 ) -> Option<Vec3> {
     let mut walk = Walk {
         scene,
@@ -78,7 +78,7 @@ impl Walk<'_> {
     }
 
     /// Goes to `end`. `None` if it comes there.
-    fn through_medium(&mut self, end: f32, sampler: &mut Sampler, out: &mut Traced) -> Option<Step> {
+    fn through_medium(&mut self, end: f32, sampler: &mut Sampler, out: &mut Part) -> Option<Step> {
         let MediumId(index) = self.medium?;
         let medium = &self.scene.media[index as usize];
         let ray = Ray { tmax: end, ..self.ray };
@@ -111,12 +111,14 @@ impl Walk<'_> {
         Some(self.survive(self.flux * next.weight, sampler))
     }
 
-    fn at_surface(&mut self, s: &Surface, sampler: &mut Sampler, out: &mut Traced) -> Step {
+    fn at_surface(&mut self, s: &Surface, sampler: &mut Sampler, out: &mut Part) -> Step {
         let (scene, job) = (self.scene, self.job);
         let vertex = Vertex::new(scene, s, -self.ray.d);
         let kept = self.class.owner(job.next_event, job.caustic_map) == job.owner;
         if kept && holds_photons(scene, job, &vertex) {
-            store(scene, &vertex, self.flux, self.class, self.depth, out);
+            let n = scene.photon_side(s, vertex.back).n;
+            let light = (self.flux, self.class, self.depth);
+            out.photons.extend(photon(&vertex, n, light, Smallness::default(), &mut out.rejected));
         }
         let Some((d, next, event)) = scatter(job, &vertex, self.flux, sampler) else { return Step::Over };
         self.medium = scene.medium_beyond(s, d, self.medium);
@@ -151,7 +153,7 @@ impl Walk<'_> {
     }
 }
 
-fn keep_point(photon: VolumePhoton, out: &mut Traced) {
+fn keep_point(photon: VolumePhoton, out: &mut Part) {
     if !photon.p.is_finite() {
         out.rejected.photon_place += 1;
     } else if !photon.flux.is_finite() {
@@ -161,7 +163,7 @@ fn keep_point(photon: VolumePhoton, out: &mut Traced) {
     }
 }
 
-fn keep(beam: Beam, out: &mut Traced) {
+fn keep(beam: Beam, out: &mut Part) {
     if !beam.o.is_finite() || !beam.length.is_finite() {
         out.rejected.photon_place += 1;
     } else if !beam.flux.is_finite() {

@@ -1,30 +1,32 @@
 //! Light paths in scenes without media.
 
 use super::Photon;
-use super::job::{TraceJob, Traced};
+use super::job::{Part, TraceJob};
 use crate::bsdf::{Event, Range, Transport, adjoint_correction};
-use crate::emitter::Emission;
+use crate::film::Rejected;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::Scene;
+use crate::scene::{LightStart, Scene};
 use crate::transport::roulette::Length;
 use crate::transport::walk::{self, Lamps, Next};
-use crate::transport::{Owner, PathClass, Vertex, roulette};
+use crate::transport::{Owner, PathClass, Smallness, Vertex, roulette};
 
 /// Follows a path from its start. Returns the first surface point; `None` if it misses the scene.
 #[inline]
 pub(super) fn follow(
     scene: &Scene,
     job: &TraceJob,
-    start: &Emission,
+    start: &LightStart,
     sampler: &mut Sampler,
-    out: &mut Traced,
+    out: &mut Part,
 ) -> Option<Vec3> {
-    let mut flux = start.flux / job.paths as f32;
-    let mut ray = Ray::new(start.o, start.d);
+    let emission = &start.emission;
+    let mut flux = emission.flux / job.paths as f32;
+    let mut ray = Ray::new(emission.o, emission.d);
     let mut class = PathClass::FROM_LAMP;
     let mut depth = 1u32;
     let mut first = None;
+    let mut smallness = Smallness::default();
     loop {
         out.rays += 1;
         let Next::Surface(surface) = walk::next(scene, &mut ray, Lamps::Solid) else { return first };
@@ -33,7 +35,13 @@ pub(super) fn follow(
         let kept = job.all || class.owner(job.next_event, job.caustic_map) == job.owner;
         if kept && holds_photons(scene, job, &vertex) {
             let class = if job.all { PathClass::Indirect } else { class };
-            store(scene, &vertex, flux, class, depth, out);
+            let n = scene.photon_side(&surface, vertex.back).n;
+            out.photons.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
+        }
+        let glint = job.glints && class == PathClass::Caustic && smallness.enough();
+        if glint && vertex.closure.has_smooth(vertex.wi, Range::glossy(job.glossy)) {
+            let n = scene.glint_side(&surface, vertex.back).n;
+            out.glints.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
         }
         // A photon at the next surface needs two more segments: there, and from there to the camera.
         if depth.saturating_add(2) > job.max_depth {
@@ -48,6 +56,9 @@ pub(super) fn follow(
         } else {
             next
         };
+        if job.glints && class == PathClass::Direct && event != Event::Null {
+            smallness = Smallness::of(scene.pdf_direct_start(surface.p, -ray.d, start));
+        }
         class = class.after_light_event(event);
         depth += 1;
         ray = surface.leave(d);
@@ -88,26 +99,24 @@ fn adjoint(vertex: &Vertex<'_>, wo: Vec3, wo_ns: f32, event: Event) -> f32 {
     adjoint_correction([vertex.wi.z, wo_ns], [vertex.back.dot(s.ng), wo.dot(s.ng)])
 }
 
-/// Adds a photon where it arrives, unless it is not finite.
-pub(super) fn store(
-    scene: &Scene,
+/// A photon where it arrives; `None` where it is not finite.
+pub(super) fn photon(
     vertex: &Vertex<'_>,
-    flux: Color,
-    class: PathClass,
-    depth: u32,
-    out: &mut Traced,
-) {
+    n: Vec3,
+    (flux, class, depth): (Color, PathClass, u32),
+    smallness: Smallness,
+    rejected: &mut Rejected,
+) -> Option<Photon> {
     let (s, wi) = (vertex.surface, vertex.back);
     // Density is counted per geometric area, but irradiance is wanted on the shading plane.
     let flux = flux * adjoint_correction([vertex.wi.z, 1.0], [wi.dot(s.ng), 1.0]);
     if !s.p.is_finite() {
-        out.rejected.photon_place += 1;
-        return;
+        rejected.photon_place += 1;
+        return None;
     }
     if !flux.is_finite() {
-        out.rejected.photon_flux += 1;
-        return;
+        rejected.photon_flux += 1;
+        return None;
     }
-    let n = scene.photon_side(s, wi).n;
-    out.photons.push(Photon { p: s.p, flux, wi, n, class, depth: depth.min(255) as u8 });
+    Some(Photon { p: s.p, flux, wi, n, class, depth: depth.min(255) as u8, smallness })
 }

@@ -1,7 +1,11 @@
 //! Light paths: from the lamps through the scene, leaving photons on rough surfaces and in media.
 
-use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
+pub(super) use super::job::Part;
 pub use super::job::{Halt, TraceJob, Traced};
 use super::{media, surfaces};
 use crate::emitter::Aim;
@@ -15,21 +19,61 @@ pub const CHUNK: u64 = 2048;
 /// Chunks that are traced even after the deadline: a map of fewer paths would be useless.
 const LEAST_CHUNKS: u64 = 32;
 
-/// Runs `trace` on every chunk of the paths, in parallel, and returns the results in order. Chunks skipped because of
-/// `halt` give the default; the first `least` chunks ignore the deadline.
-pub(super) fn in_chunks<T: Default + Send>(
+/// Runs `trace` on every chunk of the paths, in parallel, and returns the results in order. There are fewer when
+/// `halt` says so; the first `least` chunks ignore the deadline.
+pub(super) fn in_chunks<T: Send>(
     paths: u64,
     least: u64,
     halt: Halt<'_>,
-    trace: impl Fn(std::ops::Range<u64>) -> T + Sync,
+    trace: impl Fn(Range<u64>) -> T + Sync,
 ) -> Vec<T> {
-    let chunk = |c: u64| {
-        if halt.stopped() || (c >= least && halt.late()) {
-            return T::default();
+    let mut all = Vec::new();
+    in_order(paths, least, halt, trace, |part| all.push(part));
+    all
+}
+
+/// [`in_chunks`] whose results `take` gets in order, while others are still traced: few wait for it at any time.
+fn in_order<T: Send>(
+    paths: u64,
+    least: u64,
+    halt: Halt<'_>,
+    trace: impl Fn(Range<u64>) -> T + Sync,
+    take: impl FnMut(T) + Send,
+) {
+    let next = AtomicU64::new(0);
+    let queue = Mutex::new(Queue { next: 0, early: BTreeMap::new(), take });
+    let work = || {
+        loop {
+            let c = next.fetch_add(1, Ordering::Relaxed);
+            if c >= paths.div_ceil(CHUNK) {
+                return;
+            }
+            if halt.stopped() || (c >= least && halt.late()) {
+                return;
+            }
+            let part = trace(c * CHUNK..((c + 1) * CHUNK).min(paths));
+            queue.lock().unwrap_or_else(PoisonError::into_inner).put(c, part);
         }
-        trace(c * CHUNK..((c + 1) * CHUNK).min(paths))
     };
-    (0..paths.div_ceil(CHUNK)).into_par_iter().map(chunk).collect()
+    rayon::scope(|scope| (0..rayon::current_num_threads()).for_each(|_| scope.spawn(|_| work())));
+}
+
+/// Results on their way to who takes them in order.
+struct Queue<T, F> {
+    next: u64,
+    /// By number, those that came before their turn.
+    early: BTreeMap<u64, T>,
+    take: F,
+}
+
+impl<T, F: FnMut(T)> Queue<T, F> {
+    fn put(&mut self, number: u64, result: T) {
+        self.early.insert(number, result);
+        while let Some(result) = self.early.remove(&self.next) {
+            self.next += 1;
+            (self.take)(result);
+        }
+    }
 }
 
 /// Traces all paths of a job. The result does not depend on the number of threads.
@@ -40,8 +84,9 @@ pub fn trace(scene: &Scene, job: &TraceJob) -> Traced {
 /// [`trace`] with light sent where `aim` says, with fewer paths if the deadline comes first, and
 /// without a result if work is cancelled.
 pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<'_>) -> Traced {
-    let chunks = in_chunks(job.paths, LEAST_CHUNKS, halt, |paths| {
-        let mut out = Traced { paths: paths.end - paths.start, ..Traced::default() };
+    let mut all = Traced::default();
+    let trace = |paths: Range<u64>| {
+        let mut out = Part { paths: paths.end - paths.start, ..Part::default() };
         // A single path may take long; the result of cancelled work is discarded anyway.
         for i in paths.take_while(|_| !halt.stopped()) {
             let mut sampler = path_sampler(job, i);
@@ -51,29 +96,13 @@ pub fn trace_until(scene: &Scene, job: &TraceJob, aim: Option<&Aim>, halt: Halt<
             }
         }
         out
-    });
+    };
+    in_order(job.paths, LEAST_CHUNKS, halt, trace, |part| all.add(part, job.paths));
     if halt.stopped() {
         return Traced::default();
     }
-    let mut all = Traced {
-        photons: Vec::with_capacity(chunks.iter().map(|c| c.photons.len()).sum()),
-        points: Vec::with_capacity(chunks.iter().map(|c| c.points.len()).sum()),
-        beams: Vec::with_capacity(chunks.iter().map(|c| c.beams.len()).sum()),
-        ..Traced::default()
-    };
-    for c in chunks {
-        all.photons.extend(c.photons);
-        all.points.extend(c.points);
-        all.beams.extend(c.beams);
-        all.paths += c.paths;
-        all.rays += c.rays;
-        all.rejected.add(&c.rejected);
-    }
     if all.paths < job.paths {
-        let share = job.paths as f32 / all.paths.max(1) as f32;
-        all.photons.iter_mut().for_each(|p| p.flux *= share);
-        all.points.iter_mut().for_each(|p| p.flux *= share);
-        all.beams.iter_mut().for_each(|b| b.flux *= share);
+        all.scale(job.paths as f32 / all.paths.max(1) as f32);
     }
     all
 }
@@ -92,10 +121,10 @@ pub(super) fn follow(
     job: &TraceJob,
     start: &LightStart,
     sampler: &mut Sampler,
-    out: &mut Traced,
+    out: &mut Part,
 ) -> Option<Vec3> {
     if scene.media.is_empty() {
-        surfaces::follow(scene, job, &start.emission, sampler, out)
+        surfaces::follow(scene, job, start, sampler, out)
     } else {
         media::follow(scene, job, start, sampler, out)
     }

@@ -104,6 +104,11 @@ impl fmt::Display for Plan {
         write!(f, "instances            {}", yes(self.instances))?;
         if let Some(choice) = &self.indirect {
             write!(f, "\nindirect light       {choice}")?;
+            for (name, aim) in ["global aim", "caustic aim"].into_iter().zip(&choice.aims) {
+                if let Some(aim) = aim {
+                    write!(f, "\n{name:<20} {aim}")?;
+                }
+            }
         }
         if let Some(choice) = &self.volume {
             write!(f, "\nlight in media       {choice}")?;

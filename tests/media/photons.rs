@@ -108,6 +108,7 @@ fn a_furnace_of_photons_is_even() {
 
 fn job(beams: bool) -> TraceJob {
     TraceJob {
+        glints: false,
         beams,
         all: false,
         key: 5,

@@ -47,10 +47,9 @@ impl PhotonMapper<'_> {
         scratch: &mut Scratch,
         out: &mut Radiance,
     ) {
-        let (scene, facts) = (self.task.scene, self.task.facts);
         for map in [&maps.global, &maps.caustic].into_iter().flatten() {
             let rays = &mut scratch.rays;
-            let boundary = self.settings.boundary.then_some(Boundary { scene, facts, sampler, rays });
+            let boundary = self.surroundings().map(|around| Boundary { around, sampler, rays });
             map.estimator.estimate(&map.photons, at, boundary, &mut scratch.gather, out);
         }
     }

@@ -19,6 +19,8 @@ pub struct Plan {
     pub global_map: bool,
     /// Photons through mirrors and glass, in a map of their own.
     pub caustic_map: bool,
+    /// The caustic map also has photons on glossy surfaces.
+    pub glints: bool,
     /// Light through specular surfaces exists, in whichever map.
     pub caustics: bool,
     /// Light paths a pass; 0 where no map is needed.
@@ -36,6 +38,7 @@ impl Plan {
     pub const NOTHING: Self = Self {
         global_map: false,
         caustic_map: false,
+        glints: false,
         caustics: false,
         global_paths: Count::Paths(0),
         caustic_paths: Count::Paths(0),
@@ -71,6 +74,9 @@ impl Plan {
         Self {
             global_map,
             caustic_map,
+            glints: caustic_map
+                && !facts.media
+                && facts.roughness.is_some_and(|[least, _]| least < settings.glossy),
             caustics,
             global_paths: paths(
                 global_map || (caustics && !caustic_map && !traced),

@@ -117,6 +117,7 @@ impl PhotonMapper<'_> {
             through: self.task.view.hidden_lamps_are_transparent,
             pdf: walk.pdf,
             from: walk.from,
+            left: None,
         };
         let before = walk.ray;
         let s = match sight.meet(scene, &mut walk.ray, hit, walk.path, &mut sample.out) {
