@@ -22,9 +22,9 @@ impl Compiler<'_> {
             MediumEmission::Radiance { radiance, scale } => {
                 (self.volume(radiance, ColorSlot::Emission, at)?, scale)
             }
-            MediumEmission::Temperature { kelvin, offset, factor, scale } => {
+            MediumEmission::Temperature { kelvin, offset, factor, peak, scale } => {
                 let kelvin = self.volume(kelvin, ColorSlot::Unbounded, at)?;
-                (self.hot(kelvin, *offset, *factor, at), scale)
+                (self.hot(kelvin, *offset, *factor, *peak, at), scale)
             }
         };
         let scale = self.volume(scale, ColorSlot::Unbounded, at)?;
@@ -36,13 +36,13 @@ impl Compiler<'_> {
         })
     }
 
-    /// The colours of black bodies, whose spectra have a maximum of 1.
-    fn hot(&mut self, kelvin: Volume, offset: f64, factor: f64, at: ir::Origin) -> Volume {
+    /// The colours of black bodies, whose spectra have the maximum `peak`.
+    fn hot(&mut self, kelvin: Volume, offset: f64, factor: f64, peak: f64, at: ir::Origin) -> Volume {
         let hottest = ((f64::from(kelvin.largest()) - offset) * factor).clamp(DARK, HOTTEST);
         let mut colors = Vec::new();
         for i in 0..=STEPS {
             let t = DARK + (hottest - DARK) * i as f64 / STEPS as f64;
-            let color = ir::Color::Blackbody { kelvin: t, scale: 1.0 / greatest(t) };
+            let color = ir::Color::Blackbody { kelvin: t, scale: peak / greatest(t) };
             colors.push(self.color(&color, ColorSlot::Emission, at));
         }
         // pbrt's are dark up to and with the coldest.
