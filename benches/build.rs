@@ -3,7 +3,7 @@
 mod support;
 
 use caustica::photon::PhotonMap;
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 fn build(c: &mut Criterion) {
     let scene = support::cornell(256).scene;
@@ -12,7 +12,8 @@ fn build(c: &mut Criterion) {
         let photons = support::photons(&scene, count);
         group.throughput(Throughput::Elements(photons.len() as u64)).sample_size(10);
         group.bench_with_input(BenchmarkId::from_parameter(count), &photons, |b, photons| {
-            b.iter_with_large_drop(|| PhotonMap::build(photons, 2.0 * radius));
+            let build = |photons| PhotonMap::build(photons, 2.0 * radius);
+            b.iter_batched(|| photons.clone(), build, BatchSize::PerIteration);
         });
     }
     group.finish();

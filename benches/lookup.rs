@@ -52,10 +52,10 @@ fn lookup(c: &mut Criterion) {
     };
     let mut radius = 0.02;
     for _ in 0..4 {
-        let map = PhotonMap::build(&photons, 2.0 * radius);
+        let map = PhotonMap::build(photons.clone(), 2.0 * radius);
         radius *= (FOUND as f32 / mean(&map, radius)).sqrt();
     }
-    let map = PhotonMap::build(&photons, 2.0 * radius);
+    let map = PhotonMap::build(photons.clone(), 2.0 * radius);
     eprintln!("radius {radius}: {:.1} photons found on average", mean(&map, radius));
 
     let mut group = c.benchmark_group("lookup");
@@ -77,7 +77,7 @@ fn lookup(c: &mut Criterion) {
         });
     };
     estimates("radius/estimate", &map, Lookup::Radius, radius);
-    let nearest = PhotonMap::build_for_nearest(&photons, FOUND, 1.0);
+    let nearest = PhotonMap::build_for_nearest(photons, FOUND, 1.0);
     estimates("nearest/estimate", &nearest, Lookup::Nearest, 1.0);
     let fixed = queries(radius);
     group.bench_function("radius/visit", |b| {

@@ -12,7 +12,10 @@ fn tracing(c: &mut Criterion) {
     let mut group = c.benchmark_group("trace");
     for (name, next_event) in [("next_event", true), ("all", false)] {
         let job = TraceJob {
+            beams: false,
             all: false,
+
+            glints: false,
             key: 1,
             paths: 100_000,
             owner: Owner::GlobalMap,

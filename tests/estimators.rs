@@ -63,7 +63,7 @@ fn the_chosen_estimator_is_nearly_the_best() {
 #[test]
 fn settings_of_the_global_map_leave_nothing_to_choose() {
     let stage = diffuse_room();
-    let choice = |changes: &[(&str, &str)]| decided(stage.0.task_with(&settings(&stage, changes))).1;
+    let choice = |changes: &[(&str, &str)]| decided(stage.0.task_with(&settings(&stage, changes))).indirect;
     let found = choice(&[]).expect("a room with indirect light");
     assert!(["density", "gather", "trace"].contains(&found.indirect.as_str()));
     assert_eq!(found.others.len(), 2);
@@ -87,7 +87,7 @@ fn threads_do_not_change_the_choice() {
     let stage = diffuse_room();
     let on = |n: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-        pool.install(|| decided(stage.0.task_with(&stage.0.settings)).1)
+        pool.install(|| decided(stage.0.task_with(&stage.0.settings)).indirect)
     };
     assert_eq!(on(1), on(3));
 }

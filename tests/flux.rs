@@ -16,7 +16,9 @@ use crate::support::{
 
 fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
     TraceJob {
+        beams: false,
         all: false,
+        glints: false,
         key,
         paths,
         owner: Owner::GlobalMap,
@@ -233,6 +235,7 @@ fn light_that_heads_for_a_small_ball_is_not_more() {
     for lamp in lamps {
         let scene = scene(&format!("{}{floor}{ball}{lamp}", camera("0,0.3,0.5", "0,0,0", 20.0, 4)));
         let job = |key, paths| TraceJob {
+            beams: false,
             owner: Owner::CausticMap,
             next_event: true,
             caustic_map: true,

@@ -135,7 +135,7 @@ fn glossy_lobes_are_followed_without_loss() {
     }
 }
 
-fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(PathClass) -> bool) -> (usize, f64) {
+fn flux(photons: &caustica::photon::Stored, wanted: impl Fn(PathClass) -> bool) -> (usize, f64) {
     let chosen = photons.iter().filter(|p| wanted(p.class));
     chosen.fold((0, 0.0), |(n, sum), p| (n + 1, sum + f64::from(p.flux.lanes()[0])))
 }
@@ -145,7 +145,9 @@ fn flux(photons: &[caustica::photon::Photon], wanted: impl Fn(PathClass) -> bool
 fn owners_divide_the_photons_without_loss_or_overlap() {
     let scene = glass_box();
     let job = |owner, next_event, caustic_map| TraceJob {
+        beams: false,
         all: false,
+        glints: false,
         key: 7,
         paths: 50_000,
         owner,

@@ -15,7 +15,15 @@ use caustica::transport::{PathClass, Vertex};
 use proptest::prelude::*;
 
 fn photon(p: Vec3, n: Vec3) -> Photon {
-    Photon { p, flux: Color::ONE, wi: n, n, class: PathClass::Direct, depth: 1 }
+    Photon {
+        p,
+        flux: Color::ONE,
+        wi: n,
+        n,
+        class: PathClass::Direct,
+        depth: 1,
+        smallness: Default::default(),
+    }
 }
 
 /// Photons of the disc as the definition has them, in the arithmetic of the map (so that sets compare

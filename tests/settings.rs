@@ -10,7 +10,7 @@ use caustica_formats::files::Memory;
 use crate::support::{box_camera, plain};
 
 /// Of each of these a setting takes some.
-const VALUES: [&str; 14] = [
+const VALUES: [&str; 15] = [
     "path",
     "photonmap",
     "progressive",
@@ -25,6 +25,7 @@ const VALUES: [&str; 14] = [
     "absorb",
     "gather",
     "auto",
+    "points",
 ];
 const SWITCHES: [&str; 2] = ["true", "false"];
 

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use caustica::photon::Photon;
+use caustica::photon::Stored;
 use caustica::photon::trace::{TraceJob, trace};
 use caustica::scene::Scene;
 use caustica::session::{Options, Session};
@@ -70,9 +70,11 @@ pub fn hills() -> Session {
 }
 
 /// The photons of the global map in a default render, all of which have scattered at least once.
-pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
+pub fn photons(scene: &Scene, count: usize) -> Stored {
     let job = |paths| TraceJob {
+        beams: false,
         all: false,
+        glints: false,
         key: 1,
         paths,
         owner: Owner::GlobalMap,
@@ -82,9 +84,8 @@ pub fn photons(scene: &Scene, count: usize) -> Vec<Photon> {
         max_depth: u32::MAX,
     };
     let trial = trace(scene, &job(20_000)).photons.len();
-    let mut photons = trace(scene, &job(count as u64 * 20_000 / trial as u64 * 101 / 100)).photons;
-    photons.truncate(count);
-    photons
+    let photons = trace(scene, &job(count as u64 * 20_000 / trial as u64 * 101 / 100)).photons;
+    photons.iter().take(count).collect()
 }
 
 /// A pool of one thread, to measure per core.

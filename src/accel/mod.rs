@@ -6,8 +6,8 @@ mod construct;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 
-use crate::math::Ray;
 use crate::math::simd::{WIDTH, Wide};
+use crate::math::{Bounds, Ray, Vec3};
 
 /// Eight children, one per lane; unused lanes hold empty boxes.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +74,31 @@ impl Bvh {
     /// Memory of the nodes, in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice())
+    }
+
+    /// Calls `visit` with the elements of the leaves whose boxes meet `bounds`, until it returns false. Of few elements
+    /// these are all.
+    pub fn near(&self, bounds: &Bounds, mut visit: impl FnMut(Range<usize>) -> bool) {
+        if let Some(all) = &self.flat {
+            visit(all.clone());
+            return;
+        }
+        let mut stack = vec![0u32];
+        while let Some(i) = stack.pop() {
+            let node = &self.nodes[i as usize];
+            for lane in 0..WIDTH {
+                let corner = |end: usize| Vec3::from_array(node.bounds[end].map(|axis| axis[lane]));
+                if corner(0).cmple(bounds.max).all() && corner(1).cmpge(bounds.min).all() {
+                    let (child, count) = (node.child[lane], node.count[lane]);
+                    let first = child as usize;
+                    if count == 0 {
+                        stack.push(child);
+                    } else if !visit(first..first + count as usize) {
+                        return;
+                    }
+                }
+            }
+        }
     }
 
     /// Visits the leaves whose boxes the ray crosses before its `tmax`: front to back if `ORDERED`, else in any

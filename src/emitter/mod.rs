@@ -18,7 +18,7 @@ mod spot;
 mod sunsky;
 mod table;
 
-pub use aim::{Aim, EmissionBounds, Entry, EntrySegment, PathFound, Start, Starts, Targets};
+pub use aim::{Aim, Aimed, EmissionBounds, Entry, EntrySegment, PathFound, Start, Starts, Targets};
 pub use area::{Area, MeshTriangle, Sides, Surface};
 pub use collimated::Collimated;
 pub use constant::Constant;

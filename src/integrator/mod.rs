@@ -18,6 +18,7 @@ pub use volpath::VolumePathTracer;
 use crate::film::{Radiance, Rejected};
 use crate::math::Ray;
 use crate::photon::Gather;
+use crate::photon::volume::Found;
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Scene, View};
 use crate::settings::Settings;
@@ -42,6 +43,8 @@ pub struct Scratch {
     pub rays: u64,
     /// Of photon lookups.
     pub gather: Gather,
+    /// Of photons in media.
+    pub volume: Found,
     /// Of path tracing.
     pub wave: path::Wave,
     /// Of camera paths that go on behind the first rough surface.

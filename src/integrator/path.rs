@@ -155,6 +155,7 @@ impl PathTracer<'_> {
             through: self.see_through,
             pdf: walk.pdf,
             from: walk.from,
+            left: None,
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
         let next = sight.meet(scene, ray, hit, carried, &mut sample.out);

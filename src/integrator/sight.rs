@@ -4,8 +4,8 @@ use super::direct::power_heuristic;
 use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec3};
 use crate::scene::{Hit, Scene, Surface};
-use crate::transport::PathClass;
 use crate::transport::walk::{self, Lamps, Next};
+use crate::transport::{PathClass, Smallness};
 
 /// How a lamp at the end of the ray counts.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +18,8 @@ pub struct Sight {
     /// nothing else finds the light.
     pub pdf: f32,
     pub from: Vec3,
+    /// Lamps of this smallness as seen from there, and smaller ones, are left to photons.
+    pub left: Option<Smallness>,
 }
 
 /// What a camera path is when its next ray is traced.
@@ -34,6 +36,12 @@ impl Sight {
     #[inline(always)]
     fn weight(&self, pdf_direct: f32) -> f32 {
         if self.pdf > 0.0 { power_heuristic(self.pdf, pdf_direct) } else { 1.0 }
+    }
+
+    /// Whether photons account for a lamp that next event estimation finds with density `pdf_direct`.
+    #[inline(always)]
+    fn leaves(&self, pdf_direct: f32) -> bool {
+        self.left.is_some_and(|least| Smallness::of(pdf_direct) >= least)
     }
 
     /// What lamps are to the ray.
@@ -65,7 +73,7 @@ impl Sight {
     #[inline(always)]
     fn add_background(&self, scene: &Scene, d: Vec3, path: Carried, out: &mut Radiance) {
         if self.lamps {
-            for (radiance, pdf) in scene.background(d) {
+            for (radiance, pdf) in scene.background(d).filter(|&(_, pdf)| !self.leaves(pdf)) {
                 out.add(path.class.layer(), path.throughput * radiance * self.weight(pdf));
             }
         }
@@ -78,8 +86,10 @@ impl Sight {
         out.alpha = 1.0;
         let emitted = scene.emitted(s, -d);
         if emitted.max_element() > 0.0 && self.lamps {
-            let weight = self.weight(scene.pdf_direct_surface(self.from, d, s));
-            out.add(path.class.layer(), path.throughput * emitted * weight);
+            let pdf = scene.pdf_direct_surface(self.from, d, s);
+            if !self.leaves(pdf) {
+                out.add(path.class.layer(), path.throughput * emitted * self.weight(pdf));
+            }
         }
     }
 }

@@ -9,6 +9,7 @@
 //! Photons lie on the surface even where the query cannot see it, behind a thin wall or across a corner:
 //! where a trial met an obstacle, only photons in sight may be counted, by the same test.
 
+use super::clearance::Clearance;
 use super::store::{HEIGHT, Query};
 use crate::math::kernel::KernelKind;
 use crate::math::{Frame, Ray, Vec3};
@@ -20,13 +21,22 @@ const WANTED: u32 = 2;
 /// Most trials; reached only where less than a tenth of the disc is surface.
 const MOST: u32 = 20;
 
-/// The scene and the random numbers for the trials.
-#[derive(Debug)]
-pub struct Boundary<'a> {
-    /// What obstacles are looked for in.
+/// What obstacles are looked for in.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// Everything.
     pub scene: &'a Scene,
     /// Of the scene: without transmission all surfaces are opaque.
     pub facts: &'a Facts,
+    /// Where no trials are needed, if that is known.
+    pub clearance: Option<&'a Clearance>,
+}
+
+/// Surroundings and the random numbers for the trials.
+#[derive(Debug)]
+pub struct Boundary<'a> {
+    /// Of the disc.
+    pub around: Surroundings<'a>,
     /// Where the trials are drawn.
     pub sampler: &'a mut Sampler,
     /// Counts the rays of the trials.
@@ -64,6 +74,12 @@ impl Disc {
 impl Boundary<'_> {
     /// For an estimate within `radius` of the place of `q`.
     pub fn correction(&mut self, q: &Query, radius: f32, kernel: KernelKind) -> Correction {
+        let Surroundings { scene, clearance, .. } = self.around;
+        if clearance.is_some_and(|clearance| clearance.is_free(scene, q.p, q.lift, radius)) {
+            // What follows is drawn from the same numbers as after trials.
+            (0..WANTED).for_each(|_| _ = self.draw(kernel));
+            return Correction { factor: 1.0, obstructed: false };
+        }
         let disc = Disc { p: q.p, lift: q.lift, frame: Frame::from_normal(q.n), radius };
         let (mut found, mut trials, mut obstructed) = (0, 0, false);
         while found < WANTED && trials < MOST {
@@ -101,16 +117,16 @@ impl Boundary<'_> {
         let above = disc.above(aside);
         let rise = aside.length() * HEIGHT + disc.lift;
         *self.rays += 1;
-        self.scene.geometry.occluded(&between(above, above - disc.frame.n * (2.0 * rise)))
+        self.around.scene.geometry.occluded(&between(above, above - disc.frame.n * (2.0 * rise)))
     }
 
     fn opaque(&mut self, from: Vec3, to: Vec3) -> bool {
         *self.rays += 1;
         let ray = between(from, to);
-        if !self.scene.geometry.occluded(&ray) {
+        if !self.around.scene.geometry.occluded(&ray) {
             return false;
         }
-        !self.facts.transmission || self.opaque_beyond_glass(ray, to)
+        !self.around.facts.transmission || self.opaque_beyond_glass(ray, to)
     }
 
     #[inline(never)]
@@ -118,9 +134,9 @@ impl Boundary<'_> {
         // Each step passes a surface; what has more of them than this within a disc may as well be solid.
         for _ in 0..16 {
             *self.rays += 1;
-            let Some(hit) = self.scene.geometry.closest(&ray) else { return false };
-            let s = self.scene.surface(&ray, &hit);
-            if !self.scene.material(&s).nature().transmits {
+            let Some(hit) = self.around.scene.geometry.closest(&ray) else { return false };
+            let s = self.around.scene.surface(&ray, &hit);
+            if !self.around.scene.material(&s).nature().transmits {
                 return true;
             }
             let o = s.origin(ray.d);

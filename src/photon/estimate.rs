@@ -4,15 +4,15 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::boundary::Boundary;
+use super::scan;
 use super::store::{PhotonMap, Query};
-use super::{PathClass, scan};
 use crate::bsdf::{Range, Transport};
-use crate::film::Radiance;
+use crate::film::{Layer, Radiance};
 use crate::math::kernel::{Kernel, KernelKind, with_kernel};
 use crate::math::{Color, decode_direction};
 use crate::scene::PhotonSide;
 use crate::settings::Lookup;
-use crate::transport::Vertex;
+use crate::transport::{Smallness, Vertex};
 
 /// How one map is read.
 #[derive(Clone, Copy, Debug)]
@@ -127,6 +127,46 @@ impl Estimator {
         });
     }
 
+    /// [`Estimator::estimate`] for a map of glints, of which those count that belong to photons.
+    pub fn glints(
+        &self,
+        map: &PhotonMap,
+        at: &GatherPoint<'_>,
+        mut boundary: Option<Boundary<'_>>,
+        gather: &mut Gather,
+        out: &mut Radiance,
+    ) {
+        if map.is_empty() {
+            return;
+        }
+        gather.lookups += 1;
+        let Vertex { surface: s, wi, ref closure, .. } = *at.vertex;
+        let q = Query { p: s.p, n: at.side.n, lift: s.lift, radius: self.radius };
+        let r2 = gather.find(map, &q, self.cap);
+        gather.photons += gather.found.len() as u64;
+        let mut sum = Color::ZERO;
+        with_kernel!(self.kernel, K => {
+            for &(d2, i) in &gather.found {
+                let i = i as usize;
+                let wo = s.frame.to_local(decode_direction(map.direction[i]));
+                let f = closure.eval(wi, wo, Transport::Radiance, self.lobes);
+                if f.max_element() <= 0.0 || u32::from(map.depth[i]) > at.max_photon_depth {
+                    continue;
+                }
+                let pdf = closure.pdf(wi, wo, Transport::Radiance, self.lobes);
+                if map.smallness(i) >= Smallness::least(pdf) {
+                    let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
+                    sum += f * flux * K::shape(d2 / r2);
+                }
+            }
+            sum = sum * normalisation::<K>(r2);
+        });
+        if sum.max_element() > 0.0 {
+            let edge = boundary.as_mut().map(|b| b.correction(&q, r2.sqrt(), self.kernel));
+            out.add(Layer::Emission, at.throughput * sum * edge.map_or(1.0, |e| e.factor));
+        }
+    }
+
     /// Irradiance of all photons of `map` around a place.
     pub(super) fn irradiance(
         &self,
@@ -179,7 +219,7 @@ impl Estimator {
             }
         };
         let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
-        out.add(PathClass::from_tag(map.class[i]).layer(), at.throughput * f * flux * weight);
+        out.add(map.class(i).layer(), at.throughput * f * flux * weight);
     }
 }
 

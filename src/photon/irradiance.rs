@@ -5,16 +5,16 @@ use std::f32::consts::FRAC_1_PI;
 
 use rayon::prelude::*;
 
-use super::boundary::Boundary;
+use super::boundary::{Boundary, Surroundings};
 use super::estimate::Estimator;
 use super::radius::Place;
-use super::store::{Photon, PhotonMap, Query};
+use super::store::{PhotonMap, Query};
+use super::stored::Photon;
 use super::{Gather, GatherPoint};
 use crate::film::{Layer, Radiance};
 use crate::math::Color;
 use crate::sampling::{Sampler, mix};
-use crate::scene::{Facts, Scene};
-use crate::transport::PathClass;
+use crate::transport::{PathClass, Smallness};
 
 /// Places with the irradiance there, as if they were photons.
 #[derive(Clone, Debug)]
@@ -27,17 +27,15 @@ pub struct Irradiance {
 impl Irradiance {
     /// Reads `map` at `places`, which must not be its own photons: where a photon lies, the density is not what it is
     /// elsewhere. Nor should bright parts have more of them than dark ones, whose nearest place would then often
-    /// lie in the light. Counts the rays of the boundary test.
+    /// lie in the light. With the surroundings edges are corrected; counts the rays of that.
     pub fn of(
         places: &[Place],
         map: &PhotonMap,
         estimator: &Estimator,
-        scene: &Scene,
-        facts: &Facts,
-        boundary: bool,
+        around: Option<Surroundings<'_>>,
         key: u64,
     ) -> (Self, u64) {
-        let (places, rays): (Vec<Photon>, Vec<u64>) = places
+        let (photons, rays): (Vec<Photon>, Vec<u64>) = places
             .par_iter()
             .with_min_len(256)
             .enumerate()
@@ -45,13 +43,24 @@ impl Irradiance {
                 let mut sampler = Sampler::new(key ^ mix(i as u64 >> 32), i as u32);
                 let mut rays = 0;
                 let q = Query { p: at.p, n: at.n, lift: at.lift, radius: estimator.radius };
-                let b = boundary.then_some(Boundary { scene, facts, sampler: &mut sampler, rays: &mut rays });
+                let b = around.map(|around| Boundary { around, sampler: &mut sampler, rays: &mut rays });
                 let flux = estimator.irradiance(map, &q, b, gather);
                 let class = PathClass::Indirect;
-                (Photon { p: at.p, flux, wi: at.n, n: at.n, class, depth: 0 }, rays)
+                (
+                    Photon {
+                        p: at.p,
+                        flux,
+                        wi: at.n,
+                        n: at.n,
+                        class,
+                        depth: 0,
+                        smallness: Smallness::default(),
+                    },
+                    rays,
+                )
             })
             .unzip();
-        let places = PhotonMap::build_for_nearest(&places, 1, estimator.radius);
+        let places = PhotonMap::build_for_nearest(&photons, 1, estimator.radius);
         (Self { places, deepest: map.deepest }, rays.iter().sum())
     }
 

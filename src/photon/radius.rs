@@ -1,6 +1,7 @@
 //! Search radii: the first from the measured density of photons, the later by a fixed schedule.
 
-use super::store::{Photon, PhotonMap, Query};
+use super::store::{PhotonMap, Query};
+use super::stored::Stored;
 use crate::emitter::SceneSphere;
 use crate::math::Vec3;
 
@@ -46,9 +47,12 @@ pub const LEAST: f32 = 1e-18;
 
 /// Radius within which a `share` of the places find `wanted` photons or more. The search goes up to
 /// a tenth of `scene_radius`, that of the bounding sphere; larger radii are extrapolated from the photons within it.
-pub fn measured(photons: &[Photon], places: &[Place], wanted: usize, share: f32, scene_radius: f32) -> f32 {
+pub fn measured(photons: &Stored, places: &[Place], wanted: usize, share: f32, scene_radius: f32) -> f32 {
     let most = largest(scene_radius);
-    let map = PhotonMap::build_for_nearest(photons, wanted, most);
+    // As wide a disc holds an n-th as many of every n-th photon.
+    let step = (photons.len() / MEASURED).clamp(1, (wanted / FEWEST).max(1));
+    let wanted = wanted / step;
+    let map = PhotonMap::build_for_nearest(photons.every(step), wanted, most);
     let mut found = Vec::new();
     let mut hint = 0.0;
     let mut distances: Vec<f32> = places
@@ -106,6 +110,10 @@ pub fn more_paths(radius: f32, pixel: f32) -> f32 {
     if pixel > 0.0 { (radius / (MOST_PIXELS * pixel)).powi(2).clamp(1.0, MOST) } else { 1.0 }
 }
 
+/// Photons that tell the density well enough, and fewest that a disc should hold of them.
+const MEASURED: usize = 1 << 20;
+const FEWEST: usize = 6;
+
 fn quantile(values: &mut [f32], share: f32) -> Option<f32> {
     if values.is_empty() {
         return None;
@@ -115,18 +123,14 @@ fn quantile(values: &mut [f32], share: f32) -> Option<f32> {
 }
 
 /// The photons themselves as places: density matters where they lie.
-pub fn photon_places(photons: &[Photon]) -> Vec<Place> {
+pub fn photon_places(photons: &Stored) -> Vec<Place> {
     let step = photons.len().div_ceil(PLACES).max(1);
-    photons
-        .iter()
-        .step_by(step)
-        .map(|ph| Place {
-            p: ph.p,
-            n: ph.n,
-            lift: ph.p.abs().max_element() * crate::math::LIFT,
-            footprint: 0.0,
-        })
-        .collect()
+    let place = |i: usize| {
+        let photon = photons.photon(i);
+        let lift = photon.p.abs().max_element() * crate::math::LIFT;
+        Place { p: photon.p, n: photon.n, lift, footprint: 0.0 }
+    };
+    (0..photons.len()).step_by(step).map(place).collect()
 }
 
 /// r² of pass `pass` over r² of pass 0: ∏ᵢ₌₁ (i + α)/(i + 1) (Knaus and Zwicker 2011).

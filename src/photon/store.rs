@@ -6,24 +6,10 @@
 use rayon::prelude::*;
 
 use super::PathClass;
-use crate::math::{Bounds, Color, Vec3, encode_direction};
-
-/// A photon as traced.
-#[derive(Clone, Copy, Debug)]
-pub struct Photon {
-    /// In the world.
-    pub p: Vec3,
-    /// W per channel.
-    pub flux: Color,
-    /// Unit, back towards where it came from.
-    pub wi: Vec3,
-    /// Unit geometric normal of the side it arrived at.
-    pub n: Vec3,
-    /// Of the light path that left it.
-    pub class: PathClass,
-    /// Path segments from the lamp, saturating.
-    pub depth: u8,
-}
+use super::sort::{PART, by_cell};
+use super::stored::{Rest, Stored};
+use crate::math::{Bounds, Vec3};
+use crate::transport::Smallness;
 
 /// A disc on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +39,8 @@ pub struct PhotonMap {
     pub(super) flux: [Vec<f32>; 3],
     pub(super) normal: [Vec<i8>; 3],
     pub(super) direction: Vec<u32>,
-    pub(super) class: Vec<u8>,
+    /// As in [`Rest`].
+    tag: Vec<u8>,
     pub(super) depth: Vec<u8>,
     count: usize,
     /// First photon of each cell, and the count at the end.
@@ -70,100 +57,68 @@ pub struct PhotonMap {
 /// Size of the sample of photons that decides the cell size of a map for k-nearest queries.
 const SAMPLE: usize = 1 << 17;
 
-/// Most cells of a grid for `n` photons: more take longer to clear than they save.
+/// Most cells of a grid for `n` photons: more take longer to clear than they save. Of many photons each has memory for
+/// two.
 fn cell_budget(n: usize) -> f32 {
-    (16 * n).clamp(1 << 12, 1 << 27) as f32
+    (16 * n).min((2 * n).max(1 << 22)).clamp(1 << 12, 1 << 27) as f32
 }
 
 impl PhotonMap {
     /// Sorts photons into cells of about `cell`, which for a fixed-radius query is best twice the radius.
     /// The result depends on the order of `photons` only through ties of position.
-    pub fn build(photons: &[Photon], cell: f32) -> Self {
-        let bounds = Bounds::of(photons.iter().map(|p| p.p));
-        if photons.is_empty() {
+    pub fn build(photons: impl Into<Stored>, cell: f32) -> Self {
+        let Stored { places, fluxes, rest } = photons.into();
+        let bounds = Bounds::of(places.iter().map(|&p| p.into()));
+        if places.is_empty() {
             return Self { starts: vec![0, 0], dims: [1; 3], inverse_cell: 0.0, ..Self::default() };
         }
         let extent = bounds.extent();
         let mut cell = cell.max(extent.max_element() / 1e6).max(f32::MIN_POSITIVE);
         let dims = loop {
             let d = (extent / cell).floor() + Vec3::ONE;
-            if d.x * d.y * d.z <= cell_budget(photons.len()) {
+            if d.x * d.y * d.z <= cell_budget(places.len()) {
                 break [d.x as usize, d.y as usize, d.z as usize];
             }
             cell *= 1.1;
         };
+        let class = Rest::class(rest[0].tag);
         let mut map = Self {
             origin: bounds.min,
             inverse_cell: 1.0 / cell,
             dims,
-            count: photons.len(),
-            deepest: photons.iter().map(|p| p.depth).max().unwrap_or(0),
+            count: places.len(),
+            deepest: rest.iter().map(|r| r.depth).max().unwrap_or(0),
+            uniform_class: rest.iter().all(|r| Rest::class(r.tag) == class).then_some(class),
             ..Self::default()
         };
-        let first = photons[0].class;
-        map.uniform_class = photons.iter().all(|p| p.class == first).then_some(first);
-
-        let mut order: Vec<u64> = photons
-            .par_iter()
-            .with_min_len(1 << 14)
-            .enumerate()
-            .map(|(i, p)| (map.cell_of(p.p) as u64) << 32 | i as u64)
-            .collect();
-        order.par_sort_unstable();
-        map.starts = vec![0; dims.iter().product::<usize>() + 1];
-        let mut next = 0;
-        for (i, key) in order.iter().enumerate() {
-            let c = (key >> 32) as usize;
-            // Cells between the last photon's and this one's start here too.
-            if c >= next {
-                map.starts[next..=c].fill(i as u32);
-                next = c + 1;
-            }
-        }
-        map.starts[next..].fill(photons.len() as u32);
-
-        // Every photon is read once, where it lies: that is the cache miss that costs.
-        let parts: Vec<Columns> = order
-            .par_chunks(1 << 16)
-            .map(|keys| {
-                let mut part = Columns::default();
-                keys.iter().for_each(|key| part.push(&photons[(key & 0xffff_ffff) as usize]));
-                part
-            })
-            .collect();
-        drop(order);
-        for part in parts {
-            for c in 0..3 {
-                map.position[c].extend(&part.position[c]);
-                map.flux[c].extend(&part.flux[c]);
-                map.normal[c].extend(&part.normal[c]);
-            }
-            map.direction.extend(&part.direction);
-            map.class.extend(&part.class);
-            map.depth.extend(&part.depth);
-        }
-        for c in 0..3 {
-            // Padding is never within any radius, and its zero flux keeps 0·inf away.
-            map.position[c].extend([f32::INFINITY; LANES]);
-            map.flux[c].extend([0.0; LANES]);
-            map.normal[c].extend([0; LANES]);
-        }
+        let cells = dims.iter().product();
+        let (order, starts) = by_cell(places.len(), cells, |i| map.cell_of(places[i].into()));
+        map.starts = starts;
+        // Padding is never within any radius, and its zero flux keeps 0·inf away.
+        map.position = columns(&order, f32::INFINITY, |i| places[i]);
+        drop(places);
+        map.flux = columns(&order, 0.0, |i| fluxes[i]);
+        drop(fluxes);
+        map.normal = columns(&order, 0, |i| rest[i].normal);
+        [map.direction] = columns(&order, 0, |i| [rest[i].direction]);
+        [map.tag, map.depth] = columns(&order, 0, |i| [rest[i].tag, rest[i].depth]);
         map
     }
 
     /// Cell size for k-nearest queries: about as large as the disc that holds `k` photons, found from
     /// how many photons share an occupied cell of a trial grid.
-    pub fn build_for_nearest(photons: &[Photon], k: usize, max_radius: f32) -> Self {
-        let bounds = Bounds::of(photons.iter().map(|p| p.p));
+    pub fn build_for_nearest(photons: impl Into<Stored>, k: usize, max_radius: f32) -> Self {
+        let photons = photons.into();
         if photons.is_empty() {
             return Self::build(photons, max_radius);
         }
+        let bounds = Bounds::of(photons.places.iter().map(|&p| p.into()));
         // A sample is enough to see how crowded the surfaces are.
         let step = photons.len().div_ceil(SAMPLE);
-        let sample: Vec<Photon> = photons.iter().step_by(step).copied().collect();
+        let sample: Stored = photons.every(step);
         let trial_cell =
             (bounds.extent().max_element() / (sample.len() as f32).cbrt()).max(f32::MIN_POSITIVE);
-        let trial = Self::build(&sample, trial_cell);
+        let trial = Self::build(sample, trial_cell);
         let occupied = trial.starts.windows(2).filter(|w| w[1] > w[0]).count().max(1);
         let per_cell = photons.len() as f32 / occupied as f32;
         let cell = (k as f32 / per_cell).sqrt() / trial.inverse_cell;
@@ -185,7 +140,7 @@ impl PhotonMap {
 
     /// Memory of all columns and of the grid.
     pub fn bytes(&self) -> usize {
-        self.count * Self::PHOTON_BYTES + LANES * (6 * 4 + 3) + self.starts.len() * size_of::<u32>()
+        (self.count + LANES) * Self::PHOTON_BYTES + self.starts.len() * size_of::<u32>()
     }
 
     /// Where photon `i` lies.
@@ -197,6 +152,18 @@ impl PhotonMap {
     pub fn photon_normal(&self, i: usize) -> Vec3 {
         let n = |c: usize| f32::from(self.normal[c][i]);
         Vec3::new(n(0), n(1), n(2)).normalize_or(Vec3::Z)
+    }
+
+    /// Class of the path of photon `i`.
+    #[inline(always)]
+    pub(super) fn class(&self, i: usize) -> PathClass {
+        Rest::class(self.tag[i])
+    }
+
+    /// How small the lamp of photon `i` is.
+    #[inline(always)]
+    pub(super) fn smallness(&self, i: usize) -> Smallness {
+        Rest::smallness(self.tag[i])
     }
 
     #[inline(always)]
@@ -227,29 +194,25 @@ impl PhotonMap {
     }
 }
 
-/// Columns of a part of the sorted photons.
-#[derive(Default)]
-struct Columns {
-    position: [Vec<f32>; 3],
-    flux: [Vec<f32>; 3],
-    normal: [Vec<i8>; 3],
-    direction: Vec<u32>,
-    class: Vec<u8>,
-    depth: Vec<u8>,
-}
-
-impl Columns {
-    fn push(&mut self, photon: &Photon) {
-        let flux = photon.flux.lanes();
-        for (c, flux) in flux.into_iter().enumerate() {
-            self.position[c].push(photon.p[c]);
-            self.flux[c].push(flux);
-            self.normal[c].push((photon.n[c] * 127.0).round() as i8);
+/// Columns of the photons in this order, padded by [`LANES`] times `pad`.
+fn columns<T: Copy + Default + Send, const N: usize>(
+    order: &[u32],
+    pad: T,
+    of: impl Fn(usize) -> [T; N] + Sync,
+) -> [Vec<T>; N] {
+    let mut columns: [Vec<T>; N] = std::array::from_fn(|_| vec![T::default(); order.len() + LANES]);
+    let mut left = columns.each_mut().map(|column| column.chunks_mut(PART));
+    let parts: Vec<_> = order
+        .chunks(PART)
+        .map(|order| (order, left.each_mut().map(|parts| parts.next().unwrap_or_default())))
+        .collect();
+    parts.into_par_iter().for_each(|(order, mut parts)| {
+        for (at, &i) in order.iter().enumerate() {
+            parts.iter_mut().zip(of(i as usize)).for_each(|(column, value)| column[at] = value);
         }
-        self.direction.push(encode_direction(photon.wi));
-        self.class.push(photon.class as u8);
-        self.depth.push(photon.depth);
-    }
+    });
+    columns.iter_mut().for_each(|column| column[order.len()..].fill(pad));
+    columns
 }
 
 /// Rows of cells, each a run of photons.

@@ -146,11 +146,12 @@ pub fn render(
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
     let start = Instant::now();
-    match task.settings.integrator {
-        IntegratorKind::Path | IntegratorKind::PhotonMap if task.facts.media => {
-            let integrator = VolumePathTracer::new(task);
-            run(task, &integrator, budget, sums, start, progress)
-        }
+    let kind = task.settings.integrator;
+    // What media emit leaves no photons.
+    if task.facts.media_emit || (task.facts.media && kind == IntegratorKind::Path) {
+        return run(task, &VolumePathTracer::new(task), budget, sums, start, progress);
+    }
+    match kind {
         IntegratorKind::Path => {
             let integrator = PathTracer::new(task);
             run(task, &integrator, budget, sums, start, progress)

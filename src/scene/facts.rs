@@ -3,6 +3,7 @@
 
 use super::Scene;
 use crate::emitter::Emitter;
+use crate::medium::Medium;
 
 /// Facts of a compiled scene, gathered once.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,10 @@ pub struct Facts {
     pub transparent_shadows: bool,
     /// Something fills a part of space. Without media, nothing about them is ever computed.
     pub media: bool,
+    /// Some of it scatters light.
+    pub media_scatter: bool,
+    /// Some of it shines.
+    pub media_emit: bool,
     /// Light comes from infinity.
     pub environment: bool,
     /// There are textures.
@@ -52,6 +57,8 @@ impl Facts {
             transmission: natures().any(|n| n.transmits),
             transparent_shadows: scene.materials.iter().any(|m| m.passes_shadow_rays()),
             media: !scene.media.is_empty(),
+            media_scatter: scene.media.iter().any(Medium::scatters),
+            media_emit: scene.media.iter().any(Medium::emits),
             environment,
             textured: !scene.textures.0.is_empty(),
             instances: !scene.geometry.instances.is_empty(),

@@ -60,6 +60,20 @@ impl Scene {
         }
     }
 
+    /// The same of the lamp point where a light path starts that comes to `p` first, against the unit direction `d`; 0 if
+    /// scattered rays cannot hit the lamp.
+    pub fn pdf_direct_start(&self, p: Vec3, d: Vec3, start: &LightStart) -> f32 {
+        let (lamp, at) = (start.start.lamp, &start.emission);
+        let emitter = &self.emitters[lamp];
+        // Of the normal of the lamp only its cosine to the path counts.
+        let pdf = if emitter.is_infinite() {
+            emitter.background(d).1
+        } else {
+            emitter.pdf_direct_surface(p, d, at.o, d * at.cos)
+        };
+        pdf * self.direct.probability(lamp)
+    }
+
     /// Light at `p` from one emitter, with the probability of choosing it divided out.
     #[inline(always)]
     pub fn sample_direct(&self, p: Vec3, pick: f32, u: Vec2) -> Option<DirectSample> {

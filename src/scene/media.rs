@@ -45,13 +45,15 @@ impl Scene {
 }
 
 impl Scene {
-    /// Finds out what lamps that are no boundaries stand in, seen from a camera in `medium`.
+    /// Finds out what lamps stand in, seen from a camera in `medium`: those that are boundaries shine outwards.
     pub(super) fn place_lamps(&mut self, camera: Vec3, medium: Option<MediumId>) {
         for shape in 0..self.shapes.len() {
-            let ShapeRecord { emitter: Some(lamp), boundary: None, .. } = self.shapes[shape] else {
+            let ShapeRecord { emitter: Some(lamp), boundary, .. } = self.shapes[shape] else {
                 continue;
             };
-            if let Some(p) = self.emitters[lamp as usize].place(Vec2::splat(0.5)) {
+            if let Some(boundary) = boundary {
+                self.lamp_media[lamp as usize] = boundary.outside;
+            } else if let Some(p) = self.emitters[lamp as usize].place(Vec2::splat(0.5)) {
                 self.lamp_media[lamp as usize] = self.medium_at(p, camera, medium);
             }
         }

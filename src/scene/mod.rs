@@ -10,7 +10,7 @@ mod surface;
 mod view;
 
 pub use facts::Facts;
-pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Placement};
+pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Near, Placement};
 pub use lamps::LightStart;
 pub use shown::{Numbers, Primitives};
 pub use surface::{PhotonSide, Surface};

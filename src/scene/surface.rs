@@ -158,6 +158,12 @@ impl Scene {
         PhotonSide { n: if both || s.ng.dot(w) >= 0.0 { s.ng } else { -s.ng }, both }
     }
 
+    /// [`Scene::photon_side`] for glossy lobes.
+    pub fn glint_side(&self, s: &Surface, w: Vec3) -> PhotonSide {
+        let both = self.material(s).nature().transmits;
+        PhotonSide { n: if both || s.ng.dot(w) >= 0.0 { s.ng } else { -s.ng }, both }
+    }
+
     /// What the surface is made of.
     #[inline]
     pub fn material(&self, s: &Surface) -> &Material {

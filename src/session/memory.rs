@@ -5,17 +5,20 @@ use caustica_formats::memory::available;
 use super::{Error, Session};
 use crate::film::{Aov, STRIDE};
 use crate::integrator::PhotonMapper;
-use crate::photon::trace::{CHUNK, Traced};
-use crate::photon::{Photon, PhotonMap};
+use crate::photon::Stored;
+use crate::photon::volume::VolumePhoton;
 use crate::settings::{Count, IntegratorKind};
 
 /// Bytes a pixel for each of its sums: the sums twice (a cut pass is taken back), and a checkpoint or a picture
 /// with all its layers being written.
 const SUM: usize = 3 * size_of::<f64>();
 
-/// Bytes of a photon while its map is built: as it was traced, its key in the sort, and its columns once in
-/// parts and once joined, in vectors that are up to twice as long while they grow.
-const PHOTON: usize = size_of::<Photon>() + size_of::<u64>() + 3 * PhotonMap::PHOTON_BYTES;
+/// Bytes of a photon while its map is built: as it was traced, its key in the sort and its place in the order, cells of
+/// the grid, and the columns of one part.
+const PHOTON: usize = Stored::BYTES + size_of::<u64>() + 4 * size_of::<u32>() + 3 * size_of::<f32>();
+
+/// The same in a medium, with its box in the tree and the tree.
+const VOLUME_PHOTON: usize = 3 * size_of::<VolumePhoton>();
 
 /// Bytes that a render is expected to hold at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,13 +28,6 @@ pub struct Memory {
     /// Photons of the global and of the caustic map while they are traced and sorted. 0 where they are too
     /// few to be worth a pilot.
     pub photons: [u128; 2],
-}
-
-impl Memory {
-    /// Bytes for the results of so many light paths if none of them stores a photon.
-    pub fn of_light_paths(paths: u64) -> u128 {
-        u128::from(paths.div_ceil(CHUNK)) * size_of::<Traced>() as u128
-    }
 }
 
 impl Session {
@@ -66,13 +62,12 @@ impl Session {
             return Ok(());
         }
         let named = |name: &str, count: Count| format!("setting `{name}` = {count}");
-        let counts = [("photons", self.settings.photons), ("caustic_photons", self.settings.caustic_photons)];
-        // What no pilot is needed for comes first: it might not fit either.
-        for (name, count) in counts {
-            if let Count::Paths(n) = count {
-                refuse(named(name, count), Memory::of_light_paths(n), free)?;
-            }
+        let s = &self.settings;
+        if let (true, Count::Paths(n)) = (self.facts.media, s.volume_photons) {
+            // One collision a path: most leave more.
+            refuse(named("volume_photons", s.volume_photons), u128::from(n) * VOLUME_PHOTON as u128, free)?;
         }
+        let counts = [("photons", s.photons), ("caustic_photons", s.caustic_photons)];
         for ((name, count), needed) in counts.into_iter().zip(self.memory().photons) {
             refuse(named(name, count), needed, free)?;
         }

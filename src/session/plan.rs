@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::integrator::Task;
-use crate::integrator::photon_map;
+use crate::integrator::photon_map::{self, Decided};
 use crate::settings::{Count, IntegratorKind};
 
 /// The parts of the renderer that a scene and its settings use; nothing else is paid for. Printed by
@@ -40,6 +40,9 @@ pub struct Plan {
     pub caustic_paths: Count,
     /// How indirect light is computed where a pilot has measured it.
     pub indirect: Option<photon_map::Choice>,
+    /// What light leaves in media, where they scatter it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<photon_map::VolumeChoice>,
     /// Why something is left out.
     pub notes: Vec<String>,
 }
@@ -52,12 +55,13 @@ impl Plan {
         if !facts.lit {
             notes.push("no emitter: the picture is black".to_owned());
         }
-        let (maps, indirect) = match settings.integrator {
-            IntegratorKind::PhotonMap if facts.media => {
-                notes.push("photon mapping does not know media: the picture is path traced".to_owned());
-                (photon_map::Plan::NOTHING, None)
+        let nothing = Decided { plan: photon_map::Plan::NOTHING, indirect: None, volume: None };
+        let Decided { plan: maps, indirect, volume } = match settings.integrator {
+            IntegratorKind::Path => nothing,
+            IntegratorKind::PhotonMap if facts.media_emit => {
+                notes.push("media that shine leave no photons: path tracing".to_owned());
+                nothing
             }
-            IntegratorKind::Path => (photon_map::Plan::NOTHING, None),
             IntegratorKind::PhotonMap => {
                 notes.extend(photon_map::Plan::notes(facts, settings));
                 photon_map::decided(task)
@@ -78,6 +82,7 @@ impl Plan {
             global_paths: maps.global_paths,
             caustic_paths: maps.caustic_paths,
             indirect,
+            volume,
             notes,
         }
     }
@@ -99,6 +104,14 @@ impl fmt::Display for Plan {
         write!(f, "instances            {}", yes(self.instances))?;
         if let Some(choice) = &self.indirect {
             write!(f, "\nindirect light       {choice}")?;
+            for (name, aim) in ["global aim", "caustic aim"].into_iter().zip(&choice.aims) {
+                if let Some(aim) = aim {
+                    write!(f, "\n{name:<20} {aim}")?;
+                }
+            }
+        }
+        if let Some(choice) = &self.volume {
+            write!(f, "\nlight in media       {choice}")?;
         }
         self.notes.iter().try_for_each(|n| write!(f, "\nnote: {n}"))
     }

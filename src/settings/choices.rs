@@ -48,6 +48,10 @@ choice! {
     Lookup { Radius = "radius", Nearest = "nearest" }
 }
 choice! {
+    /// What light leaves in media.
+    Beams { Auto = "auto", Points = "points", Beams = "beams" }
+}
+choice! {
     /// What a camera path does with the share of light that a surface absorbs.
     Roulette { Absorb = "absorb", Retry = "retry", Renormalise = "renormalise" }
 }

@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::math::kernel::KernelKind;
 
-pub use choices::{Indirect, IntegratorKind, Lookup, Mode, Roulette};
+pub use choices::{Beams, Indirect, IntegratorKind, Lookup, Mode, Roulette};
 pub use numbers::{Cap, Count, Limit, Neighbours, Radius, Samples};
 use value::Value;
 
@@ -103,14 +103,19 @@ settings! {
     gather_rays: Samples = Samples(None), "a count or auto", "directions in which each camera path looks for indirect light with indirect=gather";
     photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels (at least 65536 with indirect=gather)";
     caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is the number of pixels";
+    volume_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass that leave photons in media; auto is the number of pixels, at least 65536";
     lookup: Lookup = Lookup::Radius, "radius or nearest", "density from all photons within the radius, or from the nearest ones";
     neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a global estimate when lookup=nearest; the farthest only bounds the disc";
     caustic_neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a caustic estimate when lookup=nearest";
     caustic_cap: Cap = Cap::NONE, "a whole number from 2, or -1", "most caustic photons of one estimate: the nearest are kept";
     radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "global search radius (of the first pass when progressive)";
     caustic_radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "caustic search radius (of the first pass when progressive)";
+    volume_radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "search radius across camera rays in media (of the first pass when progressive)";
+    volume_neighbours: u32 = 50, "a whole number from 1", "photons that volume_radius=auto lets a camera ray find; a tenth as many beams";
     alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction: share of new photons kept, global map";
     caustic_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction of the caustic map";
+    volume_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction in media";
+    beams: Beams = Beams::Auto, "auto, points or beams", "light in media from photons at collisions, or from the ways between them; auto takes beams where few photons collide";
     kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "weight of a photon by its distance, global map";
     caustic_kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "the same for the caustic map";
     caustic_map: bool = true, "true or false", "caustic photons in a map of their own";

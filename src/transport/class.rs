@@ -14,6 +14,8 @@
 //!
 //! The class of the path that has a medium where these have their first rough surface is always medium.
 //!
+//! Of emission, glints (`glint`) belong to photons of the caustic map instead.
+//!
 //! Both directions use it. A camera path carries the class that it has if it meets a lamp next; a light
 //! path carries the class that it has if it meets next the rough surface that the camera path ends at.
 

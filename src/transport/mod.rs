@@ -2,6 +2,7 @@
 //! through masks and media, Russian roulette, and the table of path classes.
 
 mod class;
+mod glint;
 pub mod media;
 pub mod roulette;
 mod vertex;
@@ -9,5 +10,6 @@ mod visibility;
 pub mod walk;
 
 pub use class::{Owner, PathClass};
+pub use glint::{Chain, Smallness};
 pub use vertex::Vertex;
 pub use visibility::{ray_to, shadow_ray, transparency, visibility};

@@ -53,6 +53,12 @@ pub fn light_survival(before: Color, after: Color, length: Length) -> f32 {
     length.cap(after.max_element() / before.max_element(), FORCED)
 }
 
+/// The same in a scene with media.
+#[inline(always)]
+pub fn light_survival_in_media(before: Color, after: Color, length: Length) -> f32 {
+    length.cap(after.max_element() / before.max_element(), FORCED_IN_MEDIA)
+}
+
 /// What a path carries if it goes on, which it does with probability `survival`; `None` when it ends.
 #[inline(always)]
 pub fn survivor(carried: Color, survival: f32, sampler: &mut Sampler) -> Option<Color> {

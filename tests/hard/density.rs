@@ -26,6 +26,7 @@ fn every_kernel_is_exact_for_uniform_light() {
             n: Vec3::Z,
             class: PathClass::Direct,
             depth: 1,
+            smallness: Default::default(),
         })
         .collect();
     let map = PhotonMap::build(&photons, 1.0);

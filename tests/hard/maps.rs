@@ -5,13 +5,21 @@ use caustica::math::{Color, Vec3};
 use caustica::photon::radius::shrinkage;
 use caustica::photon::{Photon, PhotonMap, Query};
 use caustica::render::Outcome;
-use caustica::transport::PathClass;
+use caustica::transport::{PathClass, Smallness};
 
 use super::{agree, record};
 use crate::support::{Estimate, Stage, UP, area, camera, diffuse, outcome, rectangle, scene, sphere};
 
 fn photon(p: Vec3) -> Photon {
-    Photon { p, flux: Color::ONE, wi: Vec3::Z, n: Vec3::Z, class: PathClass::Direct, depth: 1 }
+    Photon {
+        p,
+        flux: Color::ONE,
+        wi: Vec3::Z,
+        n: Vec3::Z,
+        class: PathClass::Direct,
+        depth: 1,
+        smallness: Smallness::default(),
+    }
 }
 
 fn found(map: &PhotonMap, p: Vec3, radius: f32) -> usize {

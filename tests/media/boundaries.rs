@@ -36,7 +36,8 @@ fn a_hundred_thousand_boundaries_are_passed() {
         let _ = writeln!(mesh, "v -90 -90 {z:.9}\nv 90 -90 {z:.9}\nv 0 90 {z:.9}\nf {corners}");
     }
     let fog = fog("interior", "1,0.5,0.2", "0,0,0", "");
-    let stack = format!("<shape type='obj'><string name='filename' value='a.obj'/><bsdf type='null'/>{fog}</shape>");
+    let stack =
+        format!("<shape type='obj'><string name='filename' value='a.obj'/><bsdf type='null'/>{fog}</shape>");
     let body = [eye("0,0,-1", 0.1, 1, ""), SKY.to_owned(), stack].concat();
     let stage = crate::support::scene_with_bytes(&body, vec![("a.obj", mesh.into_bytes())]);
     let picture = render(&stage, &[("integrator", "path")], 1);

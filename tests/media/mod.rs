@@ -1,8 +1,9 @@
-//! Participating media by path tracing: closed forms, conservation of energy, boundaries of all kinds.
+//! Participating media: closed forms, conservation of energy, boundaries of all kinds.
 
 mod boundaries;
 mod closed_forms;
 mod furnace;
+mod photons;
 
 use crate::support::{Estimate, Picture, assert_agree};
 

@@ -75,6 +75,12 @@ impl Starts {
         Some(Self { lamps, bins })
     }
 
+    /// By lamp, how many times as many paths it gets as by `power`.
+    pub fn times(&self, power: &Discrete) -> Vec<(usize, f32)> {
+        let times = |i: usize| self.lamps.probability(i) / power.probability(i);
+        (0..power.len()).filter(|&i| power.probability(i) > 0.0).map(|i| (i, times(i))).collect()
+    }
+
     /// The start that uniform numbers select.
     #[inline]
     pub fn sample(&self, power: &Discrete, pick: f32, place: Vec2, direction: Vec2) -> Start {

@@ -2,13 +2,15 @@
 //! settings leave it open.
 
 use std::fmt;
+use std::sync::Arc;
 
 use serde::Serialize;
 
 use super::super::Task;
-use super::pilot::{Parts, Reference, Seen};
-use super::{PhotonMapper, Plan};
-use crate::emitter::Aim;
+use super::pilot::{BuiltMap, Parts, Reference, Seen};
+use super::{PhotonMapper, Plan, VolumeChoice};
+use crate::emitter::{Aim, Aimed};
+use crate::photon::Clearance;
 use crate::photon::radius;
 use crate::photon::trace::Halt;
 use crate::sampling::mix;
@@ -44,8 +46,13 @@ const MOST_STORED: f64 = (1 << 21) as f64;
 /// Passes of the render that the pilot has in mind, in which radii shrink.
 const PASSES: u32 = 16;
 
-/// Where each map sends its light.
-pub(super) type Aims = [Option<Aim>; 2];
+/// What the pilot of the chosen estimator has measured for the render.
+pub(super) struct Known {
+    /// Where each map sends its light.
+    pub aims: [Option<Aim>; 2],
+    /// Where discs lie free.
+    pub clearance: Option<Arc<Clearance>>,
+}
 
 /// What a pilot found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,6 +67,8 @@ pub struct Choice {
     pub photons: u64,
     /// The same for the caustic map.
     pub caustic_photons: u64,
+    /// Where the paths of the global and of the caustic map are sent, if not as lamps emit.
+    pub aims: [Option<Aimed>; 2],
     /// Error × work of the other estimators, as a factor on that of the one that was taken.
     pub others: Vec<(String, f64)>,
 }
@@ -87,6 +96,8 @@ impl fmt::Display for Choice {
 struct Candidate<'a> {
     indirect: Indirect,
     mapper: PhotonMapper<'a>,
+    /// Maps of each pass.
+    built: Vec<[BuiltMap; 2]>,
     seen: Seen,
 }
 
@@ -102,26 +113,45 @@ struct Rated {
     at: usize,
 }
 
-/// The settings with choices made where they are open, and where light is sent if that is known already.
-pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Aims>) {
+/// The settings with choices made where they are open, and what is known then.
+pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Known>) {
     match choose(task, halts) {
-        Some((settings, _, aims)) => (settings, Some(aims)),
-        None => (without_choice(task.settings), None),
+        Some((settings, _, known)) => (settings, Some(known)),
+        None => (without_choice(&task), None),
     }
 }
 
-/// The maps of a render, and what the pilot chose where something was open.
-pub fn decided(task: Task<'_>) -> (Plan, Option<Choice>) {
-    let (settings, choice) = match choose(task, [Halt::default(); 2]) {
-        Some((settings, choice, _)) => (settings, Some(choice)),
-        None => (without_choice(task.settings), None),
-    };
-    (Plan::new(task.facts, &settings, task.view.film.pixel_count()), choice)
+/// What was decided before a render.
+#[derive(Clone, Debug)]
+pub struct Decided {
+    /// The maps.
+    pub plan: Plan,
+    /// How indirect light is computed, where that was open.
+    pub indirect: Option<Choice>,
+    /// What light leaves in media.
+    pub volume: Option<VolumeChoice>,
 }
 
-/// Settings where nothing has to be measured.
-fn without_choice(settings: &Settings) -> Settings {
-    let indirect = if settings.indirect == Indirect::Auto { Indirect::Density } else { settings.indirect };
+/// The maps of a render, and what pilots chose where something was open.
+pub fn decided(task: Task<'_>) -> Decided {
+    let (settings, choice) = match choose(task, [Halt::default(); 2]) {
+        Some((settings, choice, _)) => (settings, Some(choice)),
+        None => (without_choice(&task), None),
+    };
+    let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
+    let volume = plan.volume_map.then(|| {
+        let mut mapper = PhotonMapper::unmeasured(task, settings, [Halt::default(); 2]);
+        mapper.measure_media(&plan)
+    });
+    Decided { plan, indirect: choice, volume }
+}
+
+/// Settings where nothing has to be measured. In scenes with media, what is scattered in them is found along camera
+/// paths up to the first rough surface, and no farther.
+fn without_choice(task: &Task<'_>) -> Settings {
+    let settings = task.settings;
+    let open = settings.indirect == Indirect::Auto || task.facts.media;
+    let indirect = if open { Indirect::Density } else { settings.indirect };
     Settings { indirect, ..settings.clone() }
 }
 
@@ -133,6 +163,7 @@ fn is_open(task: &Task<'_>) -> bool {
         && (s.neighbours, s.alpha) == (d.neighbours, d.alpha);
     let plan = Plan::new(task.facts, s, task.view.film.pixel_count());
     s.indirect == Indirect::Auto
+        && !task.facts.media
         && s.mode == Mode::Progressive
         && s.nee
         && s.caustic_map
@@ -140,7 +171,7 @@ fn is_open(task: &Task<'_>) -> bool {
         && plan.global_map
 }
 
-fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice, Aims)> {
+fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice, Known)> {
     if !is_open(&task) {
         return None;
     }
@@ -152,14 +183,25 @@ fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice,
     let mut candidates: Vec<Candidate<'a>> = Vec::new();
     for &(indirect, rays) in ways {
         let mapper = pilot(task, halts, indirect, rays, &candidates);
-        let seen = mapper.look();
-        candidates.push(Candidate { indirect, mapper, seen });
+        let first = candidates.first();
+        let built = mapper.build_all(first.map(|first| (&first.built[..], same_maps(indirect))));
+        let seen = mapper.look(&built);
+        candidates.push(Candidate { indirect, mapper, built, seen });
     }
     let rated = rate(&task, &candidates, rays);
     let best = best(&rated)?;
-    let (settings, choice) = divide(&task, best, &rated);
+    let (settings, mut choice) = divide(&task, best, &rated);
     let chosen = candidates.swap_remove(best.at).mapper;
-    Some((settings, choice, [chosen.global.aim, chosen.caustic.aim]))
+    let power = &task.scene.emission;
+    choice.aims = chosen.maps().map(|map| map.aim.as_ref().map(|aim| aim.aimed(power)));
+    let known = Known { aims: [chosen.global.aim, chosen.caustic.aim], clearance: chosen.clearance };
+    Some((settings, choice, known))
+}
+
+/// Which maps of an estimator are those of the first one, which gathers: camera paths that go on read them at the same
+/// places.
+fn same_maps(indirect: Indirect) -> [bool; 2] {
+    [indirect == Indirect::Gather, true]
 }
 
 /// A mapper for the pilot, which takes over what others have measured.
@@ -184,15 +226,15 @@ fn pilot<'a>(
         ..task.settings.clone()
     };
     let mut mapper = PhotonMapper::unmeasured(task, settings, halts);
-    // Camera paths that go on read the maps at the same places; a map that is seen directly is read elsewhere.
-    let aims = match others.first() {
-        Some(Candidate { mapper, .. }) => {
-            let global = (indirect != Indirect::Density).then(|| mapper.global.aim.clone());
-            [global, Some(mapper.caustic.aim.clone())]
-        }
-        None => [None, None],
-    };
-    mapper.prepare(aims);
+    let first = others.first().map(|first| &first.mapper);
+    let same = same_maps(indirect);
+    let maps = first.map_or([None; 2], |first| first.maps().map(Some));
+    let known = [0, 1].map(|i| maps[i].filter(|_| same[i]));
+    // A map that is seen directly is read elsewhere. But if nothing was gained for all light, little will be for most.
+    let none = first.is_some_and(|first| first.global.wanted() && first.global.aim.is_none());
+    let aims = [none.then_some(None), None];
+    mapper.clearance = first.and_then(|first| first.clearance.clone());
+    mapper.prepare(aims, known);
     mapper
 }
 
@@ -317,6 +359,7 @@ fn report(settings: &Settings, plan: &Plan, best: Rated, all: &[Rated]) -> Choic
         camera_samples: settings.camera_samples.0,
         photons: count(settings.photons, plan.global_paths),
         caustic_photons: count(settings.caustic_photons, plan.caustic_paths),
+        aims: [None, None],
         others: others.map(|r| (r.indirect.to_string(), r.error / best.error)).collect(),
     }
 }

@@ -35,10 +35,22 @@ impl PhotonMapper<'_> {
         }
         let side = scene.photon_side(vertex.surface, vertex.back);
         let at = GatherPoint { vertex, side, throughput, max_photon_depth: left };
+        self.read(maps, &at, sampler, scratch, out);
+    }
+
+    /// Adds what the maps of surfaces say.
+    pub(super) fn read(
+        &self,
+        maps: &Maps,
+        at: &GatherPoint<'_>,
+        sampler: &mut Sampler,
+        scratch: &mut Scratch,
+        out: &mut Radiance,
+    ) {
         for map in [&maps.global, &maps.caustic].into_iter().flatten() {
             let rays = &mut scratch.rays;
-            let boundary = settings.boundary.then_some(Boundary { scene, facts, sampler, rays });
-            map.estimator.estimate(&map.photons, &at, boundary, &mut scratch.gather, out);
+            let boundary = self.surroundings().map(|around| Boundary { around, sampler, rays });
+            map.estimator.estimate(&map.photons, at, boundary, &mut scratch.gather, out);
         }
     }
 }

@@ -53,6 +53,8 @@ pub(super) struct Map {
     pub paths: u64,
     /// Search radius of the first pass; 0 where it was to be measured and the map is not needed.
     pub radius: f32,
+    /// The same for glints.
+    pub glint_radius: f32,
     /// Photons of pass 0 that were traced to measure their density.
     pub pilot: Mutex<Option<Traced>>,
 }
@@ -64,6 +66,8 @@ pub(super) struct PassMap {
     pub photons: PhotonMap,
     /// How it is read.
     pub estimator: Estimator,
+    /// Glints, and how they are read.
+    pub glints: Option<(PhotonMap, Estimator)>,
     /// Known beforehand at some places.
     pub irradiance: Option<Irradiance>,
 }
@@ -105,7 +109,7 @@ impl Map {
     }
 
     fn new(settings: MapSettings, job: TraceJob) -> Self {
-        Self { settings, job, aim: None, paths: 0, radius: 0.0, pilot: Mutex::default() }
+        Self { settings, job, aim: None, paths: 0, radius: 0.0, glint_radius: 0.0, pilot: Mutex::default() }
     }
 
     /// Whether the scene needs it.
@@ -116,6 +120,11 @@ impl Map {
     /// Whose photons it holds.
     pub fn owner(&self) -> Owner {
         self.job.owner
+    }
+
+    /// Whether it holds the photons of glints.
+    pub fn has_glints(&self) -> bool {
+        self.job.glints && self.wanted()
     }
 
     /// Whether camera paths read it at their first rough surface.
@@ -169,9 +178,9 @@ impl Map {
         TraceJob { key: mix(self.job.key ^ (u64::from(pass) << 2 | map)), paths, ..self.job }
     }
 
-    /// Radius of pass i: computed from i alone, so that passes can run in any order.
-    fn radius_of(&self, pass: u32) -> f32 {
-        let first = f64::from(self.radius);
+    /// Radius of pass i, which is `first` in pass 0: computed from i alone, so that passes can run in any order.
+    fn radius_of(&self, pass: u32, first: f32) -> f32 {
+        let first = f64::from(first);
         let shrunk = match self.settings.mode {
             Mode::Classic => first,
             Mode::Progressive => first * radius::shrinkage(pass, f64::from(self.settings.alpha)).sqrt(),
@@ -198,25 +207,33 @@ impl Map {
         stats.trace_seconds += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let s = &self.settings;
-        let radius = self.radius_of(pass);
+        let radius = self.radius_of(pass, self.radius);
         let lobes = Range::rough(task.settings.glossy);
         let estimator =
             Estimator { lobes, ..Estimator::new(s.kernel, radius, s.lookup, s.neighbours, s.cap) };
         let photons = match s.lookup {
-            Lookup::Nearest => PhotonMap::build_for_nearest(&traced.photons, estimator.cap, radius),
-            Lookup::Radius => PhotonMap::build(&traced.photons, 2.0 * radius),
+            Lookup::Nearest => PhotonMap::build_for_nearest(traced.photons, estimator.cap, radius),
+            Lookup::Radius => PhotonMap::build(traced.photons, 2.0 * radius),
         };
+        let glints = self.has_glints().then(|| {
+            let radius = self.radius_of(pass, self.glint_radius);
+            let lobes = Range::glossy(task.settings.glossy);
+            let photons = PhotonMap::build(traced.glints, 2.0 * radius);
+            (photons, Estimator { lobes, radius, cap: usize::MAX, ..estimator })
+        });
+        let glint_photons = glints.as_ref().map_or(0, |(map, _)| map.len());
+        let glint_bytes = glints.as_ref().map_or(0, |(map, _)| map.bytes());
         stats.build_seconds += start.elapsed().as_secs_f64();
         stats.light_paths += traced.paths;
-        stats.photons += photons.len() as u64;
+        stats.photons += (photons.len() + glint_photons) as u64;
         stats.photon_rays += traced.rays;
         stats.rejected.add(&traced.rejected);
-        stats.map_bytes += photons.bytes() as u64;
+        stats.map_bytes += (photons.bytes() + glint_bytes) as u64;
         match self.owner() {
             Owner::CausticMap => stats.caustic_radius = radius,
             _ => stats.radius = radius,
         }
-        Some(PassMap { photons, estimator, irradiance: None })
+        Some(PassMap { photons, estimator, glints, irradiance: None })
     }
 
     /// Random numbers of the places of a pass where the map is read beforehand.
@@ -225,7 +242,8 @@ impl Map {
     }
 }
 
-fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
+/// What the light paths of a map are traced for.
+pub(super) fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
     let all = s.indirect == Indirect::Gather && owner == Owner::GlobalMap;
     TraceJob {
         key: mix(s.seed ^ 0x9d07_0b5e),
@@ -234,7 +252,9 @@ fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
         all,
         next_event: s.nee,
         caustic_map: plan.caustic_map,
+        beams: false,
         glossy: s.glossy,
+        glints: plan.glints && owner == Owner::CausticMap,
         // Behind two rough surfaces the camera path has one segment more; no limit stays none.
         max_depth: if all && s.max_depth != Limit::NONE {
             s.max_depth.0.saturating_sub(1)

@@ -6,28 +6,34 @@
 
 mod choice;
 mod gather;
+mod glints;
 mod maps;
+mod medium;
 mod onward;
 mod pilot;
 mod places;
 mod plan;
 mod prepare;
+mod volume;
 mod walk;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use super::{CameraSample, Integrator, PassStats, Scratch, Task};
+use super::{CameraSample, Integrator, PassStats, Scratch, Task, VolumePathTracer};
 use crate::bsdf::Range;
 use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::Halt;
+use crate::photon::{Clearance, Surroundings};
 use crate::sampling::mix;
 use crate::settings::{Indirect, Mode, Settings};
 
-pub use choice::{Choice, decided};
+pub use choice::{Choice, Decided, decided};
 use maps::{Map, PassMap};
 pub use onward::Onward;
 pub use plan::Plan;
+pub use volume::VolumeChoice;
+use volume::{PassVolume, VolumeMap};
 
 /// Numbers that every pass uses.
 #[derive(Debug)]
@@ -39,15 +45,21 @@ pub struct PhotonMapper<'a> {
     halts: [Halt<'a>; 2],
     global: Map,
     caustic: Map,
+    /// Where discs lie free.
+    clearance: Option<Arc<Clearance>>,
+    volume: VolumeMap,
+    /// Finds what media scatter once, in scenes with media.
+    single: Option<VolumePathTracer<'a>>,
     /// Classic mode traces once.
     kept: OnceLock<Arc<Maps>>,
 }
 
 /// The maps of a pass.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Maps {
-    global: Option<PassMap>,
-    caustic: Option<PassMap>,
+    global: Option<Arc<PassMap>>,
+    caustic: Option<Arc<PassMap>>,
+    volume: Option<PassVolume>,
 }
 
 /// Light paths of the pilot that tells how many photons a pass will leave.
@@ -66,16 +78,23 @@ impl<'a> PhotonMapper<'a> {
 
     /// [`PhotonMapper::new`] with one limit for pass 0 and what is measured before it, and one for the passes after it.
     pub fn halting(task: Task<'a>, halts: [Halt<'a>; 2]) -> Self {
-        let (settings, aims) = choice::settled(task, halts);
+        let (settings, known) = choice::settled(task, halts);
         let mut mapper = Self::unmeasured(task, settings, halts);
-        mapper.prepare(aims.map_or([None, None], |aims| aims.map(Some)));
+        let aims = known.map(|known| {
+            mapper.clearance = known.clearance;
+            known.aims.map(Some)
+        });
+        mapper.prepare(aims.unwrap_or_default(), [None; 2]);
         mapper
     }
 
     fn unmeasured(task: Task<'a>, settings: Settings, halts: [Halt<'a>; 2]) -> Self {
         let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
         let (global, caustic) = (Map::global(&settings, &plan), Map::caustic(&settings, &plan));
-        Self { task, settings, halts, global, caustic, kept: OnceLock::new() }
+        let volume = VolumeMap::new(&settings, &plan);
+        let single = task.facts.media.then(|| VolumePathTracer::once(task));
+        let kept = OnceLock::new();
+        Self { task, settings, halts, global, caustic, clearance: None, volume, single, kept }
     }
 
     /// The task with the settings that are in use.
@@ -102,22 +121,27 @@ impl<'a> PhotonMapper<'a> {
 
     /// A map of a pass; one that is not seen directly is read beforehand at some of the places where camera paths
     /// will read it.
-    fn build(&self, map: &Map, pass: u32, halt: Halt<'_>, stats: &mut PassStats) -> Option<PassMap> {
+    fn build(&self, map: &Map, pass: u32, halt: Halt<'_>, stats: &mut PassStats) -> Option<Arc<PassMap>> {
         let mut built = map.build(&self.task(), pass, halt, stats)?;
         if !map.seen_directly() {
             let start = Instant::now();
             let key = map.key_of_places(pass);
             let count = (map.paths / 2).clamp(1024, u64::from(u32::MAX)) as u32;
-            let places = self.second_places(key, count);
-            let (scene, facts, boundary) = (self.task.scene, self.task.facts, self.settings.boundary);
-            let (known, rays) =
-                Irradiance::of(&places, &built.photons, &built.estimator, scene, facts, boundary, mix(key));
+            let (places, found) = self.second_places(key, count);
+            let around = self.surroundings();
+            let (known, rays) = Irradiance::of(&places, &built.photons, &built.estimator, around, mix(key));
             stats.build_seconds += start.elapsed().as_secs_f64();
-            stats.photon_rays += rays;
+            stats.photon_rays += found + rays;
             stats.map_bytes += known.bytes() as u64;
             built.irradiance = Some(known);
         }
-        Some(built)
+        Some(Arc::new(built))
+    }
+
+    /// What the boundary test looks at, unless it is off.
+    fn surroundings(&self) -> Option<Surroundings<'_>> {
+        let (scene, facts, clearance) = (self.task.scene, self.task.facts, self.clearance.as_deref());
+        self.settings.boundary.then_some(Surroundings { scene, facts, clearance })
     }
 
     /// Lobes that light is gathered from photons for.
@@ -156,7 +180,9 @@ impl Integrator for PhotonMapper<'_> {
         let mut make = |pass| {
             let halt = self.halts[usize::from(pass > 0)];
             let mut build = |map: &Map| self.build(map, pass, halt, &mut stats);
-            Arc::new(Maps { global: build(&self.global), caustic: build(&self.caustic) })
+            let (global, caustic) = (build(&self.global), build(&self.caustic));
+            let volume = self.volume.build(self.task.scene, pass, halt, &mut stats);
+            Arc::new(Maps { global, caustic, volume })
         };
         let maps = match self.settings.mode {
             Mode::Progressive => make(pass),
@@ -166,6 +192,10 @@ impl Integrator for PhotonMapper<'_> {
     }
 
     fn sample(&self, maps: &Arc<Maps>, samples: &mut [CameraSample], scratch: &mut Scratch) {
+        if self.task.facts.media {
+            samples.iter_mut().for_each(|sample| self.trace_in_media(maps, sample, scratch));
+            return;
+        }
         if self.settings.indirect != Indirect::Density {
             self.go_on(maps, samples, scratch);
             return;

@@ -21,7 +21,7 @@ use crate::scene::{Hit, Surface};
 use crate::settings::Indirect;
 use crate::transport::roulette::Length;
 use crate::transport::walk::Next;
-use crate::transport::{PathClass, Vertex, roulette};
+use crate::transport::{Chain, PathClass, Vertex, roulette};
 
 /// Radii that lie between two rough surfaces at least, for the map to be read at the second: nearer, the first
 /// one sees how the map is blurred.
@@ -43,7 +43,9 @@ struct Walk {
     class: PathClass,
     /// The same, of the path since its last rough surface.
     since: PathClass,
-    /// Density and place of the last rough or glossy scattering; 0 where lamps count in full.
+    /// Glossy and specular surfaces so far.
+    chain: Chain,
+    /// Density of the last rough or glossy scattering; 0 where lamps count in full. Place of the last scattering.
     pdf: f32,
     from: Vec3,
     /// Length since the last rough surface.
@@ -61,6 +63,7 @@ impl Walk {
             eta: 1.0,
             class: PathClass::FROM_CAMERA,
             since: PathClass::FROM_CAMERA,
+            chain: Chain::default(),
             pdf: 0.0,
             from: Vec3::ZERO,
             reach: 0.0,
@@ -168,6 +171,7 @@ impl PhotonMapper<'_> {
             through: self.task.view.hidden_lamps_are_transparent && !walk.seen,
             pdf: walk.pdf,
             from: walk.from,
+            left: walk.chain.on_the_way(),
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
         let length = hit.map_or(0.0, |hit| hit.t * ray.d.length());
@@ -188,6 +192,12 @@ impl PhotonMapper<'_> {
         // Light that a glossy surface sends to a rough one is the caustic map's.
         if (walk.at_first() || !caustics) && vertex.closure.has_smooth(vertex.wi, self.glossy()) {
             self.direct_light(stage, &vertex, walk, Color::ONE, Event::Glossy, sample);
+            if walk.at_first() && walk.chain.is_empty() {
+                let (mut rays, path) = (0, (walk.throughput, walk.depth));
+                let (sampler, out) = (&mut walk.sampler, &mut sample.out);
+                self.glints(stage.maps, &vertex, path, sampler, &mut rays, stage.gather, out);
+                stage.shadows.count(rays);
+            }
         }
         match self.step(&vertex, &mut walk.sampler) {
             Step::Gather(weight) => {
@@ -195,7 +205,7 @@ impl PhotonMapper<'_> {
                 *ray = next;
             }
             Step::Follow { wo, weight, eta, density } => {
-                follow(walk, &s, weight, eta, density);
+                follow(walk, &s, weight, eta, density, self.caustic.has_glints());
                 *ray = s.leave(s.frame.to_world(wo));
             }
             Step::End => return false,
@@ -219,6 +229,9 @@ impl PhotonMapper<'_> {
         let lobes = if event == Event::Glossy { self.glossy() } else { self.rough() };
         let found = propose(scene, facts, vertex, lobes, true, left, &mut walk.sampler);
         let Some(light) = found else { return };
+        if event == Event::Glossy && walk.chain.leaves(light.light.pdf) {
+            return;
+        }
         let layer = walk.class.after_camera_event(event).layer();
         let value = walk.throughput * weight * light.value;
         stage.shadows.send(scene, facts, vertex, &light, (walk.sample, layer, value), left, sample);
@@ -252,6 +265,7 @@ impl PhotonMapper<'_> {
         self.direct_light(stage, vertex, walk, weight, Event::Smooth, sample);
         walk.throughput = at.throughput;
         walk.class = walk.class.after_camera_event(Event::Smooth);
+        walk.chain = Chain::default();
         (walk.since, walk.reach, walk.from) = (PathClass::Direct, 0.0, vertex.surface.p);
         let branches = match gathers {
             Some(_) if first => settings.gather_rays.0.unwrap_or(GATHER_RAYS),
@@ -283,11 +297,10 @@ impl PhotonMapper<'_> {
         sample: &mut CameraSample,
     ) {
         let Some(map) = &stage.maps.caustic else { return };
-        let (scene, facts) = (self.task.scene, self.task.facts);
         let mut rays = 0;
-        let corrected = self.settings.boundary && walk.at_first();
+        let around = self.surroundings().filter(|_| walk.at_first());
         let sampler = &mut walk.sampler;
-        let boundary = corrected.then_some(Boundary { scene, facts, sampler, rays: &mut rays });
+        let boundary = around.map(|around| Boundary { around, sampler, rays: &mut rays });
         let mut found = Radiance::default();
         map.estimator.estimate(&map.photons, at, boundary, stage.gather, &mut found);
         stage.shadows.count(rays);
@@ -308,9 +321,8 @@ impl PhotonMapper<'_> {
         if map.irradiance.as_ref().is_some_and(|known| known.add(at, map.estimator.radius, gather, out)) {
             return;
         }
-        let (scene, facts, sampler) = (self.task.scene, self.task.facts, &mut walk.sampler);
-        let mut rays = 0;
-        let boundary = self.settings.boundary.then_some(Boundary { scene, facts, sampler, rays: &mut rays });
+        let (sampler, mut rays) = (&mut walk.sampler, 0);
+        let boundary = self.surroundings().map(|around| Boundary { around, sampler, rays: &mut rays });
         map.estimator.estimate(&map.photons, at, boundary, gather, out);
         stage.shadows.count(rays);
     }
@@ -344,20 +356,18 @@ fn scatter(vertex: &Vertex<'_>, walk: &mut Walk, lobes: Range) -> Option<Ray> {
 
 /// The path leaves straight on, or by a specular or glossy lobe.
 #[inline(always)]
-fn follow(walk: &mut Walk, s: &Surface, weight: Color, eta: f32, density: Density) {
+fn follow(walk: &mut Walk, s: &Surface, weight: Color, eta: f32, density: Density, glints: bool) {
     walk.throughput *= weight;
     walk.eta *= eta;
-    let event = match density {
-        Density::Kept => Event::Null,
-        Density::Specular => {
-            walk.pdf = 0.0;
-            Event::Delta
-        }
-        Density::Glossy(pdf) => {
-            (walk.pdf, walk.from) = (pdf, s.p);
-            Event::Glossy
-        }
-    };
+    match density {
+        Density::Kept => {}
+        Density::Specular => (walk.pdf, walk.from) = (0.0, s.p),
+        Density::Glossy(pdf) => (walk.pdf, walk.from) = (pdf, s.p),
+    }
+    let event = density.event();
+    if glints && walk.at_first() {
+        walk.chain = walk.chain.after(event, walk.pdf);
+    }
     walk.class = walk.class.after_camera_event(event);
     walk.since = walk.since.after_camera_event(event);
 }

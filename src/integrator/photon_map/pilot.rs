@@ -1,10 +1,12 @@
 //! What error an estimator leaves and what work it is, measured before the render on patches of the picture that
 //! are spread over it. Work is counted, never timed: a resumed render measures the same.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::super::{CameraSample, Integrator, PassStats, Scratch};
-use super::maps::Map;
+use super::maps::{Map, PassMap};
 use super::{Maps, PhotonMapper};
 use crate::film::{Layer, Radiance};
 use crate::math::Vec2;
@@ -93,15 +95,27 @@ pub(super) struct Seen {
 
 /// What building a map took: work, light paths (none where there is no map) and photons.
 #[derive(Clone, Copy, Debug, Default)]
-struct Built {
+pub(super) struct Built {
     work: f64,
     paths: u64,
     photons: u64,
 }
 
+/// A map, if there is one, and what it took.
+pub(super) type BuiltMap = (Option<Arc<PassMap>>, Built);
+
 impl PhotonMapper<'_> {
-    /// Samples the patches.
-    pub(super) fn look(&self) -> Seen {
+    /// Maps for all passes, of which `same` are taken from those of another estimator.
+    pub(super) fn build_all(&self, others: Option<(&[[BuiltMap; 2]], [bool; 2])>) -> Vec<[BuiltMap; 2]> {
+        let build = |pass: usize, i: usize| match others {
+            Some((built, same)) if same[i] => built[pass][i].clone(),
+            _ => self.build_counted(self.maps()[i], pass as u32),
+        };
+        (0..PASSES).map(|pass| [0, 1].map(|i| build(pass, i))).collect()
+    }
+
+    /// Samples the patches with the maps of all passes.
+    pub(super) fn look(&self, built: &[[BuiltMap; 2]]) -> Seen {
         let [_, _, width, height] = self.task.view.film.crop;
         let size = [width.min(SIDE), height.min(SIDE)];
         let patches = self.patches(size);
@@ -113,14 +127,13 @@ impl PhotonMapper<'_> {
             maps: Default::default(),
         };
         let mut rays = 0.0;
-        for pass in 0..PASSES as u32 {
-            let [(global, a), (caustic, b)] = self.maps().map(|map| self.build_counted(map, pass));
+        for [(global, a), (caustic, b)] in built.iter().cloned() {
             for (sum, one) in seen.maps.iter_mut().zip([a, b]) {
                 sum.work += one.work;
                 sum.paths += one.paths;
                 sum.photons += one.photons;
             }
-            let maps = std::sync::Arc::new(Maps { global, caustic });
+            let maps = Arc::new(Maps { global, caustic, volume: None });
             let looks: Vec<(Vec<Light>, f64)> =
                 patches.par_iter().map(|&patch| self.look_at(&maps, patch, size)).collect();
             for (light, work) in looks {
@@ -133,7 +146,7 @@ impl PhotonMapper<'_> {
     }
 
     /// A map of a pass and what it took.
-    fn build_counted(&self, map: &Map, pass: u32) -> (Option<super::maps::PassMap>, Built) {
+    fn build_counted(&self, map: &Map, pass: u32) -> BuiltMap {
         let mut stats = PassStats::default();
         let built = self.build(map, pass, self.halts[0], &mut stats);
         let places = built.as_ref().and_then(|m| m.irradiance.as_ref()).map_or(0, |known| known.count());
@@ -159,7 +172,7 @@ impl PhotonMapper<'_> {
             .collect()
     }
 
-    fn look_at(&self, maps: &std::sync::Arc<Maps>, patch: Patch, size: [u32; 2]) -> (Vec<Light>, f64) {
+    fn look_at(&self, maps: &Arc<Maps>, patch: Patch, size: [u32; 2]) -> (Vec<Light>, f64) {
         let view = self.task.view;
         let full = Vec2::new(view.film.width as f32, view.film.height as f32);
         let mut samples = Vec::new();

@@ -22,24 +22,33 @@ impl PhotonMapper<'_> {
         (0..side * side)
             .filter_map(|i| {
                 let sampler = Sampler::new(mix(self.settings.seed ^ 0x007a_d105), i);
-                self.rough_place(Vec2::new(at(i % side), at(i / side)), sampler, 0)
+                self.rough_place(Vec2::new(at(i % side), at(i / side)), sampler, 0, &mut 0)
             })
             .collect()
     }
 
     /// Second rough surfaces of `count` camera paths all over the picture: paths of one `key` are stratified. They lie as
-    /// densely everywhere as camera paths end there, whether it is bright or dark.
-    pub(super) fn second_places(&self, key: u64, count: u32) -> Vec<radius::Place> {
+    /// densely everywhere as camera paths end there, whether it is bright or dark. Counts rays.
+    pub(super) fn second_places(&self, key: u64, count: u32) -> (Vec<radius::Place>, u64) {
         let place = |i: u32| {
             let mut sampler = Sampler::new(key, i);
             let film = sampler.next_2d();
-            self.rough_place(film, sampler, 1)
+            let mut rays = 0;
+            (self.rough_place(film, sampler, 1, &mut rays), rays)
         };
-        (0..count).into_par_iter().with_min_len(256).filter_map(place).collect()
+        let (places, rays): (Vec<_>, Vec<u64>) =
+            (0..count).into_par_iter().with_min_len(256).map(place).unzip();
+        (places.into_iter().flatten().collect(), rays.iter().sum())
     }
 
     /// The rough surface behind `behind` others on a camera path from a position of the rendered part, in [0, 1]².
-    fn rough_place(&self, at: Vec2, mut sampler: Sampler, behind: u32) -> Option<radius::Place> {
+    fn rough_place(
+        &self,
+        at: Vec2,
+        mut sampler: Sampler,
+        behind: u32,
+        rays: &mut u64,
+    ) -> Option<radius::Place> {
         let (scene, view, settings) = (self.task.scene, self.task.view, &self.settings);
         let [x0, y0, w, h] = view.film.crop.map(|v| v as f32);
         let full = Vec2::new(view.film.width as f32, view.film.height as f32);
@@ -50,6 +59,7 @@ impl PhotonMapper<'_> {
         let mut lamps = if hidden { Lamps::Transparent } else { Lamps::Solid };
         let mut left = behind;
         for _ in 0..LONGEST {
+            *rays += 1;
             let hit = scene.geometry.closest(&ray)?;
             length += hit.t * ray.d.length();
             let s = match walk::arrive(scene, &mut ray, Some(&hit), lamps) {

@@ -9,6 +9,9 @@ const LEAST_PATHS: u64 = 1024;
 /// The same for a map that is read at the second rough surface: what it costs is shared by many lookups.
 const LEAST_GATHERED: u64 = 1 << 16;
 
+/// The same for photons in media: volumes are larger than surfaces.
+const LEAST_IN_MEDIA: u64 = 1 << 14;
+
 /// The photon maps of a render; what is not needed is neither traced nor stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
@@ -16,12 +19,18 @@ pub struct Plan {
     pub global_map: bool,
     /// Photons through mirrors and glass, in a map of their own.
     pub caustic_map: bool,
+    /// The caustic map also has photons on glossy surfaces.
+    pub glints: bool,
     /// Light through specular surfaces exists, in whichever map.
     pub caustics: bool,
     /// Light paths a pass; 0 where no map is needed.
     pub global_paths: Count,
     /// The same for the caustic map.
     pub caustic_paths: Count,
+    /// Photons or beams in media.
+    pub volume_map: bool,
+    /// The same for these.
+    pub volume_paths: Count,
 }
 
 impl Plan {
@@ -29,9 +38,12 @@ impl Plan {
     pub const NOTHING: Self = Self {
         global_map: false,
         caustic_map: false,
+        glints: false,
         caustics: false,
         global_paths: Count::Paths(0),
         caustic_paths: Count::Paths(0),
+        volume_map: false,
+        volume_paths: Count::Paths(0),
     };
 
     /// For a picture of `pixels` pixels, which automatic path counts follow.
@@ -53,6 +65,8 @@ impl Plan {
             given => given,
         };
         let caustic_map = caustics && settings.caustic_map;
+        // Without next event estimation it holds single scattering as well.
+        let volume_map = lit && facts.media_scatter && deepest >= if settings.nee { 3 } else { 2 };
         // Most caustic paths end at the first rough surface, after one ray: four times as many cost the
         // same, and what they show is sharper.
         let pixels = pixels as u64;
@@ -60,6 +74,9 @@ impl Plan {
         Self {
             global_map,
             caustic_map,
+            glints: caustic_map
+                && !facts.media
+                && facts.roughness.is_some_and(|[least, _]| least < settings.glossy),
             caustics,
             global_paths: paths(
                 global_map || (caustics && !caustic_map && !traced),
@@ -67,6 +84,8 @@ impl Plan {
                 global,
             ),
             caustic_paths: paths(caustic_map, settings.caustic_photons, pixels),
+            volume_map,
+            volume_paths: paths(volume_map, settings.volume_photons, pixels.max(LEAST_IN_MEDIA)),
         }
     }
 
@@ -75,6 +94,9 @@ impl Plan {
         let mut notes = Vec::new();
         if !facts.sharper_than(settings.glossy) {
             notes.push("no specular surface: no caustic map".to_owned());
+        }
+        if facts.media {
+            notes.push("media: light of surfaces from photons at the first rough surface".to_owned());
         }
         if settings.nee && settings.max_depth.0 == 2 {
             notes.push("max_depth 2 is direct light only: no photon map".to_owned());

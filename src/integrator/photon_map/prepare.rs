@@ -1,12 +1,15 @@
 //! Before the first pass: where light is sent, how many light paths a pass traces, and the
 //! first search radii.
 
-use super::PhotonMapper;
+use std::sync::Arc;
+
+use super::super::Task;
 use super::maps::Map;
+use super::{PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::Aim;
 use crate::photon::aim::Sights;
-use crate::photon::radius;
 use crate::photon::trace::{Halt, Traced};
+use crate::photon::{Clearance, Stored, radius};
 use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Radius};
 use crate::transport::Owner;
@@ -26,13 +29,18 @@ const MOST_PATHS_A_PHOTON: u64 = 100;
 const MOST_COST: f64 = 8.0;
 
 impl PhotonMapper<'_> {
-    /// Measures what the settings leave open. Where `aims` of a map are given they are taken.
-    pub(super) fn prepare(&mut self, aims: [Option<Option<Aim>>; 2]) {
+    /// Measures what the settings leave open. Where the `aims` of a map are given they are taken, and from a map that is
+    /// the `same` all that was measured.
+    pub(super) fn prepare(&mut self, aims: [Option<Option<Aim>>; 2], same: [Option<&Map>; 2]) {
         let wanted = self.maps().iter().any(|map| map.wanted());
         let places = if wanted { self.gather_places() } else { Vec::new() };
         let sights = self.sights(&places);
         let (scene, halt) = (self.task.scene, self.halts[0]);
-        for (map, aim) in [&mut self.global, &mut self.caustic].into_iter().zip(aims) {
+        for ((map, aim), same) in [&mut self.global, &mut self.caustic].into_iter().zip(aims).zip(same) {
+            if let Some(same) = same {
+                map.take_measures(same);
+                continue;
+            }
             match aim {
                 Some(known) => map.aim = known,
                 None => map.take_aim(scene, &sights, halt),
@@ -40,6 +48,21 @@ impl PhotonMapper<'_> {
             map.count_paths(scene, halt);
             map.measure(scene, &places, halt);
         }
+        let widest = self.global.radius.max(self.caustic.radius);
+        if self.settings.boundary && widest > 0.0 {
+            self.clearance.get_or_insert_with(|| Arc::new(Clearance::new(widest)));
+        }
+        let plan = Plan::new(self.task.facts, &self.settings, self.task.view.film.pixel_count());
+        if plan.volume_map {
+            self.measure_media(&plan);
+        }
+    }
+
+    /// Measures what the settings leave open of light in media.
+    pub(super) fn measure_media(&mut self, plan: &Plan) -> VolumeChoice {
+        let (segments, pixel) = self.segments();
+        let task = Task { settings: &self.settings, ..self.task };
+        self.volume.measure(&task, plan, (&segments, pixel), self.halts[0])
     }
 
     /// What the camera sees, for [`Map::take_aim`].
@@ -52,6 +75,11 @@ impl PhotonMapper<'_> {
 }
 
 impl Map {
+    fn take_measures(&mut self, same: &Self) {
+        self.aim.clone_from(&same.aim);
+        (self.paths, self.radius, self.glint_radius) = (same.paths, same.radius, same.glint_radius);
+    }
+
     /// Decides how many light paths a pass traces.
     fn count_paths(&mut self, scene: &Scene, halt: Halt<'_>) {
         self.paths = match self.settings.planned {
@@ -90,6 +118,10 @@ impl Map {
                 let traced = self.trace(scene, 0, self.paths, halt);
                 let pixel = radius::pixel(gather_places);
                 let mut found = self.radius_for(&traced, gather_places, scene.sphere.radius);
+                if self.has_glints() {
+                    let glints = dense_quarter(&traced.glints, scene.sphere.radius);
+                    self.glint_radius = radius::clamped(glints, pixel, scene.sphere.radius);
+                }
                 let before = self.paths;
                 if self.seen_directly()
                     && self.owner() == Owner::GlobalMap
@@ -109,6 +141,9 @@ impl Map {
                 radius::clamped(found, pixel, scene.sphere.radius)
             }
         };
+        if self.glint_radius == 0.0 {
+            self.glint_radius = self.radius;
+        }
     }
 
     /// The radius in which an estimate finds its photons.
@@ -121,8 +156,12 @@ impl Map {
             return radius::measured(&traced.photons, gather_places, radius::FOR_SIGHT, 0.5, scene_radius);
         }
         // Caustics are sharp where their photons crowd: their radius follows the densest quarter.
-        let places = radius::photon_places(&traced.photons);
-        let wanted = radius::for_caustics(traced.photons.len());
-        radius::measured(&traced.photons, &places, wanted, 0.25, scene_radius)
+        dense_quarter(&traced.photons, scene_radius)
     }
+}
+
+/// The radius in which a quarter of the photons of caustics find the others that an estimate wants.
+fn dense_quarter(photons: &Stored, scene_radius: f32) -> f32 {
+    let wanted = radius::for_caustics(photons.len());
+    radius::measured(photons, &radius::photon_places(photons), wanted, 0.25, scene_radius)
 }

@@ -1,16 +1,16 @@
 //! A camera path: through mirrors, glass and glossy surfaces to the first rough one.
 
 use super::super::Scratch;
-use super::super::direct::next_event;
+use super::super::direct::propose;
 use super::super::sight::{Carried, Sight};
 use super::{Maps, PhotonMapper};
-use crate::bsdf::{DeltaLobe, Transport};
+use crate::bsdf::{DeltaLobe, Event, Transport};
 use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::transport::roulette::Length;
 use crate::transport::walk::Next;
-use crate::transport::{PathClass, Vertex, roulette};
+use crate::transport::{Chain, PathClass, Vertex, roulette, visibility};
 
 /// What a camera path does at a surface.
 pub(super) enum Step {
@@ -33,6 +33,17 @@ pub(super) enum Density {
     Glossy(f32),
 }
 
+impl Density {
+    /// What scattered.
+    pub fn event(self) -> Event {
+        match self {
+            Self::Kept => Event::Null,
+            Self::Specular => Event::Delta,
+            Self::Glossy(_) => Event::Glossy,
+        }
+    }
+}
+
 impl PhotonMapper<'_> {
     /// What a camera ray brings.
     pub(super) fn trace(
@@ -49,13 +60,20 @@ impl PhotonMapper<'_> {
         let mut eta = 1.0f32;
         let mut depth = 0u32;
         let mut seen = false;
-        // Density and place of the last glossy scattering; 0 where lamps count in full.
+        // Density of the last glossy scattering; 0 where lamps count in full. Place of the last scattering.
         let (mut pdf, mut from) = (0.0f32, Vec3::ZERO);
+        let mut chain = Chain::default();
         while depth < max_depth {
             depth += 1;
             scratch.rays += 1;
             let lamps = seen || !settings.hide_emitters;
-            let sight = Sight { lamps, through: self.task.view.hidden_lamps_are_transparent, pdf, from };
+            let sight = Sight {
+                lamps,
+                through: self.task.view.hidden_lamps_are_transparent,
+                pdf,
+                from,
+                left: chain.on_the_way(),
+            };
             let hit = scene.geometry.closest(&ray);
             let s = match sight.meet(scene, &mut ray, hit.as_ref(), path, &mut out) {
                 Next::Escape => break,
@@ -70,7 +88,13 @@ impl PhotonMapper<'_> {
                 break;
             }
             let vertex = Vertex::new(scene, &s, -ray.d);
-            self.glossy_light(&vertex, path, max_depth - depth, sampler, scratch, &mut out);
+            if vertex.closure.has_smooth(vertex.wi, self.glossy()) {
+                self.glossy_light(&vertex, path, (chain, depth), sampler, scratch, &mut out);
+                if chain.is_empty() {
+                    let (rays, gather) = (&mut scratch.rays, &mut scratch.gather);
+                    self.glints(maps, &vertex, (path.throughput, depth), sampler, rays, gather, &mut out);
+                }
+            }
             match self.step(&vertex, sampler) {
                 Step::Gather(weight) => {
                     let throughput = path.throughput * weight;
@@ -82,8 +106,11 @@ impl PhotonMapper<'_> {
                     eta *= ratio;
                     match density {
                         Density::Kept => {}
-                        Density::Specular => pdf = 0.0,
+                        Density::Specular => (pdf, from) = (0.0, s.p),
                         Density::Glossy(density) => (pdf, from) = (density, s.p),
+                    }
+                    if self.caustic.has_glints() {
+                        chain = chain.after(density.event(), pdf);
                     }
                     ray = s.leave(s.frame.to_world(wo));
                 }
@@ -106,18 +133,19 @@ impl PhotonMapper<'_> {
         &self,
         vertex: &Vertex<'_>,
         path: Carried,
-        left: u32,
+        (chain, depth): (Chain, u32),
         sampler: &mut Sampler,
         scratch: &mut Scratch,
         out: &mut Radiance,
     ) {
-        let lobes = self.glossy();
-        if !vertex.closure.has_smooth(vertex.wi, lobes) {
-            return;
+        let (scene, facts, lobes) = (self.task.scene, self.task.facts, self.glossy());
+        let left = self.settings.max_depth.0 - depth;
+        let Some(light) = propose(scene, facts, vertex, lobes, true, left, sampler) else { return };
+        if !chain.leaves(light.light.pdf) {
+            scratch.rays += 1;
+            let through = visibility(scene, vertex.surface, &light.light, facts.transparent_shadows, left);
+            out.add(path.class.layer(), path.throughput * light.value * through);
         }
-        let (scene, facts) = (self.task.scene, self.task.facts);
-        let light = next_event(scene, facts, vertex, lobes, true, left, sampler, &mut scratch.rays);
-        out.add(path.class.layer(), path.throughput * light);
     }
 
     /// Chooses among gathering, glossy lobes and the specular directions, by the roulette policy.

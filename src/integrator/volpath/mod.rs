@@ -8,6 +8,7 @@
 
 mod connect;
 mod near;
+mod once;
 
 use super::{CameraSample, Integrator, PassStats, Scratch, Task};
 use crate::bsdf::{Event, Transport};

@@ -48,11 +48,12 @@ pub fn aim(scene: &Scene, job: &TraceJob, sights: &Sights<'_>, halt: Halt<'_>) -
         _ => Vec::new(),
     };
     let task = Task { scene, job, seen: &seen, halt };
-    let aim = Aim { entrances: entrances(&task, &bodies), headings: None, starts: None, cost: 1.0 };
+    let aim =
+        Aim { entrances: entrances(&task, &bodies), headings: None, starts: None, landing: 0.0, cost: 1.0 };
     match starts(&task, &aim, &bodies) {
-        None if aim.entrances.is_none() => None,
-        None => Some(aim),
-        found => found,
+        Ok(found) => Some(found),
+        Err(_) if aim.entrances.is_none() => None,
+        Err(landing) => Some(Aim { landing, ..aim }),
     }
 }
 
@@ -86,27 +87,28 @@ fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
 }
 
 /// `aim` with densities for the starts, and with headings for lamps in the scene where few paths bring something.
-/// `None` if these gain little.
-fn starts(task: &Task<'_>, aim: &Aim, bodies: &[SceneSphere]) -> Option<Aim> {
+/// If these gain little, the share of paths that bring something as it is.
+fn starts(task: &Task<'_>, aim: &Aim, bodies: &[SceneSphere]) -> Result<Aim, f32> {
     let mut pilot = Pilot::default();
     pilot.run(task, FIRST, None, &aim.bounds(task.scene.sphere));
     let found = pilot.found(task);
-    let few = pilot.share(&found) < ENOUGH;
+    let share = pilot.share(&found);
+    let few = share < ENOUGH;
     let headings = if few { headings(task, bodies, &pilot) } else { None };
     if headings.is_some() {
         let mut pilot = Pilot::default();
         let aim = Aim { headings, ..aim.clone() };
         pilot.run(task, LATER, None, &aim.bounds(task.scene.sphere));
         if let Some(refined) = refined(task, &aim, pilot) {
-            return Some(refined);
+            return Ok(refined);
         }
     }
-    if pilot.share(&found) * (found.len() as f64) < FEW {
+    if share * (found.len() as f64) < FEW {
         pilot.run(task, CLOSER, None, &aim.bounds(task.scene.sphere));
     } else if halves_gain(task, &found) < PROMISING {
-        return None;
+        return Err(share as f32);
     }
-    refined(task, aim, pilot)
+    refined(task, aim, pilot).ok_or(share as f32)
 }
 
 /// Where lamps in the scene may send their light: to what throws caustics, or around what the camera sees.
@@ -136,7 +138,8 @@ fn refined(task: &Task<'_>, aim: &Aim, mut pilot: Pilot) -> Option<Aim> {
     if gain.time < WORTH {
         return None;
     }
-    Some(Aim { starts: Some(learn(&found)?), cost: gain.cost as f32, ..aim.clone() })
+    let landing = pilot.last_share(&found) as f32;
+    Some(Aim { starts: Some(learn(&found)?), landing, cost: gain.cost as f32, ..aim.clone() })
 }
 
 /// What a density gains on the paths of even number that was learned from the others.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::seen::Seen;
 use crate::emitter::{EmissionBounds, EntrySegment, PathFound, Start, Starts};
 use crate::math::Vec3;
-use crate::photon::trace::{Halt, TraceJob, Traced, follow, in_chunks, path_sampler};
+use crate::photon::trace::{self, Halt, TraceJob, follow, in_chunks, path_sampler};
 use crate::sampling::{Discrete, Found, Sampler, mix};
 use crate::scene::Scene;
 
@@ -150,6 +150,12 @@ impl Pilot {
         found.iter().filter(|p| p.found.value > 0.0).count() as f64 / found.len().max(1) as f64
     }
 
+    /// The same of the paths of the last round.
+    pub fn last_share(&self, found: &[PathFound]) -> f64 {
+        let count = self.rounds.last().map_or(0, |round| round.count);
+        self.share(&found[found.len() - count..])
+    }
+
     /// The first segments of paths from infinity that brought something, how many such paths met the scene.
     pub fn entry_segments(&self, found: &[PathFound]) -> (usize, Vec<EntrySegment>) {
         let met = self.paths.iter().filter(|p| p.from_infinity && p.way.is_some()).count();
@@ -213,7 +219,7 @@ pub(super) fn gain(paths: impl Iterator<Item = Tried>) -> Gain {
 struct Part {
     paths: Vec<Path>,
     landed: Vec<Landed>,
-    out: Traced,
+    out: trace::Part,
 }
 
 impl Part {
@@ -230,7 +236,7 @@ impl Part {
         if let Some(light) = task.scene.emission_of(start, bounds) {
             self.out.photons.clear();
             self.out.rays = 0;
-            let first = follow(task.scene, job, &light.emission, sampler, &mut self.out);
+            let first = follow(task.scene, job, &light, sampler, &mut self.out);
             path.way = first.map(|to| [light.emission.o, to]);
             path.from_infinity = light.from_infinity;
             path.weight = if light.from_infinity { 1.0 } else { light.emission.weight };

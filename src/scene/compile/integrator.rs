@@ -27,8 +27,10 @@ pub fn settings(b: &mut Compiler<'_>) -> Settings {
             s.caustic_kernel = KernelKind::Biweight;
             s.photons = Count::Stored(250_000);
             s.caustic_photons = Count::Stored(250_000);
+            s.volume_photons = Count::Stored(250_000);
             s.neighbours = Neighbours(120);
             s.caustic_neighbours = Neighbours(120);
+            s.volume_neighbours = 120;
             s.radius = Radius::Relative(0.05);
             s.caustic_radius = Radius::Relative(0.0125);
         }
@@ -36,6 +38,7 @@ pub fn settings(b: &mut Compiler<'_>) -> Settings {
             s.rr_depth = 3;
             s.photons = Count::Paths(250_000);
             s.caustic_photons = Count::Paths(250_000);
+            s.volume_photons = Count::Paths(250_000);
         }
         "direct" => s.max_depth = Limit(2),
         _ => {}
@@ -49,7 +52,7 @@ pub fn settings(b: &mut Compiler<'_>) -> Settings {
 /// Mitsuba's names and what they set here; `{}` is the value.
 const ROWS: &[(&str, &[(&str, &str)])] = &[
     ("global_photons", &[("photons", "stored:{}")]),
-    ("photon_count", &[("photons", "{}"), ("caustic_photons", "{}")]),
+    ("photon_count", &[("photons", "{}"), ("caustic_photons", "{}"), ("volume_photons", "{}")]),
     ("max_passes", &[("passes", "{}")]),
     ("samples", &[("passes", "{}")]),
     ("global_lookup_radius", &[("radius", "{}R")]),
@@ -58,6 +61,7 @@ const ROWS: &[(&str, &[(&str, &str)])] = &[
     ("lookup_size", &[("neighbours", "{}"), ("caustic_neighbours", "{}")]),
     ("global_lookup_size", &[("neighbours", "{}")]),
     ("caustic_lookup_size", &[("caustic_neighbours", "{}")]),
+    ("volume_lookup_size", &[("volume_neighbours", "{}")]),
 ];
 
 /// Pairs of name and value by which Mitsuba asks for its own default.
@@ -69,8 +73,6 @@ const WITHOUT_EFFECT: &[&str] = &[
     "direct_samples",
     "glossy_samples",
     "max_specular_depth",
-    "volume_photons",
-    "volume_lookup_size",
     "granularity",
     "gather_locally",
     "auto_cancel_gathering",
@@ -97,13 +99,13 @@ fn apply(b: &mut Compiler<'_>, s: &mut Settings, plugin: &str, name: &str, setti
     }
     // Mitsuba's photon mapper counts photons, not paths. Text is in our words.
     let number = !matches!(setting.value, Scalar::String(_));
-    let stored = number && plugin == "photonmapper" && name == "caustic_photons";
+    let stored = number && plugin == "photonmapper" && matches!(name, "caustic_photons" | "volume_photons");
     let own = [(name, if stored { "stored:{}" } else { "{}" })];
-    let both = [("alpha", "{}"), ("caustic_alpha", "{}")];
+    let all = [("alpha", "{}"), ("caustic_alpha", "{}"), ("volume_alpha", "{}")];
     let targets = match ROWS.iter().find(|(n, _)| *n == name) {
         Some((_, targets)) => targets,
-        // One α serves both maps in Mitsuba.
-        None if name == "alpha" && number && plugin.ends_with("ppm") => &both[..],
+        // One α serves all maps in Mitsuba.
+        None if name == "alpha" && number && plugin.ends_with("ppm") => &all[..],
         None => &own[..],
     };
     for (target, template) in targets {

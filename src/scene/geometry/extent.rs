@@ -97,7 +97,7 @@ impl Level {
 }
 
 /// The box around a box that is placed in the world.
-fn moved(placement: &Placement, bounds: &Bounds) -> Bounds {
+pub(super) fn moved(placement: &Placement, bounds: &Bounds) -> Bounds {
     if bounds.is_empty() {
         return Bounds::EMPTY;
     }

@@ -2,11 +2,13 @@
 
 mod extent;
 mod level;
+mod near;
 mod placement;
 mod primitive;
 mod search;
 
 pub use level::{Face, Level};
+pub use near::Near;
 pub use placement::{Instance, Placement};
 pub use primitive::{Kind, MAX_INDEX, Primitive};
 

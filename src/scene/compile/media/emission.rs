@@ -24,7 +24,7 @@ impl Compiler<'_> {
             }
             MediumEmission::Temperature { kelvin, offset, factor, peak, scale } => {
                 let kelvin = self.volume(kelvin, ColorSlot::Unbounded, at)?;
-                (self.hot(kelvin, *offset, *factor, *peak, at), scale)
+                (self.hot(kelvin, (*offset, *factor), *peak, at), scale)
             }
         };
         let scale = self.volume(scale, ColorSlot::Unbounded, at)?;
@@ -36,8 +36,8 @@ impl Compiler<'_> {
         })
     }
 
-    /// The colours of black bodies, whose spectra have the maximum `peak`.
-    fn hot(&mut self, kelvin: Volume, offset: f64, factor: f64, peak: f64, at: ir::Origin) -> Volume {
+    /// The colours of black bodies, whose spectra have this `peak`.
+    fn hot(&mut self, kelvin: Volume, (offset, factor): (f64, f64), peak: f64, at: ir::Origin) -> Volume {
         let hottest = ((f64::from(kelvin.largest()) - offset) * factor).clamp(DARK, HOTTEST);
         let mut colors = Vec::new();
         for i in 0..=STEPS {

@@ -42,6 +42,14 @@ impl Compiler<'_> {
         }
         let ir = self.ir;
         let medium = &ir.media[id];
+        // Written twice, it is still one medium, in which photons of both places are light.
+        if let Some(known) = ir.media.iter().find_map(|(other, m)| {
+            let known = self.media.known.get(&other.index())?;
+            is_same(m, medium).then_some(*known)
+        }) {
+            self.media.known.insert(id.index(), known);
+            return known;
+        }
         let made = self.build_medium(medium).map(|built| {
             self.media.media.push(built);
             self.media
@@ -75,6 +83,11 @@ impl Compiler<'_> {
         }
         Some(assemble(extinction, scattering, radiance, phase))
     }
+}
+
+/// Whether the two differ in name and place at most.
+fn is_same(a: &ir::Medium, b: &ir::Medium) -> bool {
+    *b == ir::Medium { name: b.name.clone(), origin: b.origin, ..a.clone() }
 }
 
 /// Homogeneous where nothing varies.

@@ -1,0 +1,65 @@
+//! Where camera paths go through media: segments found by walking them without light.
+
+use super::super::PhotonMapper;
+use super::super::walk::Step;
+use super::stretch::Stretch;
+use crate::math::{Ray, Vec2};
+use crate::medium::MediumId;
+use crate::photon::radius;
+use crate::photon::volume::Segment;
+use crate::sampling::{Sampler, mix};
+use crate::transport::Vertex;
+
+/// Most rays of a camera path that are followed.
+const LONGEST: u32 = 16;
+
+impl PhotonMapper<'_> {
+    /// Segments of camera rays through a regular grid of the film, and the median size of a pixel in their middles.
+    pub(in super::super) fn segments(&self) -> (Vec<Segment>, f32) {
+        let side = (radius::PLACES as f32).sqrt() as u32;
+        let at = |i: u32| (i as f32 + 0.5) / side as f32;
+        let mut segments = Vec::new();
+        for i in 0..side * side {
+            let sampler = Sampler::new(mix(self.settings.seed ^ 0x5e9e_3e75), i);
+            self.add_segments(Vec2::new(at(i % side), at(i / side)), sampler, &mut segments);
+        }
+        let height = self.task.view.film.height;
+        let size = |(_, distance): &(Segment, f32)| self.task.view.sensor.pixel_footprint(height, *distance);
+        let mut sizes: Vec<f32> = segments.iter().map(size).collect();
+        sizes.sort_unstable_by(f32::total_cmp);
+        let pixel = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+        (segments.into_iter().map(|(segment, _)| segment).collect(), pixel)
+    }
+
+    /// Adds those of a camera path from a position of the rendered part, in [0, 1]², with the distance of their middles.
+    fn add_segments(&self, at: Vec2, mut sampler: Sampler, segments: &mut Vec<(Segment, f32)>) {
+        let (scene, view) = (self.task.scene, self.task.view);
+        let [x0, y0, w, h] = view.film.crop.map(|v| v as f32);
+        let full = Vec2::new(view.film.width as f32, view.film.height as f32);
+        let film = Vec2::new(x0 + at.x * w, y0 + at.y * h) / full;
+        let ray = view.sensor.ray(film, sampler.next_2d());
+        let unit = ray.d.length();
+        let mut ray = Ray { d: ray.d / unit, tmax: ray.tmax * unit, ..ray };
+        let mut medium = view.medium;
+        let mut length = view.sensor.near;
+        for _ in 0..LONGEST {
+            let hit = scene.geometry.closest(&ray);
+            if let Some(MediumId(index)) = medium {
+                let part = Ray { tmax: hit.as_ref().map_or(ray.tmax, |hit| hit.t), ..ray };
+                let medium = &scene.media[index as usize];
+                if medium.scatters() {
+                    let segment = Stretch::new(medium, &part, &mut sampler).segment;
+                    segments.push((segment, length + 0.5 * segment.length));
+                }
+            }
+            let Some(hit) = hit else { return };
+            length += hit.t;
+            let s = scene.surface(&ray, &hit);
+            let vertex = Vertex::new(scene, &s, -ray.d);
+            let Step::Follow { wo, .. } = self.step(&vertex, &mut sampler) else { return };
+            let d = s.frame.to_world(wo);
+            medium = scene.medium_beyond(&s, d, medium);
+            ray = s.leave(d);
+        }
+    }
+}

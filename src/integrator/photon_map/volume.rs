@@ -1,0 +1,263 @@
+//! Photons or beams in media: what belongs to them for a whole render, and how a pass traces and builds them.
+
+use std::fmt;
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::super::{PassStats, Task};
+use super::Plan;
+use super::maps::job;
+use crate::math::Color;
+use crate::photon::radius;
+use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
+use crate::photon::volume::{BeamMap, Found, Passage, PointMap, Segment, VolumeGather};
+use crate::sampling::mix;
+use crate::scene::Scene;
+use crate::settings::{Beams, Count, Mode, Radius, Settings};
+use crate::transport::Owner;
+
+/// Light paths of the pilot.
+const PILOT: u64 = 1 << 13;
+
+/// Beams are taken where light goes on average farther than so many radii between collisions: fewer photons of a path
+/// would then be found by a camera ray than beams.
+const LONG: f32 = 3.4;
+
+/// Largest radius in mean ways between collisions: no more of a dense medium is seen than the outer one or two, and a
+/// wide kernel would blur them over its border.
+const WIDEST: f32 = 0.3;
+
+/// Most photons and beams of a pass where their number is left open: in milk a path leaves hundreds.
+const MOST_POINTS: u64 = 1 << 21;
+const MOST_BEAMS: u64 = 1 << 18;
+
+/// Most finds of a camera ray, and least light paths, where the number of paths is left open.
+const MOST_FOUND: f32 = 150.0;
+const LEAST_PATHS: u64 = 1 << 10;
+
+/// How much fewer beams a camera ray should find than photons: their number falls with the radius, not with its square.
+const FEWER_BEAMS: f32 = 0.1;
+
+/// What belongs to the light in media in all passes.
+#[derive(Debug)]
+pub(super) struct VolumeMap {
+    job: TraceJob,
+    mode: Mode,
+    alpha: f64,
+    /// Light paths a pass; 0 where it is not needed.
+    pub paths: u64,
+    /// Search radius of the first pass.
+    pub radius: f32,
+}
+
+/// That of one pass.
+#[derive(Debug)]
+pub(super) enum PassVolume {
+    Points(PointMap),
+    Beams(BeamMap),
+}
+
+/// What was chosen for the light in media, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeChoice {
+    /// Ways between collisions rather than collisions.
+    pub beams: bool,
+    /// Light paths a pass.
+    pub paths: u64,
+    /// Search radius of the first pass.
+    pub radius: f32,
+    /// Way of light between collisions, or between a collision and a surface; on average over a pilot.
+    pub free_path: f32,
+}
+
+impl fmt::Display for VolumeChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = if self.beams { "beams" } else { "photons at collisions" };
+        let Self { paths, radius, free_path, .. } = self;
+        write!(f, "{kind} of {paths} light paths a pass; radius {radius:.2e}, light goes {free_path:.2e} ")?;
+        f.write_str("between collisions")
+    }
+}
+
+impl VolumeMap {
+    /// Not measured yet.
+    pub fn new(s: &Settings, plan: &Plan) -> Self {
+        let job = job(s, plan, Owner::VolumeMaps);
+        Self { job, mode: s.mode, alpha: f64::from(s.volume_alpha), paths: 0, radius: 0.0 }
+    }
+
+    /// Measures what the settings leave open, by segments of camera rays in media and the size of a pixel there.
+    pub fn measure(
+        &mut self,
+        task: &Task<'_>,
+        plan: &Plan,
+        (segments, pixel): (&[Segment], f32),
+        halt: Halt<'_>,
+    ) -> VolumeChoice {
+        self.job.beams = true;
+        let pilot = self.trace(task.scene, u32::MAX, PILOT, halt);
+        let lengths: f64 = pilot.beams.iter().map(|beam| f64::from(beam.length)).sum();
+        let free_path = (lengths / pilot.beams.len().max(1) as f64) as f32;
+        let found = |r: f32| {
+            let (map, mut near) = (BeamMap::build(&pilot.beams, r), Vec::new());
+            counted(segments, |segment| {
+                map.along(segment, &mut near);
+                near.len()
+            })
+        };
+        self.settle(task, plan, [pixel, free_path], (pilot.beams.len(), MOST_BEAMS), found);
+        self.job.beams = match task.settings.beams {
+            Beams::Auto => free_path > LONG * self.radius,
+            Beams::Points => false,
+            Beams::Beams => true,
+        };
+        if !self.job.beams {
+            let pilot = self.trace(task.scene, u32::MAX, PILOT, halt);
+            let found = |r: f32| {
+                let (map, mut near) = (PointMap::build(&pilot.points, r), Vec::new());
+                counted(segments, |segment| {
+                    map.along(segment, &mut near);
+                    near.len()
+                })
+            };
+            self.settle(task, plan, [pixel, free_path], (pilot.points.len(), MOST_POINTS), found);
+        }
+        VolumeChoice { beams: self.job.beams, paths: self.paths, radius: self.radius, free_path }
+    }
+
+    /// Decides on paths and radius, by how many `found` sees of what a pilot left with a radius; `left` of them, of at
+    /// most so many in a pass.
+    fn settle(
+        &mut self,
+        task: &Task<'_>,
+        plan: &Plan,
+        [pixel, free_path]: [f32; 2],
+        (left, most): (usize, u64),
+        found: impl Fn(f32) -> f32,
+    ) {
+        let (s, sphere) = (task.settings, task.scene.sphere.radius);
+        self.paths = count_paths(s, plan, left as u64, most);
+        let share = self.paths as f32 / PILOT as f32;
+        let (wanted, power) = match self.job.beams {
+            true => ((s.volume_neighbours as f32 * FEWER_BEAMS).max(1.0), 1.0),
+            false => (s.volume_neighbours as f32, 0.5),
+        };
+        self.radius = match s.volume_radius {
+            Radius::Absolute(r) => r,
+            Radius::Relative(r) => r * sphere,
+            Radius::Auto => {
+                let r = radius::clamped(searched(&found, wanted, share, power, sphere), pixel, sphere);
+                if free_path > 0.0 { r.min(WIDEST * free_path) } else { r }
+            }
+        };
+        // More would take longer to add up than to trace.
+        if s.volume_photons == Count::Auto {
+            let each = found(self.radius) * share;
+            self.paths = ((self.paths as f32 * (MOST_FOUND / each).min(1.0)) as u64).max(LEAST_PATHS);
+        }
+    }
+
+    fn trace(&self, scene: &Scene, pass: u32, paths: u64, halt: Halt<'_>) -> Traced {
+        let key = mix(self.job.key ^ (u64::from(pass) << 2 | 2));
+        trace_until(scene, &TraceJob { key, paths, ..self.job }, None, halt)
+    }
+
+    /// Radius of pass i, of which its kernel's area (points) or width (beams) shrinks like that of other maps.
+    fn radius_of(&self, pass: u32) -> f32 {
+        let first = f64::from(self.radius);
+        let shrunk = match self.mode {
+            Mode::Classic => first,
+            Mode::Progressive => {
+                first * radius::shrinkage(pass, self.alpha).powf(if self.job.beams { 1.0 } else { 0.5 })
+            }
+        };
+        (shrunk as f32).max(radius::LEAST)
+    }
+
+    /// Traces and sorts what a pass leaves; `None` where it is not needed.
+    pub fn build(
+        &self,
+        scene: &Scene,
+        pass: u32,
+        halt: Halt<'_>,
+        stats: &mut PassStats,
+    ) -> Option<PassVolume> {
+        if self.paths == 0 {
+            return None;
+        }
+        let start = Instant::now();
+        let traced = self.trace(scene, pass, self.paths, halt);
+        stats.cut |= traced.paths < self.paths;
+        stats.trace_seconds += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let radius = self.radius_of(pass);
+        let (built, count, bytes) = if self.job.beams {
+            let map = BeamMap::build(&traced.beams, radius);
+            let (count, bytes) = (map.len(), map.bytes());
+            (PassVolume::Beams(map), count, bytes)
+        } else {
+            let map = PointMap::build(&traced.points, radius);
+            let (count, bytes) = (map.len(), map.bytes());
+            (PassVolume::Points(map), count, bytes)
+        };
+        stats.build_seconds += start.elapsed().as_secs_f64();
+        stats.light_paths += traced.paths;
+        stats.photons += count as u64;
+        stats.photon_rays += traced.rays;
+        stats.rejected.add(&traced.rejected);
+        stats.map_bytes += bytes as u64;
+        Some(built)
+    }
+}
+
+impl PassVolume {
+    /// Radiance at the start of a segment.
+    pub fn radiance<P: Passage>(&self, at: &VolumeGather<'_, P>, found: &mut Found) -> Color {
+        match self {
+            Self::Points(map) => map.radiance(at, found),
+            Self::Beams(map) => map.radiance(at, found),
+        }
+    }
+}
+
+/// Light paths of a pass: where the number was left open, no more than leave `most`.
+fn count_paths(s: &Settings, plan: &Plan, left_by_pilot: u64, most: u64) -> u64 {
+    let each = (left_by_pilot as f64 / PILOT as f64).max(1e-3);
+    match plan.volume_paths {
+        Count::Paths(n) if s.volume_photons == Count::Auto => n.min(((most as f64 / each) as u64).max(1)),
+        Count::Paths(n) => n,
+        Count::Stored(n) => ((n as f64 / each) as u64).max(1),
+        Count::Auto => 0,
+    }
+}
+
+/// How many of its finds the median find has company of on its segment: segments that see nothing have no vote.
+fn counted(segments: &[Segment], mut count: impl FnMut(&Segment) -> usize) -> f32 {
+    let mut counts: Vec<usize> = segments.iter().map(&mut count).filter(|n| *n > 0).collect();
+    counts.sort_unstable();
+    let half = counts.iter().sum::<usize>() / 2;
+    let mut below = 0;
+    for n in counts {
+        below += n;
+        if below >= half {
+            return n as f32;
+        }
+    }
+    0.0
+}
+
+/// The radius with which a pass lets the median find have `wanted` of its kind, told from a pilot by how many `found`
+/// sees with a radius: that number grows as r^(1/`power`) and with the paths, of which a pass has `share` times as many.
+fn searched(found: impl Fn(f32) -> f32, wanted: f32, share: f32, power: f32, scene_radius: f32) -> f32 {
+    // Fewer say little, whatever the pass will find.
+    const LEAST: f32 = 8.0;
+    let most = 0.1 * scene_radius;
+    let seen = (wanted / share).max(LEAST);
+    let mut r = 0.1 * most;
+    for _ in 0..4 {
+        let n = found(r).max(0.5);
+        r = (r * (seen / n).powf(power).clamp(0.05, 20.0)).min(most);
+    }
+    (r * (wanted / share / seen).powf(power)).clamp(radius::LEAST.min(most), most)
+}
