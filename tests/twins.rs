@@ -22,7 +22,7 @@ const SIDE: u32 = 48;
 fn scenes() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut found = Vec::new();
-    for folder in [root.clone(), root.join("hard"), root.join("reference")] {
+    for folder in [root.clone(), root.join("hard"), root.join("reference"), root.join("media")] {
         found.extend(std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()));
     }
     found.retain(|path| path.is_file());

@@ -23,4 +23,4 @@ pub use estimate::{Estimator, Gather, GatherPoint};
 pub use store::{PhotonMap, Query};
 pub use stored::{Photon, Stored};
 
-use crate::transport::PathClass;
+use crate::transport::{PathClass, Smallness};

@@ -5,11 +5,10 @@
 
 use rayon::prelude::*;
 
-use super::PathClass;
 use super::sort::{PART, by_cell};
 use super::stored::{Rest, Stored};
+use super::{PathClass, Smallness};
 use crate::math::{Bounds, Vec3};
-use crate::transport::Smallness;
 
 /// A disc on a surface.
 #[derive(Clone, Copy, Debug)]

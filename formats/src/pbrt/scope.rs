@@ -2,7 +2,6 @@
 
 use std::rc::Rc;
 
-use super::policy::Fault;
 use super::reader::Reader;
 use super::state::{Graphics, Saved, Scope};
 use crate::diagnostic::{Diagnostic, Span};
@@ -72,9 +71,10 @@ impl Reader<'_> {
                 Scope::Object => ("ObjectBegin", "ObjectEnd"),
             };
             let text = format!("{begin} has no {end}");
+            // Nothing follows that the end would change.
             match saved.scope {
                 Scope::Object => self.error(text, saved.span),
-                _ => self.fault(Fault::Mistake, &text, saved.span, "it ends with the scene"),
+                _ => self.warn(format!("{text}: it ends with the scene"), saved.span),
             }
         }
     }

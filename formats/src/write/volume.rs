@@ -93,7 +93,7 @@ impl Field {
 /// A colour that may vary.
 enum Source {
     Constant([f64; 3]),
-    Field(Field, Option<Transform>),
+    Field(Box<Field>, Option<Transform>),
 }
 
 impl Source {
@@ -177,7 +177,7 @@ impl Output<'_> {
             Volume::Grid(grid) => {
                 let field = self.field(grid)?;
                 let to_unit = field.place.inverse();
-                Some(Source::Field(field, to_unit))
+                Some(Source::Field(Box::new(field), to_unit))
             }
             Volume::Direction(_) | Volume::Cloud(_) => None,
         })
@@ -195,7 +195,7 @@ impl Output<'_> {
         }
         let points = |field: &Field| field.grid.resolution.iter().map(|n| u64::from(*n)).product::<u64>();
         let fields = sources.iter().filter_map(|source| match source {
-            Source::Field(field, _) => Some(field),
+            Source::Field(field, _) => Some(field.as_ref()),
             Source::Constant(_) => None,
         });
         let Some(finest) = fields.max_by_key(|field| points(field)) else { return Ok(None) };

@@ -76,7 +76,10 @@ fn values_of_the_wrong_kind() {
 #[test]
 fn structure() {
     assert_eq!(of("AttributeEnd"), ["scene.pbrt:2:1: AttributeEnd without AttributeBegin: it is ignored"]);
-    assert_eq!(of("AttributeBegin"), ["scene.pbrt:2:1: AttributeBegin has no AttributeEnd"]);
+    assert_eq!(
+        of("AttributeBegin"),
+        ["scene.pbrt:2:1: AttributeBegin has no AttributeEnd: it ends with the scene"]
+    );
     assert_eq!(of("Film \"rgb\""), ["scene.pbrt:2:1: Film must come before WorldBegin"]);
     assert_eq!(
         of("Shape \"sphere\" \"float radius\" [ 1"),
