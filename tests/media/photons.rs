@@ -37,7 +37,7 @@ fn fog_in_a_box_is_that_of_path_tracing() {
     let body = [box_camera(16), walls("0.7,0.7,0.7"), lamp(0.25, "15,12,8")].concat();
     let stage = scene(&(body + &container("<scale value='1.001'/>", &inside)));
     let bounds = [(Layer::Direct, 0.01), (Layer::Indirect, 0.08), (Layer::Medium, 0.05)];
-    let ways = [("beams", "points"), ("beams", "beams"), ("nee", "false")];
+    let ways = [("beams", "points"), ("beams", "beams")];
     agree(&stage, &ways, [128, 2048], &bounds, 0.045);
 }
 
