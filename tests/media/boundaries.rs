@@ -24,16 +24,16 @@ fn contradictions_are_resolved_by_the_boundary_and_said_once() {
     assert!((render(&outside, &[("integrator", "path")], 4).beauty(1).mean - expected).abs() < 1e-4);
 }
 
-/// 10⁵ boundaries along every ray, between them fog and vacuum by turns: half of the way is fog.
+/// 10⁴ boundaries along every ray, between them fog and vacuum by turns: half of the way is fog. Rays are lifted off
+/// each sheet by 2⁻¹⁹ of its size, 2 % of the distance to the next.
 #[test]
-fn a_hundred_thousand_boundaries_are_passed() {
-    let n = 100_000;
+fn ten_thousand_boundaries_are_passed() {
+    let n = 10_000;
     let mut mesh = String::new();
     for i in 0..n {
-        // Far from the origin single precision could not tell the sheets apart.
         let z = (f64::from(i) + 0.5) / f64::from(n) - 0.5;
         let corners = if i % 2 == 0 { "-1 -2 -3" } else { "-3 -2 -1" };
-        let _ = writeln!(mesh, "v -90 -90 {z:.9}\nv 90 -90 {z:.9}\nv 0 90 {z:.9}\nf {corners}");
+        let _ = writeln!(mesh, "v -1 -1 {z:.9}\nv 1 -1 {z:.9}\nv 0 1 {z:.9}\nf {corners}");
     }
     let fog = fog("interior", "1,0.5,0.2", "0,0,0", "");
     let stack =
@@ -43,9 +43,6 @@ fn a_hundred_thousand_boundaries_are_passed() {
     let picture = render(&stage, &[("integrator", "path")], 1);
     for (channel, sigma) in [1.0f64, 0.5, 0.2].into_iter().enumerate() {
         let (mean, exact) = (picture.beauty(channel).mean, (-0.5 * sigma).exp());
-        // Rays are lifted off a sheet by 16 units of rounding on 90, some sheets' distance: they may miss every second
-        // sheet or none, and the way in fog is what the sheets say that they met.
-        println!("channel {channel}: {mean} against {exact}");
-        assert!(mean.is_finite() && mean > 0.0 && mean <= 1.0, "{mean}");
+        assert!((mean - exact).abs() < 0.03 * sigma, "channel {channel}: {mean} against {exact}");
     }
 }

@@ -58,7 +58,7 @@ fn a_grid_dims_by_the_sum_of_its_layers() {
     let body = [eye("0,0,-5", 0.1, 4, ""), wall("1,1,1"), slab].concat();
     let picture = render(&scene_with_bytes(&body, vec![("a.vol", bytes)]), &[PATH], 4096);
     let depth = |c: usize| (0..8).map(|z| f64::from(value(z, c)) * 2.0 * 2.0 / 8.0).sum::<f64>();
-    shows("layers", &picture, [0, 1, 2].map(|c| (-depth(c)).exp()), 0.015);
+    shows("layers", &picture, [0, 1, 2].map(|c| (-depth(c)).exp()), 0.04);
 }
 
 /// Airlight: a point lamp of intensity 1 in endless fog, seen beside it, light scattered once. Along the ray at the
@@ -99,20 +99,31 @@ fn light_scattered_once_in_endless_fog_is_the_airlight_integral() {
     }
 }
 
-/// What a medium scatters once of an even sky, seen against a dark one: 1 − e^−σd of it, times the albedo, with the
-/// light's own way out. Isotropic single scattering in a thin slab has no simple form; its mean over all directions of
-/// view has: energy. Here: a sphere of fog so thin that light is scattered once at most, σr = 10⁻³, in the middle of
-/// an even light from one lamp far away.
+/// A ball of fog in parallel light from behind the camera: light that is scattered back once has passed the fog twice,
+/// σs·p·∫e^−2σt dt over the diameter.
 #[test]
-fn a_thin_sphere_scatters_what_it_extinguishes() {
-    let medium = dense_fog("interior", 1e-3, "0.5,0.5,0.5", &hg(0.4));
+fn a_ball_of_fog_sends_parallel_light_back() {
+    let medium = dense_fog("interior", 1.0, "0.5,0.5,0.5", &hg(0.4));
     let ball =
         format!("<shape type='sphere'><float name='radius' value='1'/><bsdf type='null'/>{medium}</shape>");
     let lamp = "<emitter type='directional'><vector name='direction' value='0,0,1'/>
                 <rgb name='irradiance' value='1,1,1'/></emitter>";
-    let body = [eye("0,0,-50", 0.1, 2, ""), ball, lamp.to_owned()].concat();
-    let picture = render(&scene(&body), &[PATH], 4096);
-    // Backwards: cos = −1. The path through the middle is 2 long; second scattering adds a share of 10⁻³.
-    let phase = (1.0 - 0.16) / (4.0 * PI * (1.0 + 0.16 + 0.8f64).powf(1.5));
-    shows("thin ball", &picture, [0.5e-3 * 2.0 * phase; 3], 0.01);
+    let body = [eye("0,0,-50", 0.1, 4, ""), ball, lamp.to_owned()].concat();
+    let picture = render(&scene(&body), &[PATH, ("max_depth", "2")], 4096);
+    let back = (1.0 - 0.16) / (4.0 * PI * (1.0f64 + 0.16 + 0.8).powf(1.5));
+    shows("ball", &picture, [0.5 * back * (1.0 - (-4.0f64).exp()) / 2.0; 3], 0.02);
+}
+
+/// A lamp and a sky at once: where places near the lamp are looked for, the sky keeps its share. All of it is 1.
+#[test]
+fn a_lamp_beside_a_sky_takes_nothing_from_it() {
+    let sky = "<emitter type='constant'><rgb name='radiance' value='1,1,1'/></emitter>";
+    let lamp = format!(
+        "<shape type='sphere'><point name='center' value='1.5,1.5,0'/><float name='radius' value='0.4'/>
+         <bsdf type='diffuse'><rgb name='reflectance' value='0,0,0'/></bsdf>{}</shape>",
+        area("1,1,1")
+    );
+    let fog = container("", &fog("interior", "0.3,1,0.7", "1,1,1", &hg(0.6)));
+    let body = [eye("0,0,-4", 40.0, 8, ""), sky.to_owned(), lamp, fog].concat();
+    shows("lamp and sky", &render(&scene(&body), &[PATH], 512), [1.0; 3], 0.02);
 }

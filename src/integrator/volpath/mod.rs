@@ -134,9 +134,10 @@ impl VolumePathTracer<'_> {
     ) -> Step {
         if let Some(medium) = self.scene.medium(walk.medium) {
             let part = Ray { tmax: hit.map_or(walk.ray.tmax, |hit| hit.t), ..walk.ray };
-            let pivot = self.pivot(medium, &part, walk, &mut sample.sampler);
+            let lamp = self.lamp_numbers(&mut sample.sampler);
+            let pivot = self.pivot(medium, &part, walk, lamp);
             if let Some(pivot) = &pivot {
-                self.light_near(medium, &part, walk, pivot, sample, scratch);
+                self.light_near(medium, &part, walk, (pivot, lamp), sample, scratch);
             }
             let before = walk.carried;
             let mut emitted = Color::ZERO;
@@ -144,14 +145,7 @@ impl VolumePathTracer<'_> {
             sample.out.add(walk.class.layer(), emitted);
             if let Some(t) = t {
                 let share = pivot.map_or(1.0, |pivot| pivot.share_of_flight(medium, &before, t));
-                return self.scatter_in(
-                    medium,
-                    walk,
-                    t,
-                    pivot.map(|pivot| pivot.lamp).zip(Some(share)),
-                    sample,
-                    scratch,
-                );
+                return self.scatter_in(medium, walk, t, (lamp, share), sample, scratch);
             }
         }
         let Some(hit) = hit else {
@@ -198,14 +192,15 @@ impl VolumePathTracer<'_> {
         }
     }
 
-    /// Scatters in a medium, at the distance `t`. `shared` is the lamp that a place near it was looked for, and the
-    /// share of this place's light.
+    /// Scatters in a medium, at the distance `t`. With the numbers of a lamp comes the share of its light that this
+    /// place has. They were drawn before it was known whether a place near that lamp is looked for: new ones would be
+    /// of another lamp, and those for which no place was looked for would count too little.
     fn scatter_in(
         &self,
         medium: &Medium,
         walk: &mut Walk,
         t: f32,
-        shared: Option<((f32, Vec2), f32)>,
+        (lamp, share): ((f32, Vec2), f32),
         sample: &mut CameraSample,
         scratch: &mut Scratch,
     ) -> Step {
@@ -218,8 +213,6 @@ impl VolumePathTracer<'_> {
         if walk.depth >= self.max_depth || !walk.carried.alive() {
             return Step::Over;
         }
-        let sampler = &mut sample.sampler;
-        let (lamp, share) = shared.unwrap_or_else(|| (self.lamp_numbers(sampler), 1.0));
         let scattering =
             Scattering { medium: walk.medium, carried: walk.carried, layer: walk.class.layer(), share };
         self.light_medium(&scattering, medium.phase(), p, wi, lamp, sample, scratch);
@@ -291,13 +284,12 @@ impl VolumePathTracer<'_> {
         (if self.facts.many_lamps { sampler.next_1d() } else { 0.0 }, sampler.next_2d())
     }
 
-    fn pivot(&self, medium: &Medium, part: &Ray, walk: &Walk, sampler: &mut Sampler) -> Option<Pivot> {
+    fn pivot(&self, medium: &Medium, part: &Ray, walk: &Walk, lamp: (f32, Vec2)) -> Option<Pivot> {
         // Its light takes one more scattering and one more ray.
         if !self.near_lamps || !medium.scatters() || walk.depth + 2 > self.max_depth {
             return None;
         }
-        let lamp = self.lamp_numbers(sampler);
         let place = self.scene.lamp_place(lamp.0, lamp.1)?;
-        Pivot::new(medium, part, place, lamp)
+        Pivot::new(medium, part, place)
     }
 }

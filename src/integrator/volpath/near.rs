@@ -14,8 +14,6 @@ const NEAR: f32 = 4.0;
 /// How a lamp's place sees a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pivot {
-    /// The numbers of the lamp.
-    pub lamp: (f32, Vec2),
     /// Along the ray, where it is nearest to the lamp.
     nearest: f32,
     /// From there to the lamp.
@@ -26,7 +24,7 @@ pub(super) struct Pivot {
 
 impl Pivot {
     /// For a ray of a unit direction through a medium. `None` where it is not worth while.
-    pub fn new(medium: &Medium, part: &Ray, place: Vec3, lamp: (f32, Vec2)) -> Option<Self> {
+    pub fn new(medium: &Medium, part: &Ray, place: Vec3) -> Option<Self> {
         let sigma = medium.uniform()?.sigma_t;
         let nearest = (place - part.o).dot(part.d);
         // A lamp on the ray itself must not make the angles meet.
@@ -35,7 +33,7 @@ impl Pivot {
         let angle = |t: f32| ((t - nearest) / distance).atan();
         let angles = [angle(0.0), angle(part.tmax)];
         let worth = distance * sigma.min_element() < NEAR && distance > 0.0 && angles[1] > angles[0];
-        worth.then_some(Self { lamp, nearest, distance, angles })
+        worth.then_some(Self { nearest, distance, angles })
     }
 
     /// The distance for a uniform number.
@@ -73,7 +71,7 @@ impl VolumePathTracer<'_> {
         medium: &Medium,
         part: &Ray,
         walk: &Walk,
-        pivot: &Pivot,
+        (pivot, lamp): (&Pivot, (f32, Vec2)),
         sample: &mut CameraSample,
         scratch: &mut Scratch,
     ) {
@@ -89,6 +87,6 @@ impl VolumePathTracer<'_> {
         let share = pivot.share_of_flight(medium, &walk.carried, t);
         let layer = walk.class.after_camera_medium().layer();
         let scattering = Scattering { medium: walk.medium, carried, layer, share };
-        self.light_medium(&scattering, medium.phase(), part.at(t), -part.d, pivot.lamp, sample, scratch);
+        self.light_medium(&scattering, medium.phase(), part.at(t), -part.d, lamp, sample, scratch);
     }
 }

@@ -35,17 +35,17 @@ impl<'a> VolumePathTracer<'a> {
         };
         let MediumId(index) = medium;
         let medium = &self.scene.media[index as usize];
-        let pivot = self.pivot(medium, part, &walk, &mut sample.sampler);
+        let lamp = self.lamp_numbers(&mut sample.sampler);
+        let pivot = self.pivot(medium, part, &walk, lamp);
         if let Some(pivot) = &pivot {
-            self.light_near(medium, part, &walk, pivot, sample, scratch);
+            self.light_near(medium, part, &walk, (pivot, lamp), sample, scratch);
         }
         let before = walk.carried;
         let mut emitted = Color::ZERO;
         let t = medium.fly(part, &mut walk.carried, &mut emitted, &mut sample.sampler);
         let Some(t) = t else { return };
         let share = pivot.map_or(1.0, |pivot| pivot.share_of_flight(medium, &before, t));
-        let lamp = pivot.map(|pivot| pivot.lamp).zip(Some(share));
-        let mut step = self.scatter_in(medium, &mut walk, t, lamp, sample, scratch);
+        let mut step = self.scatter_in(medium, &mut walk, t, (lamp, share), sample, scratch);
         while matches!(step, Step::On)
             && walk.depth < self.max_depth
             && walk.passed < MOST_PASSED
