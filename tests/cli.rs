@@ -176,7 +176,7 @@ fn output_that_cannot_be_written() {
     }
     let run = run(&files, &["render", "scene.xml", "--quiet", "-o", "out.gif"]);
     assert_eq!(run.status, 2);
-    assert_snapshot!(run.text, @"error: cannot write `out.gif`: extension `gif` is none of exr, png, hdr, pfm");
+    assert_snapshot!(run.text, @"error: cannot write `out.gif`: the extension is `gif`; pictures are .exr, .png, .hdr or .pfm");
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn layers_are_stored_once_and_by_exr_only() {
         caustica_formats::image::read(&std::fs::read(folder.path().join("out.exr")).unwrap()).unwrap();
     let direct = picture.channels.iter().filter(|name| name.starts_with("direct.")).count();
     // The picture, its parts, two statistics, and twelve pictures of surfaces.
-    assert_eq!((direct, picture.channels.len()), (3, 3 + 4 * 3 + 2 + 27), "{:?}", picture.channels);
+    assert_eq!((direct, picture.channels.len()), (3, 3 + 5 * 3 + 2 + 27), "{:?}", picture.channels);
     // As many passes as would take for ever: the error comes before them.
     for asked in [&["--layers", "direct"][..], &["--half"]] {
         let refused = run(&[&["--spp", "4000000000", "-o", "out.png"], asked].concat());

@@ -233,7 +233,8 @@ mod tests {
     fn every_layer_is_stored_once() {
         assert_eq!(names("all,direct"), KNOWN.join(" "));
         assert!(
-            names("direct,all").starts_with("direct emission caustic indirect variance samples albedo depth")
+            names("direct,all")
+                .starts_with("direct emission caustic indirect medium variance samples albedo depth")
         );
         assert_eq!(names("samples, direct,samples"), "samples direct");
         assert_eq!(names("none"), "");
