@@ -259,7 +259,7 @@ fn scenes_that_name_no_integrator_are_as_deep_as_in_their_renderers() {
     {
         let options =
             Options { settings: vec![("integrator".to_owned(), "path".to_owned())], ..Options::default() };
-        let session = Session::open(&folder.path().join(name), &options).unwrap();
+        let session = Session::open(folder.path().join(name), &options).unwrap();
         let pixels = session.render(Budget::passes(64), &mut |_| {}).pixels;
         let mean = (0..pixels.len()).map(|i| pixels.beauty(i, 64)[1]).sum::<f64>() / pixels.len() as f64;
         // Paths end by roulette: the measured spread is 0.2 %, and the two lengths differ by 1.6 %.

@@ -142,7 +142,15 @@ impl<'a> Segments<'a> {
     fn everywhere(majorants: &'a Majorants, ray: &Ray) -> Self {
         let unit = ray.d.length();
         let end = if ray.tmax.is_finite() { ray.tmax } else { DEEPEST / (majorants.values[0] * unit) };
-        Self { majorants, o: Vec3::ZERO, d: Vec3::ZERO, cell: [0; 3], t: 0.0, end, done: !(end > 0.0) }
+        Self {
+            majorants,
+            o: Vec3::ZERO,
+            d: Vec3::ZERO,
+            cell: [0; 3],
+            t: 0.0,
+            end,
+            done: end <= 0.0 || end.is_nan(),
+        }
     }
 
     /// Where the ray leaves the cell, and through which axis.

@@ -148,10 +148,10 @@ fn flights_carry_the_light_of_all_lanes() {
                 let through = if hit.is_none() { carried.weight } else { Color::ZERO };
                 // Collisions are counted by what they lack of the albedo: σs/σt is known here.
                 let all = carried.weight;
-                for lane in 0..3 {
-                    tallies[0][lane].add(through.lanes()[lane] / before.weight.lanes()[lane]);
-                    tallies[1][lane].add(emitted.lanes()[lane] / before.weight.lanes()[lane]);
-                    tallies[2][lane].add((all - through).lanes()[lane] / before.weight.lanes()[lane]);
+                for (tally, found) in tallies.iter_mut().zip([through, emitted, all - through]) {
+                    for (lane, tally) in tally.iter_mut().enumerate() {
+                        tally.add(found.lanes()[lane] / before.weight.lanes()[lane]);
+                    }
                 }
             }
             for lane in 0..3 {

@@ -37,7 +37,7 @@ impl Ramp {
     /// The colour of a number.
     pub fn color(&self, x: f32) -> Color {
         let last = self.colors.len() - 1;
-        if !(x > self.begin) {
+        if x <= self.begin || x.is_nan() {
             return self.below;
         }
         let at = ((x - self.begin) / (self.end - self.begin) * last as f32).min(last as f32);

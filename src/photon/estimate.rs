@@ -159,7 +159,7 @@ impl Estimator {
                     sum += f * flux * K::shape(d2 / r2);
                 }
             }
-            sum = sum * normalisation::<K>(r2);
+            sum *= normalisation::<K>(r2);
         });
         if sum.max_element() > 0.0 {
             let edge = boundary.as_mut().map(|b| b.correction(&q, r2.sqrt(), self.kernel));

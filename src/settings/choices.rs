@@ -49,7 +49,7 @@ choice! {
 }
 choice! {
     /// What light leaves in media.
-    Beams { Auto = "auto", Points = "points", Beams = "beams" }
+    InMedia { Auto = "auto", Points = "points", Beams = "beams" }
 }
 choice! {
     /// What a camera path does with the share of light that a surface absorbs.

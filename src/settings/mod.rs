@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::math::kernel::KernelKind;
 
-pub use choices::{Beams, Indirect, IntegratorKind, Lookup, Mode, Roulette};
+pub use choices::{InMedia, Indirect, IntegratorKind, Lookup, Mode, Roulette};
 pub use numbers::{Cap, Count, Limit, Neighbours, Radius, Samples};
 use value::Value;
 
@@ -115,7 +115,7 @@ settings! {
     alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction: share of new photons kept, global map";
     caustic_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction of the caustic map";
     volume_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction in media";
-    beams: Beams = Beams::Auto, "auto, points or beams", "light in media from photons at collisions, or from the ways between them; auto takes beams where few photons collide";
+    beams: InMedia = InMedia::Auto, "auto, points or beams", "light in media from photons at collisions, or from the ways between them; auto takes beams where few photons collide";
     kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "weight of a photon by its distance, global map";
     caustic_kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "the same for the caustic map";
     caustic_map: bool = true, "true or false", "caustic photons in a map of their own";

@@ -1,6 +1,6 @@
 //! How the value of a setting is read from its words.
 
-use super::choices::{Beams, Indirect, IntegratorKind, Lookup, Mode, Roulette};
+use super::choices::{InMedia, Indirect, IntegratorKind, Lookup, Mode, Roulette};
 use super::numbers::{Cap, Count, Limit, Neighbours, Radius, Samples};
 use crate::math::kernel::KernelKind;
 
@@ -20,7 +20,7 @@ macro_rules! value_from_str {
     })+ };
 }
 value_from_str!(
-    Beams: Self::NAMES.to_vec(),
+    InMedia: Self::NAMES.to_vec(),
     Indirect: Self::NAMES.to_vec(),
     IntegratorKind: Self::NAMES.to_vec(),
     Mode: Self::NAMES.to_vec(),

@@ -14,7 +14,7 @@ use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
 use crate::photon::volume::{BeamMap, Found, Passage, PointMap, Segment, VolumeGather};
 use crate::sampling::mix;
 use crate::scene::Scene;
-use crate::settings::{Beams, Count, Mode, Radius, Settings};
+use crate::settings::{Count, InMedia, Mode, Radius, Settings};
 use crate::transport::Owner;
 
 /// Light paths of the pilot.
@@ -108,9 +108,9 @@ impl VolumeMap {
         };
         self.settle(task, plan, [pixel, free_path], (pilot.beams.len(), MOST_BEAMS), found);
         self.job.beams = match task.settings.beams {
-            Beams::Auto => free_path > LONG * self.radius,
-            Beams::Points => false,
-            Beams::Beams => true,
+            InMedia::Auto => free_path > LONG * self.radius,
+            InMedia::Points => false,
+            InMedia::Beams => true,
         };
         if !self.job.beams {
             let pilot = self.trace(task.scene, u32::MAX, PILOT, halt);

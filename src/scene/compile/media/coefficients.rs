@@ -130,7 +130,7 @@ impl Compiler<'_> {
                 ir::Volume::Constant(color) => Ok(self.coefficient(color, at)),
                 ir::Volume::Grid(grid) => {
                     let loaded = self.load_grid(grid, at)?;
-                    Err(self.confined(loaded, scale, at))
+                    Err(Box::new(self.confined(loaded, scale, at)))
                 }
                 _ => {
                     self.refuse("a medium with such a coefficient", at);
@@ -140,7 +140,7 @@ impl Compiler<'_> {
         }
         let scattered = match &parts[1] {
             Ok(color) => Volume::Constant(*color * scale),
-            Err(grid) => Volume::Grid(Arc::new(grid.clone()), Color::splat(scale)),
+            Err(grid) => Volume::Grid(Arc::new(Grid::clone(grid)), Color::splat(scale)),
         };
         let place = |grid: &Grid| (grid.size, grid.reading.to_local.to_cols_array());
         if let [Err(a), Err(s)] = parts.as_slice()
@@ -150,12 +150,12 @@ impl Compiler<'_> {
             return None;
         }
         let whole = parts.into_iter().reduce(add)?.err()?;
-        Some((Volume::Grid(Arc::new(whole), Color::splat(scale)), Scattering::Coefficient(scattered)))
+        Some((Volume::Grid(whole.into(), Color::splat(scale)), Scattering::Coefficient(scattered)))
     }
 }
 
 /// The sum of colours and grids of the same size.
-fn add(a: Result<Color, Grid>, b: Result<Color, Grid>) -> Result<Color, Grid> {
+fn add(a: Result<Color, Box<Grid>>, b: Result<Color, Box<Grid>>) -> Result<Color, Box<Grid>> {
     let (grid, other) = match (a, b) {
         (Ok(a), Ok(b)) => return Ok(a + b),
         (Err(grid), other) | (other, Err(grid)) => (grid, other),
@@ -172,5 +172,6 @@ fn add(a: Result<Color, Grid>, b: Result<Color, Grid>) -> Result<Color, Grid> {
         };
         (value(&grid.data, n, i) + more).lanes()
     });
-    Err(Grid { channels: 3, data: data.collect(), ..grid })
+    let data = data.collect();
+    Err(Box::new(Grid { channels: 3, data, ..*grid }))
 }
