@@ -130,6 +130,27 @@ fn metal(fields: &mut serde_json::Map<String, Value>) {
     }
 }
 
+/// σa and σs of a homogeneous medium that is given by extinction and albedo, to as many digits as survive the change.
+fn medium(fields: &mut serde_json::Map<String, Value>) {
+    let constants = |of: &Value, names: [&str; 2]| -> Option<[[f64; 3]; 2]> {
+        let [a, b] =
+            names.map(|name| serde_json::from_value(of.get(name)?.get("Constant")?.get("rgb")?.clone()).ok());
+        Some([a?, b?])
+    };
+    let parts = if let Some(of) = fields.get("Extinction") {
+        constants(of, ["sigma_t", "albedo"]).map(|[t, albedo]| {
+            [0, 1].map(|s| [0, 1, 2].map(|c| t[c] * if s == 1 { albedo[c] } else { 1.0 - albedo[c] }))
+        })
+    } else {
+        fields.get("Parts").and_then(|of| constants(of, ["sigma_a", "sigma_s"]))
+    };
+    if let Some([a, s]) = parts {
+        let short = |v: [f64; 3]| json!({ "Constant": { "rgb": v.map(|v| format!("{:.6e}", v + 0.0)) } });
+        fields.remove("Extinction");
+        fields.insert("Parts".to_owned(), json!({ "sigma_a": short(a), "sigma_s": short(s) }));
+    }
+}
+
 fn simplify(value: &mut Value, slot: ColorSlot, rule: SpectrumRule, files: &dyn Files) {
     if let Some(rgb) = rgb(value, slot, rule) {
         *value = rgb;
@@ -161,6 +182,7 @@ fn simplify(value: &mut Value, slot: ColorSlot, rule: SpectrumRule, files: &dyn 
             }
             face_about(fields);
             metal(fields);
+            medium(fields);
         }
         _ => {}
     }
