@@ -62,7 +62,7 @@ fn widen(sensor: &mut Sensor) {
 fn slot_of(name: &str) -> Option<ColorSlot> {
     Some(match name {
         "radiance" | "intensity" | "irradiance" => ColorSlot::Emission,
-        "eta" | "k" | "sigma_a" | "sigma_s" => ColorSlot::Unbounded,
+        "eta" | "k" | "sigma_a" | "sigma_s" | "sigma_t" => ColorSlot::Unbounded,
         name if name.contains("reflectance") || name.contains("transmittance") => ColorSlot::Reflectance,
         _ => return None,
     })
