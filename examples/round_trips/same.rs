@@ -130,24 +130,27 @@ fn metal(fields: &mut serde_json::Map<String, Value>) {
     }
 }
 
-/// σa and σs of a homogeneous medium that is given by extinction and albedo, to as many digits as survive the change.
+/// σa and σs of a homogeneous medium, with its scale, to as many digits as survive a change of their form.
 fn medium(fields: &mut serde_json::Map<String, Value>) {
-    let constants = |of: &Value, names: [&str; 2]| -> Option<[[f64; 3]; 2]> {
-        let [a, b] =
-            names.map(|name| serde_json::from_value(of.get(name)?.get("Constant")?.get("rgb")?.clone()).ok());
-        Some([a?, b?])
+    let three = |of: &Value, name: &str| -> Option<[f64; 3]> {
+        serde_json::from_value(of.get(name)?.get("Constant")?.get("rgb")?.clone()).ok()
     };
-    let parts = if let Some(of) = fields.get("Extinction") {
-        constants(of, ["sigma_t", "albedo"]).map(|[t, albedo]| {
-            [0, 1].map(|s| [0, 1, 2].map(|c| t[c] * if s == 1 { albedo[c] } else { 1.0 - albedo[c] }))
-        })
-    } else {
-        fields.get("Parts").and_then(|of| constants(of, ["sigma_a", "sigma_s"]))
+    let (Some(scale), Some(of)) = (fields.get("scale").and_then(Value::as_f64), fields.get("coefficients"))
+    else {
+        return;
     };
-    if let Some([a, s]) = parts {
-        let short = |v: [f64; 3]| json!({ "Constant": { "rgb": v.map(|v| format!("{:.6e}", v + 0.0)) } });
-        fields.remove("Extinction");
-        fields.insert("Parts".to_owned(), json!({ "sigma_a": short(a), "sigma_s": short(s) }));
+    let pair = |of: Option<&Value>, names: [&str; 2]| Some([three(of?, names[0])?, three(of?, names[1])?]);
+    let parts = match pair(of.get("Extinction"), ["sigma_t", "albedo"]) {
+        Some([t, albedo]) => {
+            let part = |share: fn(f64) -> f64| [0, 1, 2].map(|c| t[c] * share(albedo[c]));
+            Some([part(|albedo| 1.0 - albedo), part(|albedo| albedo)])
+        }
+        None => pair(of.get("Parts"), ["sigma_a", "sigma_s"]),
+    };
+    if let Some(parts) = parts {
+        let short = parts.map(|part| part.map(|v| format!("{:.6e}", v * scale + 0.0)));
+        fields.insert("coefficients".to_owned(), json!(short));
+        fields.insert("scale".to_owned(), json!(1.0));
     }
 }
 

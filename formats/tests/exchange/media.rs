@@ -61,7 +61,7 @@ fn what(written: &Written) -> Vec<&str> {
 }
 
 const MITSUBA: &str = "<scene version='3.0.0'>
-    <medium type='homogeneous' id='fog'><rgb name='sigma_t' value='1, 2, 3'/><float name='albedo' value='.5'/>
+    <medium type='homogeneous' id='fog'><rgb name='sigma_t' value='.1, .2, .3'/><float name='scale' value='10'/><float name='albedo' value='.5'/>
         <phase type='hg'><float name='g' value='.4'/></phase></medium>
     <medium type='heterogeneous' id='smoke'><float name='scale' value='20'/>
         <volume name='sigma_t' type='gridvolume'><string name='filename' value='smoke.vol'/>
@@ -70,7 +70,7 @@ const MITSUBA: &str = "<scene version='3.0.0'>
             <string name='filter_type' value='nearest'/><string name='wrap_mode' value='mirror'/></volume>
         <phase type='blendphase'><float name='weight' value='.25'/><phase type='rayleigh'/>
             <phase type='tabphase'><string name='values' value='1, 2, 4'/></phase></phase></medium>
-    <medium type='heterogeneous' id='cube'><rgb name='sigma_t' value='1, 2, 3'/></medium>
+    <medium type='heterogeneous' id='cube'><rgb name='sigma_t' value='.1, .2, .3'/></medium>
     <sensor type='perspective'><ref id='fog'/></sensor>
     <emitter type='point'><ref id='fog'/></emitter>
     <shape type='sphere'><bsdf type='dielectric'/><ref name='interior' id='smoke'/><ref name='exterior' id='fog'/></shape>
@@ -114,6 +114,25 @@ fn media_survive_their_own_language() {
     }
 }
 
+/// Mitsuba 3 takes no colour above 1, in media neither: what is more goes into the scale.
+#[test]
+fn a_coloured_extinction_above_1_is_written_as_mitsuba_takes_it() {
+    let text = "<scene version='0.6.0'><medium type='homogeneous' id='fog'>
+        <rgb name='sigmaA' value='1, 2, 3'/><rgb name='sigmaS' value='1, 2, 5'/></medium>
+        <shape type='cube'><ref name='interior' id='fog'/></shape></scene>";
+    let (written, again, _) = copied(read("scene.xml", text), "copy.xml");
+    let medium = &media(&again.scene)[0];
+    let Coefficients::Extinction { sigma_t, albedo } = &medium.coefficients else {
+        panic!("{}", written.text)
+    };
+    assert!(constant(sigma_t).into_iter().all(|v| v <= 1.0), "{}", written.text);
+    for (c, (absorbed, scattered)) in [(1.0, 1.0), (2.0, 2.0), (3.0, 5.0)].into_iter().enumerate() {
+        let extinction = medium.scale * constant(sigma_t)[c];
+        assert!((extinction - absorbed - scattered).abs() < 1e-9, "{}", written.text);
+        assert!((extinction * constant(albedo)[c] - scattered).abs() < 1e-9, "{}", written.text);
+    }
+}
+
 fn named<'a>(media: &'a [Medium], name: &str) -> &'a Medium {
     media.iter().find(|medium| medium.name.as_deref() == Some(name)).unwrap()
 }
@@ -132,7 +151,8 @@ fn from_mitsuba_to_pbrt() {
     let media = media(&again.scene);
     let fog = named(&media, "fog");
     let Coefficients::Parts { sigma_a, sigma_s } = &fog.coefficients else { panic!() };
-    assert_eq!((constant(sigma_a), constant(sigma_s)), ([0.5, 1.0, 1.5], [0.5, 1.0, 1.5]));
+    assert_eq!((constant(sigma_a), constant(sigma_s)), ([0.05, 0.1, 0.15], [0.05, 0.1, 0.15]));
+    assert_eq!(fog.scale, 10.0);
     assert_eq!(fog.phase, Phase::HenyeyGreenstein { g: 0.4 });
     // A quarter of it is the table; the rest, Rayleigh's, has a mean cosine of 0.
     let smoke = named(&media, "smoke");

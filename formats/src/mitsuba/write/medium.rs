@@ -9,6 +9,16 @@ use crate::ir::{
 };
 use crate::write::{Output, WriteError};
 
+/// A coefficient as Mitsuba takes it: a number of any size, or a colour of at most 1, whose rest goes into `scale`.
+fn within_one(name: &str, rgb: [f64; 3], scale: &mut f64) -> Element {
+    if rgb == [rgb[0]; 3] {
+        return color(name, rgb);
+    }
+    let most = rgb.into_iter().fold(1.0, f64::max);
+    *scale *= most;
+    color(name, rgb.map(|v| v / most))
+}
+
 impl Writer<'_, '_> {
     /// A medium in its place of use, under `name`.
     pub fn medium(&mut self, name: Option<&'static str>, id: Id<Medium>) -> Result<Element, WriteError> {
@@ -56,14 +66,25 @@ impl Writer<'_, '_> {
         }
         let (sigma_t, albedo) = match &medium.coefficients {
             Coefficients::Extinction { sigma_t, albedo } => {
-                (self.volume_color("sigma_t", sigma_t, origin), self.volume_color("albedo", albedo, origin))
+                let albedo = self.volume_color("albedo", albedo, origin);
+                (self.extinction("sigma_t", sigma_t, &mut scale, origin), albedo)
             }
             Coefficients::Parts { .. } => {
                 let [sigma_t, albedo] = self.out.constant_coefficients(medium).unwrap_or_default();
-                (color("sigma_t", sigma_t), color("albedo", albedo))
+                (within_one("sigma_t", sigma_t, &mut scale), color("albedo", albedo))
             }
         };
         element.child(sigma_t).child(albedo).float_unless("scale", scale, 1.0)
+    }
+
+    fn extinction(&mut self, name: &str, volume: &Volume, scale: &mut f64, origin: Origin) -> Element {
+        if let Volume::Constant(color) = volume {
+            let rgb = self.rgb(color, ColorSlot::Unbounded, origin);
+            if rgb.into_iter().any(|v| v > 1.0) {
+                return within_one(name, rgb, scale);
+            }
+        }
+        self.volume_color(name, volume, origin)
     }
 
     fn volume_color(&mut self, name: &str, volume: &Volume, origin: Origin) -> Element {
@@ -87,11 +108,13 @@ impl Writer<'_, '_> {
                 Coefficients::Extinction { sigma_t: Volume::Constant(sigma_t), albedo },
                 Some(Volume::Grid(grid)),
             ) if is_unit_cube(grid) => {
-                let value = self.color("value", sigma_t, ColorSlot::Unbounded, origin);
+                let mut scale = medium.scale;
+                let sigma_t = Volume::Constant(sigma_t.clone());
+                let value = self.extinction("value", &sigma_t, &mut scale, origin);
                 let sigma_t = Element::plugin("volume", "constvolume").with("name", "sigma_t");
                 let sigma_t = sigma_t.child(value).transform("to_world", &grid.to_world);
                 let albedo = self.volume("albedo", albedo, origin)?;
-                return Ok(element.child(sigma_t).child(albedo).float_unless("scale", medium.scale, 1.0));
+                return Ok(element.child(sigma_t).child(albedo).float_unless("scale", scale, 1.0));
             }
             _ => {}
         }
