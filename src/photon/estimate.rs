@@ -155,7 +155,7 @@ impl Estimator {
                 }
                 let pdf = closure.pdf(wi, wo, Transport::Radiance, self.lobes);
                 if map.smallness(i) >= Smallness::least(pdf) {
-                    let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
+                    let flux = map.flux_of(i);
                     sum += f * flux * K::shape(d2 / r2);
                 }
             }
@@ -187,7 +187,7 @@ impl Estimator {
             for &(d2, i) in &gather.found {
                 if b.sees(q, q.radius, map.place(i)) {
                     let i = i as usize;
-                    let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
+                    let flux = map.flux_of(i);
                     sum += flux * K::shape(d2 / r2);
                 }
             }
@@ -218,7 +218,7 @@ impl Estimator {
                 closure.eval(wi, wo, Transport::Radiance, self.lobes)
             }
         };
-        let flux = Color::from_lanes([map.flux[0][i], map.flux[1][i], map.flux[2][i]]);
+        let flux = map.flux_of(i);
         out.add(map.class(i).layer(), at.throughput * f * flux * weight);
     }
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::sort::{PART, by_cell};
 use super::stored::{Rest, Stored};
 use super::{PathClass, Smallness};
-use crate::math::{Bounds, Vec3};
+use crate::math::{Bounds, Color, Vec3};
 
 /// A disc on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -190,6 +190,12 @@ impl PhotonMap {
     #[inline]
     pub fn place(&self, i: u32) -> Vec3 {
         Vec3::from_array(self.position.each_ref().map(|axis| axis[i as usize]))
+    }
+
+    /// Flux of photon `i`.
+    #[inline(always)]
+    pub fn flux_of(&self, i: usize) -> Color {
+        Color::from_lanes([self.flux[0][i], self.flux[1][i], self.flux[2][i]])
     }
 }
 

@@ -7,7 +7,9 @@ use super::reader::Reader;
 use crate::diagnostic::{Diagnostic, Span, nearest};
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput, Ior, SpectrumRule};
 use crate::missing::{find, not_found};
-use crate::spectrum::{LibrarySpectrum, library_names, library_spectrum, parse_spd, planck, to_linear_rgb};
+use crate::spectrum::{
+    LibrarySpectrum, greatest_planck, library_names, library_spectrum, parse_spd, to_linear_rgb,
+};
 
 use ParamType as T;
 
@@ -26,9 +28,6 @@ const FLOAT_OR_SPECTRUM: &[ParamType] = &[T::Float, T::Rgb, T::Spectrum, T::Blac
 
 /// The Fraunhofer d line, nm, to which indices of glasses refer.
 const D_LINE: f64 = 587.56;
-
-/// Wien's displacement constant, m·K (CODATA 2018).
-const WIEN: f64 = 2.897_771_955e-3;
 
 impl Reader<'_> {
     /// A literal colour.
@@ -154,13 +153,11 @@ impl Reader<'_> {
             (T::Blackbody, Values::Floats(v)) => match v[..] {
                 [kelvin] if kelvin > 0.0 => {
                     // pbrt scales the peak to 1.
-                    let peak = planck(WIEN / kelvin * 1e9, kelvin);
-                    Color::Blackbody { kelvin, scale: 1.0 / peak }
+                    Color::Blackbody { kelvin, scale: 1.0 / greatest_planck(kelvin) }
                 }
                 // pbrt-v3.
                 [kelvin, scale] if kelvin > 0.0 && self.policy.is_three() => {
-                    let peak = planck(WIEN / kelvin * 1e9, kelvin);
-                    Color::Blackbody { kelvin, scale: scale / peak }
+                    Color::Blackbody { kelvin, scale: scale / greatest_planck(kelvin) }
                 }
                 [kelvin] => return fail(format!("a temperature must be positive, not {kelvin} K")),
                 _ => return fail(format!("`{name}` expects 1 value, got {}", v.len())),

@@ -129,6 +129,12 @@ pub fn planck(nm: f64, kelvin: f64) -> f64 {
     2.0 * H * C * C / (metres.powi(5) * exponent.exp_m1()) * 1e-9
 }
 
+/// The greatest [`planck`] of a temperature over all wavelengths (Wien's displacement law; CODATA 2018).
+pub fn greatest_planck(kelvin: f64) -> f64 {
+    const WIEN: f64 = 2.897_771_955e-3;
+    planck(WIEN / kelvin * 1e9, kelvin)
+}
+
 /// Mean of ȳ-weighted D65 in Mitsuba 3, so that white has luminance 1.
 const D65_INTEGRAL: f64 = 98.997_417_518_762_55;
 

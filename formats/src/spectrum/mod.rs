@@ -14,7 +14,7 @@ mod srgb;
 mod white;
 
 pub(crate) use convert::wavelength_rgb;
-pub use convert::{SpectrumError, luminance, planck, to_linear_rgb};
+pub use convert::{SpectrumError, greatest_planck, luminance, planck, to_linear_rgb};
 pub use ior::{ior, ior_names};
 pub use library::{LibrarySpectrum, library_names, library_spectrum};
 pub use media::{Preset, Reduced, medium_preset, medium_preset_names, reduced_medium, reduced_medium_names};

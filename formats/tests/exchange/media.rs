@@ -6,7 +6,9 @@ use caustica_formats::files::Memory;
 use caustica_formats::ir::{
     Coefficients, Color, Medium, Phase, Scene, Volume, VolumeData, VolumeFormat, canonical,
 };
-use caustica_formats::{Content, Read, ReadOptions, Written, read_scene, volume, write_scene};
+use caustica_formats::{Read, ReadOptions, Written, read_scene, volume, write_scene};
+
+use crate::round_trip::placed;
 
 fn vol(resolution: [i32; 3], channels: i32, values: &[f32]) -> Vec<u8> {
     let mut bytes = b"VOL\x03".to_vec();
@@ -37,16 +39,9 @@ fn read(name: &str, text: &str) -> (Read, Memory) {
 }
 
 /// Written to `to` and read again, with the losses.
-fn copied((scene, mut files): (Read, Memory), to: &str) -> (Written, Read, Memory) {
+fn copied((scene, files): (Read, Memory), to: &str) -> (Written, Read, Memory) {
     let written = write_scene(&scene, &files, Path::new(to)).unwrap_or_else(|e| panic!("{e}"));
-    for asset in &written.assets {
-        let bytes = match &asset.content {
-            Content::Bytes(bytes) => bytes.clone(),
-            Content::Copy(path) => files.0[path].clone(),
-        };
-        files.0.insert(asset.path.clone(), bytes);
-    }
-    files.0.insert(written.path.clone(), written.text.clone().into_bytes());
+    let files = placed(&written, files);
     let again = read_scene(&files, &written.path, &ReadOptions::default());
     let again = again.unwrap_or_else(|e| panic!("{e}\n{}", written.text));
     (written, again, files)

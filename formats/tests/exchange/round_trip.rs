@@ -37,8 +37,8 @@ fn write(read: &Read, files: &Memory, name: &str) -> Written {
     write_scene(read, files, Path::new(name)).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn read_back(written: &Written, files: &Memory) -> (Read, Memory) {
-    let mut files = files.clone();
+/// The files with those that were written.
+pub fn placed(written: &Written, mut files: Memory) -> Memory {
     for asset in &written.assets {
         let bytes = match &asset.content {
             Content::Bytes(bytes) => bytes.clone(),
@@ -47,6 +47,11 @@ fn read_back(written: &Written, files: &Memory) -> (Read, Memory) {
         files.0.insert(asset.path.clone(), bytes);
     }
     files.0.insert(written.path.clone(), written.text.clone().into_bytes());
+    files
+}
+
+fn read_back(written: &Written, files: &Memory) -> (Read, Memory) {
+    let files = placed(written, files.clone());
     let read = read_scene(&files, &written.path, &ReadOptions::default())
         .unwrap_or_else(|e| panic!("{e}\n{}", written.text));
     assert!(read.warnings.is_empty(), "{}\n{}", read.sources.render(&read.warnings), written.text);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use caustica_formats::ir::{self, ColorSlot, MediumEmission};
+use caustica_formats::spectrum::greatest_planck;
 
 use super::super::Compiler;
 use crate::math::Color;
@@ -42,7 +43,7 @@ impl Compiler<'_> {
         let mut colors = Vec::new();
         for i in 0..=STEPS {
             let t = DARK + (hottest - DARK) * i as f64 / STEPS as f64;
-            let color = ir::Color::Blackbody { kelvin: t, scale: peak / greatest(t) };
+            let color = ir::Color::Blackbody { kelvin: t, scale: peak / greatest_planck(t) };
             colors.push(self.color(&color, ColorSlot::Emission, at));
         }
         // pbrt's are dark up to and with the coldest.
@@ -57,14 +58,4 @@ impl Compiler<'_> {
             ),
         }
     }
-}
-
-/// Radiance per nm of a black body at the wavelength where it is greatest (Planck's and Wien's laws).
-fn greatest(kelvin: f64) -> f64 {
-    const H: f64 = 6.626_070_15e-34;
-    const C: f64 = 299_792_458.0;
-    const K: f64 = 1.380_649e-23;
-    let wavelength = 2.897_771_955e-3 / kelvin;
-    let exponent = H * C / (wavelength * K * kelvin);
-    2.0 * H * C * C / wavelength.powi(5) / exponent.exp_m1() * 1e-9
 }
