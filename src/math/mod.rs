@@ -40,6 +40,14 @@ impl Ray {
         Self { o, d, tmax: f32::INFINITY }
     }
 
+    /// The same ray with a unit direction.
+    #[must_use]
+    #[inline]
+    pub fn normalised(&self) -> Self {
+        let unit = self.d.length();
+        Self { o: self.o, d: self.d / unit, tmax: self.tmax * unit }
+    }
+
     /// The point at parameter `t`.
     #[inline]
     pub fn at(&self, t: f32) -> Vec3 {

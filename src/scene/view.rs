@@ -1,6 +1,7 @@
 //! How a scene is looked at.
 
 use crate::film::{Aov, FilmSize, Filter, Response};
+use crate::math::Vec2;
 use crate::medium::MediumId;
 use crate::sensor::Sensor;
 
@@ -23,4 +24,13 @@ pub struct View {
     pub hidden_lamps_are_transparent: bool,
     /// Pictures of the surfaces in sight that are made beside that of light, each once.
     pub aovs: Vec<Aov>,
+}
+
+impl View {
+    /// The film position, in [0, 1]² of the whole film, of a position in [0, 1]² of the part that is rendered.
+    pub fn place_in_crop(&self, at: Vec2) -> Vec2 {
+        let [x0, y0, w, h] = self.film.crop.map(|v| v as f32);
+        let full = Vec2::new(self.film.width as f32, self.film.height as f32);
+        Vec2::new(x0 + at.x * w, y0 + at.y * h) / full
+    }
 }

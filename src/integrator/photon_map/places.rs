@@ -14,15 +14,20 @@ use crate::transport::walk::{self, Lamps, Next};
 /// Most rays of a camera path that are followed.
 const LONGEST: u32 = 16;
 
+/// Numbers and positions, in [0, 1]², of a regular grid over the rendered part of the film.
+pub(super) fn film_grid() -> impl Iterator<Item = (u32, Vec2)> {
+    let side = (radius::PLACES as f32).sqrt() as u32;
+    let at = move |i: u32| (i as f32 + 0.5) / side as f32;
+    (0..side * side).map(move |i| (i, Vec2::new(at(i % side), at(i / side))))
+}
+
 impl PhotonMapper<'_> {
     /// Where camera rays through a regular grid of the film gather.
     pub(super) fn gather_places(&self) -> Vec<radius::Place> {
-        let side = (radius::PLACES as f32).sqrt() as u32;
-        let at = |i: u32| (i as f32 + 0.5) / side as f32;
-        (0..side * side)
-            .filter_map(|i| {
+        film_grid()
+            .filter_map(|(i, at)| {
                 let sampler = Sampler::new(mix(self.settings.seed ^ 0x007a_d105), i);
-                self.rough_place(Vec2::new(at(i % side), at(i / side)), sampler, 0, &mut 0)
+                self.rough_place(at, sampler, 0, &mut 0)
             })
             .collect()
     }
@@ -50,10 +55,7 @@ impl PhotonMapper<'_> {
         rays: &mut u64,
     ) -> Option<radius::Place> {
         let (scene, view, settings) = (self.task.scene, self.task.view, &self.settings);
-        let [x0, y0, w, h] = view.film.crop.map(|v| v as f32);
-        let full = Vec2::new(view.film.width as f32, view.film.height as f32);
-        let film = Vec2::new(x0 + at.x * w, y0 + at.y * h) / full;
-        let mut ray = view.sensor.ray(film, sampler.next_2d());
+        let mut ray = view.sensor.ray(view.place_in_crop(at), sampler.next_2d());
         let mut length = view.sensor.near;
         let hidden = settings.hide_emitters && view.hidden_lamps_are_transparent;
         let mut lamps = if hidden { Lamps::Transparent } else { Lamps::Solid };

@@ -56,12 +56,12 @@ impl VolumePathTracer<'_> {
         let mut carried = walk.carried;
         carried.reach = 1.0;
         for (range, event) in lobes {
-            let lobe = (event == Event::Smooth) || vertex.closure.has_smooth(vertex.wi, range);
-            if !lobe {
+            let present = vertex.closure.has_smooth(vertex.wi, range);
+            if !present && event != Event::Smooth {
                 continue;
             }
             let (pick, u) = self.lamp_numbers(&mut sample.sampler);
-            if !vertex.closure.has_smooth(vertex.wi, range) {
+            if !present {
                 continue;
             }
             let Some(light) = self.scene.sample_direct(vertex.surface.p, pick, u) else { continue };

@@ -78,6 +78,22 @@ struct Walk {
     passed: u32,
 }
 
+impl Walk {
+    fn new(ray: Ray, medium: Option<MediumId>, throughput: Color) -> Self {
+        Self {
+            ray,
+            medium,
+            carried: Carried::new(throughput),
+            eta: 1.0,
+            class: PathClass::FROM_CAMERA,
+            pdf: 0.0,
+            from: ray.o,
+            depth: 0,
+            passed: 0,
+        }
+    }
+}
+
 impl Integrator for VolumePathTracer<'_> {
     type Pass = ();
 
@@ -102,23 +118,16 @@ enum Step {
 
 impl VolumePathTracer<'_> {
     fn trace(&self, sample: &mut CameraSample, scratch: &mut Scratch) {
-        let Ray { o, d, tmax } = sample.ray;
-        let unit = d.length();
-        let mut walk = Walk {
-            ray: Ray { o, d: d / unit, tmax: tmax * unit },
-            medium: self.medium,
-            carried: Carried::new(Color::ONE),
-            eta: 1.0,
-            class: PathClass::FROM_CAMERA,
-            pdf: 0.0,
-            from: o,
-            depth: 0,
-            passed: 0,
-        };
+        let mut walk = Walk::new(sample.ray.normalised(), self.medium, Color::ONE);
+        self.go_on(&mut walk, sample, scratch);
+    }
+
+    /// Follows a path to its end.
+    fn go_on(&self, walk: &mut Walk, sample: &mut CameraSample, scratch: &mut Scratch) {
         while walk.depth < self.max_depth && walk.passed < MOST_PASSED && walk.carried.alive() {
             scratch.rays += 1;
             let hit = self.scene.geometry.closest(&walk.ray);
-            if let Step::Over = self.step(&mut walk, hit.as_ref(), sample, scratch) {
+            if let Step::Over = self.step(walk, hit.as_ref(), sample, scratch) {
                 return;
             }
         }
@@ -134,18 +143,8 @@ impl VolumePathTracer<'_> {
     ) -> Step {
         if let Some(medium) = self.scene.medium(walk.medium) {
             let part = Ray { tmax: hit.map_or(walk.ray.tmax, |hit| hit.t), ..walk.ray };
-            let lamp = self.lamp_numbers(&mut sample.sampler);
-            let pivot = self.pivot(medium, &part, walk, lamp);
-            if let Some(pivot) = &pivot {
-                self.light_near(medium, &part, walk, (pivot, lamp), sample, scratch);
-            }
-            let before = walk.carried;
-            let mut emitted = Color::ZERO;
-            let t = medium.fly(&part, &mut walk.carried, &mut emitted, &mut sample.sampler);
-            sample.out.add(walk.class.layer(), emitted);
-            if let Some(t) = t {
-                let share = pivot.map_or(1.0, |pivot| pivot.share_of_flight(medium, &before, t));
-                return self.scatter_in(medium, walk, t, (lamp, share), sample, scratch);
+            if let Some(step) = self.through(medium, &part, walk, sample, scratch) {
+                return step;
             }
         }
         let Some(hit) = hit else {
@@ -160,6 +159,29 @@ impl VolumePathTracer<'_> {
         }
         self.add_emitted(walk, &s, hidden, sample);
         self.scatter_at(walk, &s, hit.t, sample, scratch)
+    }
+
+    /// Through the medium along `part`; `None` at its end, unscattered.
+    fn through(
+        &self,
+        medium: &Medium,
+        part: &Ray,
+        walk: &mut Walk,
+        sample: &mut CameraSample,
+        scratch: &mut Scratch,
+    ) -> Option<Step> {
+        let lamp = self.lamp_numbers(&mut sample.sampler);
+        let pivot = self.pivot(medium, part, walk, lamp);
+        if let Some(pivot) = &pivot {
+            self.light_near(medium, part, walk, (pivot, lamp), sample, scratch);
+        }
+        let before = walk.carried;
+        let mut emitted = Color::ZERO;
+        let t = medium.fly(part, &mut walk.carried, &mut emitted, &mut sample.sampler);
+        sample.out.add(walk.class.layer(), emitted);
+        let t = t?;
+        let share = pivot.map_or(1.0, |pivot| pivot.share_of_flight(medium, &before, t));
+        Some(self.scatter_in(medium, walk, t, (lamp, share), sample, scratch))
     }
 
     /// Straight on behind a surface.

@@ -47,10 +47,8 @@ enum Goes {
 impl PhotonMapper<'_> {
     /// What a camera ray brings.
     pub(super) fn trace_in_media(&self, maps: &Maps, sample: &mut CameraSample, scratch: &mut Scratch) {
-        let Ray { o, d, tmax } = sample.ray;
-        let unit = d.length();
         let mut walk = Walk {
-            ray: Ray { o, d: d / unit, tmax: tmax * unit },
+            ray: sample.ray.normalised(),
             medium: self.task.view.medium,
             path: Carried { throughput: Color::ONE, class: PathClass::FROM_CAMERA },
             eta: 1.0,

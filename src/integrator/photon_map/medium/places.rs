@@ -1,11 +1,10 @@
 //! Where camera paths go through media: segments found by walking them without light.
 
 use super::super::PhotonMapper;
+use super::super::places::film_grid;
 use super::super::walk::Step;
 use super::stretch::Stretch;
 use crate::math::{Ray, Vec2};
-use crate::medium::MediumId;
-use crate::photon::radius;
 use crate::photon::volume::Segment;
 use crate::sampling::{Sampler, mix};
 use crate::transport::Vertex;
@@ -16,12 +15,10 @@ const LONGEST: u32 = 16;
 impl PhotonMapper<'_> {
     /// Segments of camera rays through a regular grid of the film, and the median size of a pixel in their middles.
     pub(in super::super) fn segments(&self) -> (Vec<Segment>, f32) {
-        let side = (radius::PLACES as f32).sqrt() as u32;
-        let at = |i: u32| (i as f32 + 0.5) / side as f32;
         let mut segments = Vec::new();
-        for i in 0..side * side {
+        for (i, at) in film_grid() {
             let sampler = Sampler::new(mix(self.settings.seed ^ 0x5e9e_3e75), i);
-            self.add_segments(Vec2::new(at(i % side), at(i / side)), sampler, &mut segments);
+            self.add_segments(at, sampler, &mut segments);
         }
         let height = self.task.view.film.height;
         let size = |(_, distance): &(Segment, f32)| self.task.view.sensor.pixel_footprint(height, *distance);
@@ -34,23 +31,15 @@ impl PhotonMapper<'_> {
     /// Adds those of a camera path from a position of the rendered part, in [0, 1]², with the distance of their middles.
     fn add_segments(&self, at: Vec2, mut sampler: Sampler, segments: &mut Vec<(Segment, f32)>) {
         let (scene, view) = (self.task.scene, self.task.view);
-        let [x0, y0, w, h] = view.film.crop.map(|v| v as f32);
-        let full = Vec2::new(view.film.width as f32, view.film.height as f32);
-        let film = Vec2::new(x0 + at.x * w, y0 + at.y * h) / full;
-        let ray = view.sensor.ray(film, sampler.next_2d());
-        let unit = ray.d.length();
-        let mut ray = Ray { d: ray.d / unit, tmax: ray.tmax * unit, ..ray };
+        let mut ray = view.sensor.ray(view.place_in_crop(at), sampler.next_2d()).normalised();
         let mut medium = view.medium;
         let mut length = view.sensor.near;
         for _ in 0..LONGEST {
             let hit = scene.geometry.closest(&ray);
-            if let Some(MediumId(index)) = medium {
+            if let Some(medium) = scene.medium(medium).filter(|medium| medium.scatters()) {
                 let part = Ray { tmax: hit.as_ref().map_or(ray.tmax, |hit| hit.t), ..ray };
-                let medium = &scene.media[index as usize];
-                if medium.scatters() {
-                    let segment = Stretch::new(medium, &part, &mut sampler).segment;
-                    segments.push((segment, length + 0.5 * segment.length));
-                }
+                let segment = Stretch::new(medium, &part, &mut sampler).segment;
+                segments.push((segment, length + 0.5 * segment.length));
             }
             let Some(hit) = hit else { return };
             length += hit.t;
