@@ -27,6 +27,7 @@ mod furnace;
 mod glints;
 mod hard;
 mod hostile;
+mod images;
 mod imports;
 mod inspect;
 mod laws;

@@ -4,6 +4,7 @@ mod aovs;
 mod bands;
 mod checkpoint;
 mod driver;
+mod extra;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use driver::{Budget, Outcome, Progress, Statistics, Stop, Sums, render};
