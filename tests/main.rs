@@ -6,6 +6,7 @@
 
 mod support;
 
+mod aims;
 mod aovs;
 mod bench;
 mod bsdf;

@@ -75,7 +75,7 @@ impl Sight {
     #[inline(always)]
     fn add_background(&self, scene: &Scene, d: Vec3, path: Carried, out: &mut Radiance) {
         if self.lamps {
-            for (radiance, pdf) in scene.background(d).filter(|&(_, pdf)| !self.leaves(pdf)) {
+            for (radiance, pdf) in scene.background(self.from, d).filter(|&(_, pdf)| !self.leaves(pdf)) {
                 out.add(path.class.layer(), path.throughput * radiance * self.weight(pdf));
             }
         }
