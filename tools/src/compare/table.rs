@@ -2,6 +2,7 @@
 
 use super::check::Check;
 use super::comparison::Comparison;
+use super::report::{Action, Update};
 use crate::flip::FlipStats;
 use std::io::{self, Write};
 
@@ -103,14 +104,29 @@ pub fn write_rows(comparisons: &[Comparison], out: &mut dyn Write) -> io::Result
     Ok(())
 }
 
-fn check_line(c: &Check) -> String {
-    let (word, sign) = match (c.holds, c.name == "z-test") {
-        (true, false) => ("holds", "<="),
-        (true, true) => ("holds", ">="),
-        (false, false) => ("FAILS", ">"),
-        (false, true) => ("FAILS", "<"),
-    };
-    format!("{word}  {} {:.6} {sign} {}", c.name, c.value, c.limit)
+/// Writes one line for each reference that `--update` could replace.
+///
+/// # Errors
+/// `out` cannot be written.
+pub fn write_updates(updates: &[Update], out: &mut dyn Write) -> io::Result<()> {
+    updates.iter().try_for_each(|u| {
+        let (image, reference) = (&u.image, &u.reference);
+        match u.action {
+            Action::Replaced => {
+                let page = u.page.as_deref().unwrap_or_default();
+                writeln!(out, "replaced  {reference} by {image}; before and after: {page}")
+            }
+            Action::Added => writeln!(out, "added     {reference} from {image}"),
+            Action::Kept => {
+                writeln!(out, "kept      {reference}: {}", u.reason.as_deref().unwrap_or_default())
+            }
+        }
+    })
+}
+
+/// Whether a threshold holds, and the values.
+pub fn check_line(c: &Check) -> String {
+    format!("{}  {c}", if c.holds { "holds" } else { "FAILS" })
 }
 
 fn row(
