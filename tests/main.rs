@@ -29,6 +29,7 @@ mod hard;
 mod hostile;
 mod imports;
 mod inspect;
+mod installing;
 mod laws;
 mod layers;
 mod light_tracing;

@@ -6,7 +6,7 @@ use super::github;
 use super::junit::{self, Suite};
 use super::page::Page;
 use super::report::{Failure, Report, Status};
-use super::table::{write_rows, write_table, write_updates};
+use super::table::{shown, write_rows, write_table, write_updates};
 use caustica_formats::image::atomic_write;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -72,10 +72,10 @@ fn write_text(args: &CompareArgs, report: &Report, out: &mut dyn Write) -> io::R
         report.comparisons.iter().try_for_each(|c| write_table(c, out))?;
     }
     for failure in &report.failures {
-        writeln!(out, "could not compare: {}", failure.error)?;
+        writeln!(out, "could not compare: {}", shown(&failure.error))?;
     }
     for extra in &report.unmatched {
-        writeln!(out, "no reference for {}", extra.image)?;
+        writeln!(out, "no reference for {}", shown(&extra.image))?;
     }
     write_updates(&report.updates, out)
 }

@@ -165,8 +165,7 @@ fn a_folder_is_a_suite_with_a_case_for_each_picture() {
     let rmse: f64 = properties["deep/far.rmse"].parse().unwrap();
     assert!((rmse - 0.1).abs() < 1e-6 && properties["same.rmse"] == "0", "{properties:?}");
     assert!(properties.contains_key("same.flip") && !properties.contains_key("same.psnr"));
-    // What was printed, but for the control character.
-    assert_eq!(suite.all("system-out").next().unwrap().text, table.replace('\u{1}', "\u{FFFD}"));
+    assert_eq!(suite.all("system-out").next().unwrap().text, table);
 }
 
 #[test]
@@ -186,6 +185,26 @@ fn two_files_are_a_suite_of_one_case_and_so_is_what_is_not_there() {
     let (status, table) = text(&lost);
     assert_eq!(status, Status::CouldNotCompare);
     assert!(table.contains("could not compare: ") && table.contains("none/out.xml: "), "{table}");
+}
+
+/// A file's name cannot pass for a command of the workflow.
+#[cfg(unix)]
+#[test]
+fn names_of_files_are_no_commands() {
+    let f = Folder::new();
+    for folder in ["images", "references"] {
+        f.exr(&format!("{folder}/a\n::stop-commands::x\r.exr"), &RGB, 0.5);
+    }
+    f.exr("images/b\n::error::c.exr", &RGB, 0.5);
+    let folders = CompareArgs { github: true, ..CompareArgs::new(f.path("images"), f.path("references")) };
+    let single = f.path("images/b\n::error::c.exr");
+    let single = CompareArgs { github: true, ..CompareArgs::new(single.clone(), single) };
+    for (args, ours) in [(folders, 1), (single, 0)] {
+        let (_, printed) = text(&args);
+        let commands: Vec<&str> = printed.lines().filter(|l| l.starts_with("::")).collect();
+        assert_eq!(commands.len(), ours, "{printed}");
+        assert!(commands.iter().all(|c| c.starts_with("::warning file=")), "{printed}");
+    }
 }
 
 #[cfg(unix)]
