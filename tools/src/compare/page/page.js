@@ -241,7 +241,7 @@ function cell(metric, format = number) {
 
 function describe() {
   const c = comparison(), v = view();
-  byId('title').textContent = c.name;
+  byId('title').textContent = report.labels ? `${c.name}: before and after` : c.name;
   document.title = `${c.name}: caustica compare`;
   const verdict = byId('verdict');
   verdict.textContent = c.checks.length === 0 ? 'no threshold set' : c.holds ? 'all thresholds hold' : 'a threshold does not hold';
@@ -256,7 +256,7 @@ function describe() {
   const rows = [
     head('', 'R', 'G', 'B', 'all'),
     row('mean', ...per('bias.image_mean')),
-    row(`mean of ${referenceName}`, ...per('bias.reference_mean')),
+    row(`mean, ${referenceName}`, ...per('bias.reference_mean')),
     row('bias', ...per('bias.absolute'), cell('bias.absolute_all')),
     row('bias, relative', ...per('bias.relative', percent), cell('bias.relative_all', percent)),
     row('RMSE', ...per('rmse'), cell('rmse_all')),
