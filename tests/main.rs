@@ -31,6 +31,7 @@ mod hostile;
 mod images;
 mod imports;
 mod inspect;
+mod installing;
 mod laws;
 mod layers;
 mod light_tracing;

@@ -20,6 +20,11 @@ impl Picture<'_> {
         [width as usize, height as usize]
     }
 
+    /// Camera samples of each pixel.
+    fn samples(&self) -> u64 {
+        u64::from(self.passes) * u64::from(self.pixels.samples_a_pass)
+    }
+
     /// Red, green and blue at column `x` from the left and row `y` from the top.
     ///
     /// # Panics
@@ -45,6 +50,7 @@ impl Picture<'_> {
             ("scene".to_owned(), self.session.name()),
             ("sceneHash".to_owned(), self.session.hash.clone()),
             ("passes".to_owned(), self.passes.to_string()),
+            ("samplesPerPixel".to_owned(), self.samples().to_string()),
             ("settings".to_owned(), settings.join(" ")),
         ];
         let s = self.statistics;
