@@ -10,6 +10,7 @@ mod render;
 mod report;
 mod scene;
 mod summary;
+mod view;
 
 use std::process::ExitCode;
 

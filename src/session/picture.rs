@@ -19,8 +19,7 @@ pub struct Picture<'a> {
 impl Picture<'_> {
     /// Width and height in pixels.
     pub fn size(&self) -> [usize; 2] {
-        let [_, _, width, height] = self.session.view.film.crop;
-        [width as usize, height as usize]
+        self.session.size()
     }
 
     /// Red, green and blue at column `x` from the left and row `y` from the top.
