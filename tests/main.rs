@@ -35,6 +35,7 @@ mod light_tracing;
 mod lights;
 mod map;
 mod media;
+mod merging;
 mod nee;
 mod noise;
 mod normals;

@@ -212,6 +212,7 @@ impl RenderArgs {
             passes: (!limited || self.scene.passes().is_some()).then_some(session.settings.passes),
             time: self.time,
             error: self.target_error,
+            whole: false,
             interrupt: Some(interrupt.flag()),
         };
         let bar = self.progress_bar(&budget);
