@@ -42,6 +42,7 @@ mod normals;
 mod readme;
 mod roulette;
 mod settings;
+mod submit;
 mod tidy;
 mod transmission;
 mod twins;

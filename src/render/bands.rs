@@ -50,8 +50,7 @@ impl<I: Integrator> Bands<'_, I> {
     pub fn sample(&self, sums: &mut PassSums) -> Vec<(Scratch, Rejected, bool)> {
         let band = self.view.film.crop[2] as usize * BLOCK;
         let numbers = Aov::numbers_of(&self.view.aovs);
-        let bands: Vec<_> =
-            sums.means.chunks_mut(band).zip(chunks(&mut sums.aovs, band * numbers)).collect();
+        let bands: Vec<_> = sums.means.chunks_mut(band).zip(chunks(&mut sums.aovs, band * numbers)).collect();
         bands.into_par_iter().enumerate().map(|(b, (means, aovs))| self.band(b, means, aovs)).collect()
     }
 

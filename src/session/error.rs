@@ -103,8 +103,8 @@ pub enum Error {
     /// A render has no whole pass that could be merged with others.
     #[error("no pass is whole: there is nothing to merge")]
     NotWhole,
-    /// No checkpoint was given to merge.
-    #[error("there is nothing to merge")]
+    /// No checkpoint was given to merge, or there are none in a folder.
+    #[error("there is no checkpoint (.ckpt) to merge")]
     NoParts,
     /// A checkpoint cannot be merged with others.
     #[error("cannot merge `{}`: {source}", file.display())]
@@ -135,8 +135,11 @@ pub enum Error {
         passes: [u32; 2],
     },
     /// Some passes are in no checkpoint.
-    #[error("passes {} of 0..{whole} are missing{}; --allow-missing merges what is there",
-        listed(missing), unfinished(begun))]
+    #[error(
+        "passes {} of 0..{whole} are missing{}; --allow-missing merges what is there",
+        listed(missing),
+        unfinished(begun)
+    )]
     Missing {
         /// The first of each range and the one after the last.
         missing: Vec<[u32; 2]>,

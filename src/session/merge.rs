@@ -13,7 +13,8 @@ use crate::render::{Checkpoint, CheckpointError, Head};
 
 /// What a checkpoint says of the picture.
 pub(super) fn info_of(head: &Head) -> Result<PictureInfo, CheckpointError> {
-    serde_json::from_str(&head.about).map_err(|_| CheckpointError::Invalid("what it says of its picture is not ours"))
+    serde_json::from_str(&head.about)
+        .map_err(|_| CheckpointError::Invalid("what it says of its picture is not ours"))
 }
 
 /// Makes sure that two checkpoints are of one render.
@@ -26,7 +27,8 @@ pub(super) fn agree(files: [&Path; 2], heads: [&Head; 2]) -> Result<(), Error> {
         Err(CheckpointError::Different { name, was, now }) => return unlike(&name, [was, now]),
         other => other.map_err(|source| Error::Part { file: files[0].to_path_buf(), source })?,
     }
-    let part = |i: usize| info_of(heads[i]).map_err(|source| Error::Part { file: files[i].to_path_buf(), source });
+    let part =
+        |i: usize| info_of(heads[i]).map_err(|source| Error::Part { file: files[i].to_path_buf(), source });
     let names = [part(0)?, part(1)?].map(|info| {
         let names: Vec<String> = info.layers.iter().map(|layer| layer.name.clone()).collect();
         names.join(",")

@@ -60,7 +60,7 @@ pub use memory::Memory;
 pub use merge::{Merge, Merged};
 pub use options::Options;
 pub use output::Output;
-pub use parts::Parts;
+pub use parts::{Parts, files_of_parts};
 pub use passes::listed as listed_passes;
 pub use picture::{Picture, PictureInfo};
 pub use place::check_place;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use caustica_formats::files::plain;
 use caustica_formats::memory::available;
 
+use super::Session;
 use super::error::Error;
 use super::layers::Layers;
 use super::merge::{Merge, Merged, agree, check_layers, disjoint, gaps, info_of, whole};
@@ -12,6 +13,27 @@ use super::passes::missing;
 use super::picture::PictureInfo;
 use crate::film::{Aov, BinnedSums, STRIDE};
 use crate::render::{CheckpointError, Head};
+
+/// The files that are named, and for a folder those in it whose names end with `.ckpt`.
+///
+/// # Errors
+/// [`Error::Part`] when a folder cannot be read, [`Error::NoParts`] when there are none.
+pub fn files_of_parts(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut files = Vec::new();
+    for place in named {
+        if !place.is_dir() {
+            files.push(place.clone());
+            continue;
+        }
+        let entries = std::fs::read_dir(place).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+        let entries = entries.map_err(|e| unreadable(place, e))?.into_iter().map(|entry| entry.path());
+        let mut parts: Vec<PathBuf> =
+            entries.filter(|file| file.extension().is_some_and(|e| e == "ckpt")).collect();
+        parts.sort();
+        files.extend(parts);
+    }
+    if files.is_empty() { Err(Error::NoParts) } else { Ok(files) }
+}
 
 /// Checkpoints of one render, in the order of their passes.
 #[derive(Debug)]
@@ -26,7 +48,8 @@ impl Parts {
     /// # Errors
     /// [`Error::NoParts`], [`Error::Part`], [`Error::Unlike`] or [`Error::Overlap`], with the first problem.
     pub fn read(files: &[PathBuf]) -> Result<Self, Error> {
-        let mut parts = files.iter().map(|file| Ok((file.clone(), head(file)?))).collect::<Result<Vec<_>, Error>>()?;
+        let mut parts =
+            files.iter().map(|file| Ok((file.clone(), head(file)?))).collect::<Result<Vec<_>, Error>>()?;
         parts.sort_by_key(|(_, head)| (head.first, head.passes));
         let Some((first, head)) = parts.first() else { return Err(Error::NoParts) };
         let problem = |source| Error::Part { file: first.clone(), source };
@@ -55,6 +78,30 @@ impl Parts {
     pub fn missing(&self, passes: Option<u32>) -> Vec<[u32; 2]> {
         let ranges = self.files.iter().map(|(_, head)| [head.first, head.end()]).collect();
         missing(ranges, whole(&self.files, passes))
+    }
+
+    /// Passes that no part holds nor was begun for.
+    pub fn unclaimed(&self, passes: u32) -> Vec<[u32; 2]> {
+        let ranges = self.files.iter().map(|(_, head)| [head.first, head.end().max(head.until)]).collect();
+        missing(ranges, passes)
+    }
+
+    /// The ranges of parts that end before the passes which they were to hold.
+    pub fn unfinished(&self) -> Vec<[u32; 2]> {
+        let parts = self.files.iter().filter(|(_, head)| head.end() < head.until);
+        parts.map(|(_, head)| [head.first, head.until]).collect()
+    }
+
+    /// Makes sure that they are of a render of this session.
+    ///
+    /// # Errors
+    /// [`Error::Part`] with what differs.
+    pub fn check_session(&self, session: &Session) -> Result<(), Error> {
+        let now = super::checkpoint::head(session);
+        self.files.iter().try_for_each(|(file, head)| {
+            let problem = |source| Error::Part { file: file.clone(), source };
+            head.check(&now.identity).map_err(problem)
+        })
     }
 
     /// Finds out before the sums are read what would fail after it.
