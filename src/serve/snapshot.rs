@@ -19,23 +19,22 @@ pub struct Shown {
     pub name: String,
     pub content: Content,
     /// The names of its numbers.
-    pub channels: &'static [&'static str],
+    pub channels: Vec<String>,
 }
 
 impl Shown {
     /// The picture, and what the session's EXR would hold beside it.
     pub fn all(session: &Session) -> Vec<Self> {
-        let picture = ("picture".to_owned(), Content::Picture, ["R", "G", "B", "A"].as_slice());
+        let picture = Self {
+            name: "picture".to_owned(),
+            content: Content::Picture,
+            channels: ["R", "G", "B", "A"].map(str::to_owned).to_vec(),
+        };
         let others = session.layers().iter().map(|layer| {
             let name = if layer.name.is_empty() { "gbuffer" } else { &layer.name };
-            (name.to_owned(), layer.content, layer.channels)
+            Self { name: name.to_owned(), content: layer.content, channels: layer.channels.clone() }
         });
-        let layer = |(name, content, channels): (String, Content, &'static [&'static str])| Self {
-            name,
-            content,
-            channels,
-        };
-        std::iter::once(picture).chain(others).map(layer).collect()
+        std::iter::once(picture).chain(others).collect()
     }
 
     /// Whether it is in every snapshot, rather than in those made after somebody asked for it.
