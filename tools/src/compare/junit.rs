@@ -205,7 +205,7 @@ fn timestamp(at: SystemTime) -> String {
 
 /// Year, month and day of the Gregorian calendar, from days since 1 January 1970.
 fn date(days: u64) -> [u64; 3] {
-    let leap = |year: u64| (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+    let leap = |year: u64| (year.is_multiple_of(4) && !year.is_multiple_of(100)) || year.is_multiple_of(400);
     let (mut year, mut rest) = (1970, days);
     while rest >= 365 + u64::from(leap(year)) {
         rest -= 365 + u64::from(leap(year));

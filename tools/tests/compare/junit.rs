@@ -60,9 +60,11 @@ impl Element {
     }
 }
 
-/// What both the schema of Jenkins and that of Apache Ant allow: of each element, the children in their order, the
-/// attributes that must be there, and those that may.
-const SCHEMA: &[(&str, &[&str], &[&str], &[&str])] = &[
+/// An element's name, its children in their order, the attributes that must be there, and those that may.
+type Rule = (&'static str, &'static [&'static str], &'static [&'static str], &'static [&'static str]);
+
+/// What both the schema of Jenkins and that of Apache Ant allow.
+const SCHEMA: &[Rule] = &[
     ("testsuites", &["testsuite"], &[], &[]),
     (
         "testsuite",
