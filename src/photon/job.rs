@@ -1,7 +1,7 @@
 //! What light paths are traced for, and what they leave.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use super::volume::{Beam, VolumePhoton};
 use super::{Photon, Stored};
@@ -40,6 +40,8 @@ pub struct Halt<'a> {
     pub stop: Option<&'a AtomicBool>,
     /// No new work begins after this time; what is complete is kept.
     pub deadline: Option<Instant>,
+    /// Nanoseconds of pauses so far, by which the deadline is later.
+    pub idle: Option<&'a AtomicU64>,
 }
 
 impl Halt<'_> {
@@ -50,7 +52,8 @@ impl Halt<'_> {
 
     /// Whether the deadline has passed.
     pub fn late(&self) -> bool {
-        self.deadline.is_some_and(|end| Instant::now() >= end)
+        let idle = Duration::from_nanos(self.idle.map_or(0, |idle| idle.load(Ordering::Relaxed)));
+        self.deadline.is_some_and(|end| Instant::now().checked_sub(idle).is_some_and(|now| now >= end))
     }
 }
 

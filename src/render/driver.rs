@@ -1,4 +1,4 @@
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
@@ -22,6 +22,8 @@ pub struct Budget<'a> {
     pub error: Option<f64>,
     /// Set from outside (Ctrl-C) to end at once. The running pass is undone, unless it is the first.
     pub interrupt: Option<&'a AtomicBool>,
+    /// Nanoseconds for which the callback has paused the render so far: no part of its time.
+    pub idle: Option<&'a AtomicU64>,
 }
 
 impl Budget<'_> {
@@ -32,7 +34,14 @@ impl Budget<'_> {
 
     /// The halt for work in a render begun at `start`; `until` maps its time budget to a deadline.
     fn halt(&self, start: Instant, until: fn(Duration) -> Duration) -> Halt<'_> {
-        Halt { stop: self.interrupt, deadline: self.time.and_then(|t| start.checked_add(until(t))) }
+        let deadline = self.time.and_then(|t| start.checked_add(until(t)));
+        Halt { stop: self.interrupt, deadline, idle: self.idle }
+    }
+
+    /// Time of the render begun at `start`, without pauses.
+    fn elapsed(&self, start: Instant) -> Duration {
+        let idle = self.idle.map_or(0, |idle| idle.load(Ordering::Relaxed));
+        start.elapsed().saturating_sub(Duration::from_nanos(idle))
     }
 }
 
@@ -56,10 +65,12 @@ pub struct Progress<'a> {
     pub pixels: &'a Pixels,
     /// Passes in `pixels`.
     pub passes: u32,
-    /// Since the render began.
+    /// Since the render began, without pauses.
     pub elapsed: Duration,
     /// What the last pass prepared.
     pub pass: PassStats,
+    /// Of all passes so far.
+    pub statistics: &'a Statistics,
 }
 
 /// What was done and how long it took.
@@ -69,7 +80,7 @@ pub struct Statistics {
     pub passes: u32,
     /// Those of them that were resumed; counts and times are of the others.
     pub resumed_passes: u32,
-    /// Wall-clock time of the render without loading.
+    /// Wall-clock time of the render without loading and without pauses.
     pub seconds: f64,
     /// Choosing radii and path counts.
     pub prepare_seconds: f64,
@@ -188,7 +199,7 @@ fn run<I: Integrator>(
 ) -> Outcome {
     let Sums { mut pixels, passes: done } = sums;
     pixels.hold_aovs(Aov::numbers_of(&task.view.aovs));
-    let mut stats = prepared(task, &pixels, start);
+    let mut stats = Statistics { resumed_passes: done, ..prepared(task, &pixels, start) };
     [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
     pixels.samples_a_pass = integrator.samples_a_pass();
     let halt = budget.halt(start, overdue);
@@ -197,7 +208,7 @@ fn run<I: Integrator>(
     let mut passes = done;
     let mut longest = Duration::ZERO;
     let stop = loop {
-        let elapsed = start.elapsed();
+        let elapsed = budget.elapsed(start);
         if budget.passes.is_some_and(|n| passes >= n) {
             break Stop::Passes;
         }
@@ -252,9 +263,11 @@ fn run<I: Integrator>(
         }
         // The mean length follows passes that grow cheaper as the radius shrinks.
         longest = begun.elapsed().max(longest.mul_f32(0.9));
-        progress(&Progress { pixels: &pixels, passes, elapsed: start.elapsed(), pass });
+        let elapsed = budget.elapsed(start);
+        (stats.passes, stats.seconds) = (passes, elapsed.as_secs_f64());
+        progress(&Progress { pixels: &pixels, passes, elapsed, pass, statistics: &stats });
     };
-    (stats.passes, stats.resumed_passes, stats.seconds) = (passes, done, start.elapsed().as_secs_f64());
+    (stats.passes, stats.seconds) = (passes, budget.elapsed(start).as_secs_f64());
     Outcome { pixels, statistics: stats, stop }
 }
 

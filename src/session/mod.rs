@@ -37,11 +37,12 @@ use caustica_formats::files::Files;
 use caustica_formats::{Failure, Read, ir, read_scene};
 
 use crate::integrator::Task;
-use crate::render::{Budget, Outcome, Progress, Sums, render};
+use crate::render::render;
 use crate::scene::compile::{Compiled, compile};
 use crate::scene::{Facts, Scene, View};
 use crate::settings::Settings;
 
+pub use crate::render::{Budget, Outcome, Progress, Statistics, Stop, Sums};
 pub use caustica_formats::ir::{Crop, Filter, SpectrumRule};
 pub use checkpoint::Saver;
 pub use describe::Description;
@@ -218,6 +219,12 @@ impl Session {
     /// Goes on after the passes in `sums`, see [`Saver::resume`]. The result is that of one run.
     pub fn resume(&self, sums: Sums, budget: Budget<'_>, progress: &mut dyn FnMut(&Progress<'_>)) -> Outcome {
         render(self.task(), budget, sums, progress)
+    }
+
+    /// The picture that a render of this session has made so far.
+    pub fn so_far<'a>(&'a self, progress: &Progress<'a>) -> Picture<'a> {
+        let Progress { pixels, passes, statistics, .. } = *progress;
+        Picture { session: self, pixels, passes, statistics }
     }
 
     /// The picture that a render of this session has made.

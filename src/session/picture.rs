@@ -1,6 +1,9 @@
 //! A picture in memory.
 
+use std::ops::Range;
+
 use super::Session;
+use super::layers::Content;
 use crate::film::Pixels;
 use crate::render::Statistics;
 
@@ -38,6 +41,34 @@ impl Picture<'_> {
     /// Red, green and blue of every pixel, row by row.
     pub fn rgb(&self) -> impl Iterator<Item = [f64; 3]> {
         (0..self.pixels.len()).map(|i| self.pixels.beauty(i, self.passes))
+    }
+
+    /// The numbers of a layer for some of the pixels, counted row by row.
+    ///
+    /// # Panics
+    /// Outside of the picture.
+    pub fn channels(&self, content: Content, range: Range<usize>) -> Vec<f32> {
+        let (pixels, passes) = (self.pixels, self.passes);
+        let alpha = |i: usize| pixels.alpha(i, passes) as f32;
+        match content {
+            Content::Part(layer) => {
+                range.flat_map(|i| pixels.layer(i, layer, passes)).map(|v| v as f32).collect()
+            }
+            Content::Picture => range
+                .flat_map(|i| {
+                    let [r, g, b] = pixels.beauty(i, passes).map(|v| v as f32);
+                    [r, g, b, alpha(i)]
+                })
+                .collect(),
+            Content::Variance => {
+                range.map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect()
+            }
+            Content::Samples => vec![passes as f32 * pixels.samples_a_pass as f32; range.len()],
+            Content::Surface(aov) => {
+                let list = &self.session.view.aovs;
+                range.flat_map(|i| pixels.aov(i, aov, list, passes)).map(|v| v as f32).collect()
+            }
+        }
     }
 
     /// What the picture is and how to make it again: names and values. No times: the same render gives the

@@ -1,4 +1,6 @@
-//! What the HTML pages share: pictures inside the page, and text that cannot be markup.
+//! What the HTML pages share: templates, pictures inside the page, and text that cannot be markup.
+
+use serde::Serialize;
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
@@ -19,6 +21,32 @@ pub fn base64(bytes: &[u8]) -> String {
 /// Text that cannot be markup.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// JSON that cannot end the `script` element around it.
+///
+/// # Panics
+/// On maps whose keys are no strings.
+pub fn json(value: &impl Serialize) -> String {
+    let text = serde_json::to_string(value).expect("a page holds only numbers and strings");
+    text.replace('<', "\\u003c")
+}
+
+/// The template with every placeholder, which are named in the order in which they stand, replaced by its content.
+///
+/// # Panics
+/// When the template lacks a placeholder.
+pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
+    let mut page = String::new();
+    let mut rest = template;
+    for (placeholder, content) in parts {
+        let (before, after) = rest.split_once(placeholder).expect("the template has every placeholder");
+        page.push_str(before);
+        page.push_str(content);
+        rest = after;
+    }
+    page.push_str(rest);
+    page
 }
 
 #[cfg(test)]

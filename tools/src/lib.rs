@@ -4,12 +4,16 @@
 //! * [`pixels`]: what is compared. Linear RGB, finite, row 0 at the top.
 //! * [`flip`]: perceived difference, LDR-FLIP and HDR-FLIP.
 //! * [`compare`]: two files or two folders; thresholds, table, JSON and HTML.
+//! * [`viewer`], [`html`]: what HTML pages are made of.
 //! * [`mod@bench`]: error against time of whole renderers, and studies of parameters.
 #![warn(missing_docs)]
 
 pub mod bench;
 pub mod compare;
 pub mod flip;
-mod html;
+pub mod html;
 mod metrics;
 pub mod pixels;
+pub mod viewer;
+
+pub use metrics::{Errors, errors};

@@ -34,7 +34,7 @@
   const first = canvas();
   first.dispatchEvent(new WheelEvent('wheel', { deltaY: -600, clientX: 50, clientY: 50, cancelable: true }));
   seen.zoomed = [...document.querySelectorAll('.pane canvas')].map(p => p.toDataURL().length > 0);
-  seen.scale = state.view.scale; seen.shared = new Set([...document.querySelectorAll('.pane')].map(() => JSON.stringify(state.view))).size;
+  seen.scale = viewer.view.scale; seen.shared = new Set([...document.querySelectorAll('.pane')].map(() => JSON.stringify(viewer.view))).size;
   key('s'); key('f');
 
   const numbers = () => Object.fromEntries([...document.querySelectorAll('[data-metric]')].map(e => [e.dataset.metric, e.textContent]));

@@ -5,9 +5,9 @@ mod worst;
 
 use super::comparison::Compared;
 use super::report::Report;
-use crate::flip::magma;
+use crate::html::{fill, json};
 use crate::pixels::Pixels;
-use serde::Serialize;
+use crate::viewer;
 use view::View;
 
 /// Collects the pictures that the page shows.
@@ -24,31 +24,18 @@ impl Page {
 
     /// The HTML.
     pub fn render(&self, report: &Report) -> String {
-        let colours: Vec<[u8; 3]> = (0..256).map(|i| magma(i as f32 / 255.0)).collect();
-        let mut page = String::new();
-        let mut rest = include_str!("template.html");
         let parts = [
-            ("/*STYLE*/", include_str!("style.css").to_string()),
-            ("/*REPORT*/", json(report)),
-            ("/*VIEWS*/", json(&self.views)),
-            ("/*MAGMA*/", json(&colours)),
-            ("/*SCRIPT*/", include_str!("page.js").to_string()),
+            ("/*STYLE*/", &[viewer::STYLE, include_str!("style.css")].concat()),
+            ("/*REPORT*/", &json(report)),
+            ("/*VIEWS*/", &json(&self.views)),
+            ("/*MAGMA*/", &viewer::magma()),
+            ("/*SCRIPT*/", &[viewer::SCRIPT, include_str!("page.js")].concat()),
         ];
-        for (placeholder, content) in parts {
-            let (before, after) = rest.split_once(placeholder).expect("the template has every placeholder");
-            page.push_str(before);
-            page.push_str(&content);
-            rest = after;
-        }
-        page.push_str(rest);
-        page
+        fill(
+            include_str!("template.html"),
+            &parts.map(|(placeholder, content)| (placeholder, content.as_str())),
+        )
     }
-}
-
-/// JSON that cannot end the `script` element around it.
-fn json(value: &impl Serialize) -> String {
-    let text = serde_json::to_string(value).expect("a page holds only numbers and strings");
-    text.replace('<', "\\u003c")
 }
 
 #[cfg(test)]
