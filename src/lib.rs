@@ -22,8 +22,8 @@
 //! `session::Output` writes pictures to files and `session::Saver` writes checkpoints.
 //!
 //! Code map, upwards: `math` ← `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `medium`, `emitter`,
-//! `sensor`, `film` ← `settings` ← `scene` ← `transport` ← `photon` ← `integrator` ← `render` ← `session` ← `cli`. Imports point
-//! downwards only; `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` and
+//! `sensor`, `film` ← `settings` ← `scene` ← `transport` ← `photon` ← `integrator` ← `render` ← `session` ← `serve` ← `cli`. Imports
+//! point downwards only; `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` and
 //! `session` (and `cli`, for arguments and `convert`) alone read the scene representation of `caustica-formats`.
 
 #![warn(missing_docs, clippy::missing_errors_doc)]
@@ -41,6 +41,7 @@ pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod sensor;
+pub mod serve;
 pub mod session;
 pub mod settings;
 pub mod shape;

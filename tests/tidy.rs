@@ -78,6 +78,7 @@ const LEVELS: &[&[&str]] = &[
     &["integrator"],
     &["render"],
     &["session"],
+    &["serve"],
     &["cli"],
 ];
 
@@ -210,11 +211,21 @@ fn only_the_compiler_and_the_session_read_the_scene_representation() {
         let may = rooms.iter().any(|room| s.path.starts_with(room));
         assert!(!reads || may, "{} imports caustica_formats", s.path);
         let tools = !imports(product(&s.text), "caustica_tools").is_empty();
-        assert!(!tools || s.path.starts_with("src/cli/"), "{} imports caustica_tools", s.path);
+        let may = ["src/cli/", "src/serve/"].iter().any(|room| s.path.starts_with(room));
+        assert!(!tools || may, "{} imports caustica_tools", s.path);
         let arguments = !imports(&s.text, "clap").is_empty();
         assert!(!arguments || s.path.starts_with("src/cli/"), "{} imports clap", s.path);
         let bvh = !imports(&s.text, "obvhs").is_empty();
         assert!(!bvh || s.path.starts_with("src/accel/"), "{} names obvhs", s.path);
+    }
+}
+
+#[test]
+fn the_live_view_knows_the_front_door_only() {
+    for s in sources().iter().filter(|s| s.path.starts_with("src/serve/")) {
+        let targets = imports(&s.text, "crate");
+        let other: Vec<_> = targets.iter().filter(|t| !["session", "serve"].contains(t)).collect();
+        assert!(other.is_empty(), "{}: {other:?}", s.path);
     }
 }
 

@@ -66,8 +66,12 @@ impl Interrupt {
         &self.stop
     }
 
-    /// Exit status that shells expect after the signal: 130 or 143.
+    /// Exit status that shells expect after the signal: 130 or 143. Without a signal, somebody has stopped the render
+    /// from its page, and all is well: 0.
     pub fn status(&self) -> u8 {
-        128 + self.signal.load(Ordering::Acquire) as u8
+        match self.signal.load(Ordering::Acquire) {
+            0 => 0,
+            signal => 128 + signal as u8,
+        }
     }
 }

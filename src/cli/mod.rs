@@ -12,6 +12,7 @@ mod report;
 mod scene;
 mod summary;
 mod version;
+mod view;
 
 use std::process::ExitCode;
 

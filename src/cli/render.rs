@@ -10,10 +10,13 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::scene::SceneArgs;
 use super::summary::Cost;
+use super::view::ViewArgs;
 use super::{report, summary};
 use crate::math::kernel::KernelKind;
-use crate::render::{Budget, Outcome, Progress, Stop, Sums};
-use crate::session::{Error, KNOWN_LAYERS, Layers, Output, Saver, Session};
+use crate::serve::View;
+use crate::session::{
+    Budget, Error, KNOWN_LAYERS, Layers, Outcome, Output, Progress, Saver, Session, Stop, Sums,
+};
 use crate::settings::{SETTINGS, Settings};
 
 /// Arguments of `render`.
@@ -55,6 +58,8 @@ pub struct RenderArgs {
     /// Write statistics as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
     /// List the settings of --set with types and defaults
     #[arg(long)]
     help_settings: bool,
@@ -117,7 +122,10 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     args.tell_lost_layers(&session, &output);
     interrupt.watch();
     let mut saver = saver;
-    let outcome = args.render(&session, sums, saving.then_some(&mut saver), interrupt);
+    let budget = args.budget(&session, interrupt);
+    let mut view = args.view.open(&session, &budget, output.exposure, interrupt)?;
+    let live = Live { saver: saving.then_some(&mut saver), view: view.as_mut(), output: &output };
+    let outcome = args.render(&session, sums, budget, live);
     let cost = Cost::new(load, report::cpu_seconds());
     // A picture from before is worth more than a part of the first pass.
     let kept = outcome.statistics.passes == 0 && output.files.iter().any(|file| file.exists());
@@ -139,9 +147,44 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     }
     let pictures = if kept { &[] } else { &*output.files };
     let checkpoint = last.then_some(format!("{} (checkpoint)", saver.path.display()));
-    let written = pictures.iter().map(|file| file.display().to_string()).chain(checkpoint);
-    args.summary(&session, written, &outcome, cost)?;
+    let written: Vec<String> =
+        pictures.iter().map(|file| file.display().to_string()).chain(checkpoint).collect();
+    args.summary(&session, &written, &outcome, cost)?;
+    if let Some(view) = view {
+        view.finish(&session, &outcome, &wrote(&written));
+    }
     Ok(if outcome.stop == Stop::Interrupted { interrupt.status() } else { 0 })
+}
+
+/// One line for each file.
+fn wrote(files: &[String]) -> String {
+    files.iter().map(|file| format!("wrote {file}")).collect::<Vec<_>>().join("\n")
+}
+
+/// What is done after every pass, besides showing the progress.
+struct Live<'a> {
+    saver: Option<&'a mut Saver>,
+    view: Option<&'a mut View>,
+    output: &'a Output,
+}
+
+impl Live<'_> {
+    fn after_pass(&mut self, session: &Session, p: &Progress<'_>) {
+        if let Some(Err(problem)) = self.saver.as_mut().map(|saver| saver.after_pass(p.pixels, p.passes)) {
+            report::line(&format!("warning: {problem}; rendering goes on, and this is tried again"));
+        }
+        let output = self.output;
+        let mut save = || match output.write(&session.so_far(p)) {
+            Ok(()) => {
+                let files: Vec<String> = output.files.iter().map(|f| f.display().to_string()).collect();
+                format!("{}\nafter {} passes", wrote(&files), p.passes)
+            }
+            Err(problem) => problem.to_string(),
+        };
+        if let Some(view) = &mut self.view {
+            view.after_pass(session, p, &mut save);
+        }
+    }
 }
 
 impl RenderArgs {
@@ -199,27 +242,25 @@ impl RenderArgs {
         }
     }
 
-    fn render(
-        &self,
-        session: &Session,
-        sums: Sums,
-        mut saver: Option<&mut Saver>,
-        interrupt: &Interrupt,
-    ) -> Outcome {
+    fn budget<'a>(&self, session: &Session, interrupt: &'a Interrupt) -> Budget<'a> {
         let limited = self.time.is_some() || self.target_error.is_some();
-        let budget = Budget {
+        Budget {
             // A time or an error ends the render, unless a number of passes was asked for as well.
             passes: (!limited || self.scene.passes().is_some()).then_some(session.settings.passes),
             time: self.time,
             error: self.target_error,
             interrupt: Some(interrupt.flag()),
-        };
+            idle: None,
+        }
+    }
+
+    fn render(&self, session: &Session, sums: Sums, budget: Budget<'_>, mut live: Live<'_>) -> Outcome {
         let bar = self.progress_bar(&budget);
+        let idle = live.view.as_ref().map(|view| view.idle());
+        let budget = Budget { idle: idle.as_deref(), ..budget };
         let outcome = session.resume(sums, budget, &mut |p| {
             show(&bar, p, &budget);
-            if let Some(Err(problem)) = saver.as_mut().map(|saver| saver.after_pass(p.pixels, p.passes)) {
-                report::line(&format!("warning: {problem}; rendering goes on, and this is tried again"));
-            }
+            live.after_pass(session, p);
         });
         bar.finish_and_clear();
         outcome
@@ -245,7 +286,7 @@ impl RenderArgs {
     fn summary(
         &self,
         session: &Session,
-        written: impl Iterator<Item = String>,
+        written: &[String],
         outcome: &Outcome,
         cost: Cost,
     ) -> Result<(), String> {
@@ -258,8 +299,8 @@ impl RenderArgs {
         summary::warnings(outcome).iter().for_each(|line| report::line(line));
         if !self.quiet {
             report::line(&summary::table(outcome, cost.load_seconds));
-            for file in written {
-                report::line(&format!("wrote {file}"));
+            if !written.is_empty() {
+                report::line(&wrote(written));
             }
         }
         Ok(())

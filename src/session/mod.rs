@@ -164,6 +164,12 @@ impl Session {
         self.path.file_stem().map_or_else(|| "scene".to_owned(), |s| s.to_string_lossy().into_owned())
     }
 
+    /// Width and height of what is rendered, in pixels.
+    pub fn size(&self) -> [usize; 2] {
+        let [_, _, width, height] = self.view.film.crop;
+        [width as usize, height as usize]
+    }
+
     /// Hash of the names and contents of all files of the scene.
     pub fn hash(&self) -> &str {
         &self.hash

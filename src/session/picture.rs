@@ -19,8 +19,7 @@ pub struct Picture<'a> {
 impl Picture<'_> {
     /// Width and height in pixels.
     pub fn size(&self) -> [usize; 2] {
-        let [_, _, width, height] = self.session.view.film.crop;
-        [width as usize, height as usize]
+        self.session.size()
     }
 
     /// Camera samples of each pixel.
