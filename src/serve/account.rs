@@ -8,8 +8,6 @@ use std::time::{Duration, Instant};
 pub struct Account {
     /// Of the processor time of the render.
     share: f64,
-    /// Processors that render.
-    processors: f64,
     /// Processor time of one piece of work, as long as none is measured.
     guess: Duration,
     /// Nanoseconds of processor time.
@@ -18,9 +16,8 @@ pub struct Account {
 }
 
 impl Account {
-    pub fn new(share: f64, processors: usize, guess: Duration) -> Self {
-        let (spent, pieces) = (AtomicU64::new(0), AtomicU64::new(0));
-        Self { share, processors: processors as f64, guess, spent, pieces }
+    pub fn new(share: f64, guess: Duration) -> Self {
+        Self { share, guess, spent: AtomicU64::new(0), pieces: AtomicU64::new(0) }
     }
 
     /// Processor time spent so far.
@@ -28,21 +25,17 @@ impl Account {
         Duration::from_nanos(self.spent.load(Ordering::Relaxed))
     }
 
-    /// How much may be spent in a render of this length.
-    fn allowance(&self, elapsed: Duration) -> Duration {
-        elapsed.mul_f64(self.share * self.processors)
-    }
-
-    /// Whether another piece of work, as long as those so far, stays within the share of a render of this length.
-    pub fn affords(&self, elapsed: Duration) -> bool {
+    /// Whether another piece of work, as long as those so far, stays within the share of a render that has taken this
+    /// much processor time.
+    pub fn affords(&self, work: Duration) -> bool {
         let (spent, pieces) = (self.spent(), self.pieces.load(Ordering::Relaxed));
         let next = if pieces == 0 { self.guess } else { spent.div_f64(pieces as f64) };
-        spent + next <= self.allowance(elapsed)
+        spent + next <= work.mul_f64(self.share)
     }
 
-    /// How much longer the render has to take until what was spent is within the share.
-    pub fn debt(&self, elapsed: Duration) -> Duration {
-        self.spent().saturating_sub(self.allowance(elapsed)).div_f64(self.share * self.processors)
+    /// How much more processor time the render has to take until what was spent is within the share.
+    pub fn debt(&self, work: Duration) -> Duration {
+        self.spent().saturating_sub(work.mul_f64(self.share)).div_f64(self.share)
     }
 
     /// A piece of work was done.
@@ -54,6 +47,32 @@ impl Account {
     /// Something that belongs to the last piece was done.
     pub fn pay(&self, cost: Duration) {
         self.spent.fetch_add(u64::try_from(cost.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+}
+
+/// Processor time of a render.
+#[derive(Debug)]
+pub struct Work {
+    begun: Instant,
+    /// Threads that render.
+    threads: usize,
+    processor: Option<Duration>,
+}
+
+impl Work {
+    pub fn start(threads: usize) -> Self {
+        Self { begun: Instant::now(), threads, processor: process_time() }
+    }
+
+    /// So far; where the system does not tell, as if nothing else ran.
+    pub fn elapsed(&self) -> Duration {
+        let spent = self.processor.zip(process_time()).map(|(begun, now)| now.saturating_sub(begun));
+        spent.unwrap_or_else(|| self.begun.elapsed().mul_f64(self.threads as f64))
+    }
+
+    /// Wall-clock time in which the render takes this much processor time, if nothing else runs.
+    pub fn wall(&self, work: Duration) -> Duration {
+        work.div_f64(self.threads.max(1) as f64)
     }
 }
 
@@ -76,13 +95,28 @@ impl Meter {
 }
 
 #[cfg(unix)]
-fn thread_time() -> Option<Duration> {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+fn time_of(clock: rustix::time::ClockId) -> Option<Duration> {
+    let time = rustix::time::clock_gettime(clock);
     Some(Duration::new(u64::try_from(time.tv_sec).ok()?, u32::try_from(time.tv_nsec).ok()?))
+}
+
+#[cfg(unix)]
+fn thread_time() -> Option<Duration> {
+    time_of(rustix::time::ClockId::ThreadCPUTime)
+}
+
+#[cfg(unix)]
+fn process_time() -> Option<Duration> {
+    time_of(rustix::time::ClockId::ProcessCPUTime)
 }
 
 #[cfg(not(unix))]
 fn thread_time() -> Option<Duration> {
+    None
+}
+
+#[cfg(not(unix))]
+fn process_time() -> Option<Duration> {
     None
 }
 
@@ -94,26 +128,34 @@ mod tests {
 
     #[test]
     fn the_share_is_never_exceeded_by_work_as_long_as_the_last() {
-        let account = Account::new(0.01, 2, Duration::from_millis(50));
-        // One hundredth of two processors is 20 ms a second.
+        let account = Account::new(0.02, Duration::from_millis(50));
+        // One fiftieth of a second is 20 ms.
         assert!(!account.affords(2 * SECOND) && account.affords(3 * SECOND), "the guess counts at first");
-        let (mut seconds, mut pieces) = (0, 0);
-        while seconds < 1000 {
-            seconds += 1;
+        let mut pieces = 0;
+        for seconds in 1..=1000 {
             if account.affords(seconds * SECOND) {
                 account.pay_piece(Duration::from_millis(30));
                 pieces += 1;
             }
-            assert!(account.spent() <= account.allowance(seconds * SECOND));
+            assert!(account.spent() <= seconds * Duration::from_millis(20));
         }
         assert_eq!(pieces, 666);
     }
 
     #[test]
     fn debts_are_waited_for() {
-        let account = Account::new(0.01, 1, Duration::ZERO);
+        let account = Account::new(0.01, Duration::ZERO);
         account.pay(Duration::from_millis(50));
         assert_eq!(account.debt(2 * SECOND), 3 * SECOND);
         assert_eq!(account.debt(5 * SECOND), Duration::ZERO);
+    }
+
+    #[test]
+    fn idle_threads_take_no_processor_time() {
+        let (meter, work) = (Meter::start(), Work::start(1));
+        std::thread::sleep(Duration::from_millis(50));
+        // Where the system does not tell, the time itself counts.
+        assert!(!cfg!(unix) || meter.elapsed() < Duration::from_millis(40));
+        assert!(work.wall(SECOND) == SECOND && Work::start(4).wall(SECOND) == SECOND / 4);
     }
 }

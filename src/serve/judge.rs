@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::time::Duration;
 
 use caustica_tools::compare::load;
 use caustica_tools::errors;
@@ -69,8 +68,9 @@ impl Judge {
     }
 
     /// Whether a picture of so many passes is to be judged.
-    pub fn due(&self, passes: u32, elapsed: Duration) -> bool {
-        f64::from(passes) >= STEP * f64::from(self.last.0) && self.shared.judging[0].affords(elapsed)
+    pub fn due(&self, passes: u32) -> bool {
+        f64::from(passes) >= STEP * f64::from(self.last.0)
+            && self.shared.judging[0].affords(self.shared.work.elapsed())
     }
 
     /// Whether a picture of so many passes is, or will be, judged in all respects.
@@ -120,8 +120,7 @@ impl Bench {
             errors_account.pay_piece(meter.elapsed());
         }
         let meter = Meter::start();
-        let elapsed = self.shared.lock().elapsed();
-        let flip = (free || flip_account.affords(elapsed)).then(|| {
+        let flip = (free || flip_account.affords(self.shared.work.elapsed())).then(|| {
             let map = ldr(&exposed(&picture, self.stops), &self.exposed, DEFAULT_PPD);
             (FlipStats::of(&map).mean, Arc::new(coded_map(&map, number)))
         });

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::account::Account;
+use super::account::{Account, Work};
 use super::snapshot::{Shown, Snapshot};
 use crate::session::Statistics;
 
@@ -150,6 +150,8 @@ pub struct Shared {
     pub interrupt: Arc<AtomicBool>,
     /// Nanoseconds of pauses.
     pub idle: Arc<AtomicU64>,
+    /// What the render takes.
+    pub work: Work,
     /// Snapshots, and sending them.
     pub pictures: Account,
     /// Errors against the reference, and FLIP.
@@ -160,12 +162,13 @@ impl Shared {
     pub fn new(
         layers: Vec<Shown>,
         interrupt: Arc<AtomicBool>,
+        work: Work,
         pictures: Account,
         judging: [Account; 2],
     ) -> Self {
         let wanted = layers.iter().map(Shown::always).collect();
         let live = Mutex::new(Live { wanted, ..Live::default() });
-        Self { layers, live, news: Condvar::new(), interrupt, idle: Arc::default(), pictures, judging }
+        Self { layers, live, news: Condvar::new(), interrupt, idle: Arc::default(), work, pictures, judging }
     }
 
     pub fn lock(&self) -> MutexGuard<'_, Live> {

@@ -28,7 +28,7 @@ use serde_json::json;
 use thiserror::Error as ThisError;
 
 use crate::session::{Budget, Outcome, Picture, Progress, Session};
-use account::Account;
+use account::{Account, Work};
 use judge::Judge;
 use live::{Phase, Shared};
 use routes::Routes;
@@ -43,7 +43,7 @@ const ERRORS: f64 = 0.002;
 const FLIP: f64 = 0.006;
 
 /// Nanoseconds a pixel of these, as long as they are not measured.
-const PICTURE_COST: u64 = 80;
+const PICTURE_COST: u64 = 50;
 const ERROR_COST: u64 = 80;
 const FLIP_COST: u64 = 1200;
 
@@ -106,11 +106,12 @@ impl View {
         let pixels = (size[0] * size[1]) as u64;
         let account = |share: f64, cost: u64| {
             let guess = Duration::from_nanos(cost.saturating_mul(pixels));
-            Account::new(share, rayon::current_num_threads(), guess)
+            Account::new(share, guess)
         };
         let shared = Arc::new(Shared::new(
             Shown::all(session),
             Arc::clone(&options.interrupt),
+            Work::start(rayon::current_num_threads()),
             account(PICTURES, PICTURE_COST),
             [account(ERRORS, ERROR_COST), account(FLIP, FLIP_COST)],
         ));
@@ -220,10 +221,10 @@ impl View {
             let looks = live.watched() && due && old.is_none_or(lacks);
             (looks, free, live.wanted.clone(), old.map_or(0, |s| s.number))
         };
-        let shows = looks && (free || self.shared.pictures.affords(elapsed));
+        let shows = looks && (free || self.shared.pictures.affords(self.shared.work.elapsed()));
         let judges = match &self.judge {
             Some(judge) if free => !judge.has_seen(passes),
-            Some(judge) => judge.due(passes, elapsed),
+            Some(judge) => judge.due(passes),
             None => false,
         };
         if !shows && !judges {

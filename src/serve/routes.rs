@@ -53,6 +53,11 @@ impl Routes {
         let meter = Meter::start();
         let sent = self.respond(request, what).write(stream);
         self.pay(&meter);
+        if (request.method, what) == (Method::Post, "bye") {
+            // After the answer, since the program may be waiting for nothing else.
+            let id = request.number("client").unwrap_or_default();
+            self.shared.tell(|live| live.part(id));
+        }
         sent
     }
 
@@ -100,13 +105,11 @@ impl Routes {
 
     /// Waits while viewers have taken more than their share.
     fn put_off(&self) {
-        let debt = {
-            let live = self.shared.lock();
-            if live.phase != Phase::Rendering {
-                return;
-            }
-            self.shared.pictures.debt(live.elapsed()).min(PUT_OFF)
-        };
+        if self.shared.lock().phase != Phase::Rendering {
+            return;
+        }
+        let Shared { work, pictures, .. } = &*self.shared;
+        let debt = work.wall(pictures.debt(work.elapsed())).min(PUT_OFF);
         std::thread::sleep(debt);
     }
 
@@ -119,10 +122,7 @@ impl Routes {
                 live.wishes.stop = true;
                 self.shared.interrupt.store(true, Ordering::Release);
             }),
-            "bye" => {
-                let id = request.number("client").unwrap_or_default();
-                self.shared.tell(|live| live.part(id));
-            }
+            "bye" => {}
             _ => return Response::status(404),
         }
         Response::status(204)
@@ -149,8 +149,7 @@ impl Routes {
 
     fn state(&self, live: &Live) -> Value {
         let snapshot = live.snapshot.as_ref();
-        let elapsed = live.elapsed().as_secs_f64();
-        let processors = rayon::current_num_threads() as f64;
+        let work = self.shared.work.elapsed().as_secs_f64();
         json!({
             "version": live.version,
             "phase": live.phase,
@@ -162,12 +161,12 @@ impl Routes {
                 .map(|layer| snapshot.is_some_and(|s| s.has(layer)))
                 .collect::<Vec<_>>(),
             "statistics": live.statistics,
-            "seconds": elapsed,
+            "seconds": live.elapsed().as_secs_f64(),
             "error": live.error.filter(|(error, _)| error.is_finite()),
             "curve": live.curve,
             "flip": live.flip.as_ref().map(|(number, _)| number),
             "saved": { "number": live.saved.0, "text": live.saved.1 },
-            "load": if elapsed > 0.0 { self.shared.spent().as_secs_f64() / (elapsed * processors) } else { 0.0 },
+            "load": if work > 0.0 { self.shared.spent().as_secs_f64() / work } else { 0.0 },
         })
     }
 }

@@ -142,7 +142,7 @@ function describe() {
   rows.push(['memory', `maps ${megabytes(s.map_bytes)}, film ${megabytes(s.film_bytes)}, scene ${megabytes(s.scene_bytes)}`]);
   if (state.error) rows.push(['standard error', `${(100 * state.error[0]).toFixed(3)} % after ${state.error[1]} passes${info.target ? `, target ${100 * info.target} %` : ''}`]);
   if (state.snapshot) rows.push(['picture shown', `after ${state.snapshot.passes} passes`]);
-  rows.push(['cost of viewing', `${(100 * state.load).toFixed(2)} % of the processors`]);
+  rows.push(['cost of viewing', `${(100 * state.load).toFixed(2)} % of the render's processor time`]);
   const last = state.curve.at(-1);
   if (last) {
     rows.push(['RMSE', number(last.rmse)], ['relMSE', number(last.relmse)]);
@@ -207,8 +207,10 @@ async function follow() {
       describe();
       say(state.phase);
       await refresh();
-      if (state.phase === 'ended') return await part_with();
+      if (state.phase === 'ended') return await farewell();
     } catch {
+      // The program goes soon after the end of its render.
+      if (state?.phase === 'ended') return;
       say('lost');
       await pause(1000);
     }
@@ -216,11 +218,12 @@ async function follow() {
 }
 
 /** Takes the last picture with all its layers, as the server is about to go. */
-async function part_with() {
+async function farewell() {
   for (const [i, layer] of parts.entries()) {
     if (state.snapshot && state.ready[i] && layer.number !== state.snapshot.number) await load(layer, `tiles?layer=${i}`);
   }
-  await post(`bye?client=${client}`);
+  // The program may be gone before it answers.
+  await post(`bye?client=${client}`).catch(() => undefined);
 }
 
 function start() {

@@ -47,6 +47,8 @@ impl Display {
     /// # Errors
     /// When no thread can be started.
     pub fn start(self) -> Result<(), Error> {
+        // Counts as a viewer until it is known that there is none, so that a short render does not end before.
+        self.shared.lock().display = true;
         let thread = std::thread::Builder::new().name("display".to_owned());
         thread.spawn(move || self.run()).map(drop).map_err(|e| Error::Thread(e.to_string()))
     }
@@ -54,7 +56,7 @@ impl Display {
     /// Until the render has ended: connects, sends, and does so again after a failure.
     fn run(&self) {
         let mut warned = false;
-        while !self.ended() {
+        loop {
             let problem = match self.connect() {
                 Ok(stream) => {
                     self.shared.lock().display = true;
@@ -70,7 +72,10 @@ impl Display {
                 warned = true;
             }
             let retry = Instant::now() + AGAIN;
-            while !self.ended() && Instant::now() < retry {
+            while Instant::now() < retry {
+                if self.ended() {
+                    return;
+                }
                 std::thread::sleep(Duration::from_millis(100));
             }
         }
