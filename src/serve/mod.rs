@@ -234,7 +234,7 @@ impl View {
             // The judge looks at the picture only.
             wanted.iter_mut().skip(1).for_each(|wanted| *wanted = false);
         }
-        let begun = Instant::now();
+        let before = self.shared.work.elapsed();
         let stamp = (last + 1, passes, elapsed.as_secs_f64());
         let picture = session.so_far(progress);
         let snapshot = Arc::new(Snapshot::of(&picture, &self.shared.layers, &wanted, stamp));
@@ -245,8 +245,8 @@ impl View {
                 }
             });
         }
-        // All threads of the render have waited.
-        let cost = begun.elapsed().mul_f64(rayon::current_num_threads() as f64);
+        // All threads of the render have worked on it.
+        let cost = self.shared.work.elapsed().saturating_sub(before);
         if !free && shows {
             self.shared.pictures.pay_piece(cost);
         } else if !free {

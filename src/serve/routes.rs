@@ -80,7 +80,7 @@ impl Routes {
                 Some((_, map)) => Response::bytes(Arc::clone(map)),
                 None => Response::status(204),
             },
-            (Method::Post, _) => self.act(request, what),
+            (Method::Post, _) => self.act(what),
             _ => Response::status(404),
         }
     }
@@ -113,7 +113,7 @@ impl Routes {
         std::thread::sleep(debt);
     }
 
-    fn act(&self, request: &Request, what: &str) -> Response {
+    fn act(&self, what: &str) -> Response {
         match what {
             "pause" => self.shared.tell(|live| live.wishes.pause = true),
             "resume" => self.shared.tell(|live| live.wishes.pause = false),

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use crate::session::{Content, Picture, Session};
 
-/// Pixels of a tile, about: one takes some 100 KB on its way to the page.
-const TILE: usize = 1 << 14;
+/// Pixels of a tile, about: few enough for all threads to share the work on a small picture.
+const TILE: usize = 1 << 12;
 
 /// A layer that can be looked at.
 #[derive(Clone, Debug)]
@@ -183,15 +183,15 @@ mod tests {
 
     #[test]
     fn tiles_are_rows_with_their_place_in_front() {
-        let rgb: Vec<[f32; 3]> = (0..20_000).map(|i| [i as f32, 0.5, 1e9]).collect();
+        let rgb: Vec<[f32; 3]> = (0..5_000).map(|i| [i as f32, 0.5, 1e9]).collect();
         let coded = coded_picture(200, &rgb);
         let number = |at: usize| u32::from_le_bytes(coded[at..at + 4].try_into().unwrap());
-        assert_eq!([0, 4, 8, 12].map(number), [0, 200, 100, 3]);
-        // 82 rows of 200 pixels are the first that hold 2¹⁴ of them.
-        assert_eq!([16, 20, 24, 28].map(number), [0, 0, 200, 82]);
-        let second = 32 + 82 * 200 * 3 * 2;
-        assert_eq!([0, 4, 8, 12].map(|at| number(second + at)), [0, 82, 200, 18]);
-        assert_eq!(coded.len(), second + 16 + 18 * 200 * 3 * 2);
+        assert_eq!([0, 4, 8, 12].map(number), [0, 200, 25, 3]);
+        // 21 rows of 200 pixels are the first that hold 2¹² of them.
+        assert_eq!([16, 20, 24, 28].map(number), [0, 0, 200, 21]);
+        let second = 32 + 21 * 200 * 3 * 2;
+        assert_eq!([0, 4, 8, 12].map(|at| number(second + at)), [0, 21, 200, 4]);
+        assert_eq!(coded.len(), second + 16 + 4 * 200 * 3 * 2);
         let half = |at: usize| f16::from_le_bytes([coded[at], coded[at + 1]]);
         assert_eq!([32 + 6, 32 + 8, 32 + 10].map(half), [f16::ONE, f16::from_f32(0.5), f16::MAX]);
     }

@@ -15,7 +15,7 @@ use super::check;
 const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
 
 /// In which every answer has to come.
-const LIMIT: Duration = Duration::from_secs(60);
+const LIMIT: Duration = Duration::from_secs(240);
 
 pub fn find() -> Option<PathBuf> {
     let path = std::env::var_os("PATH")?;

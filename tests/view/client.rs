@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::check;
 
 /// In which everything that is waited for has to happen.
-const LIMIT: Duration = Duration::from_secs(60);
+const LIMIT: Duration = Duration::from_secs(240);
 
 /// An answer.
 #[derive(Debug)]

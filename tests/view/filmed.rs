@@ -60,7 +60,7 @@ pub fn page(program: &Path) -> Result<(), Failed> {
     let ended = render.wait()?;
     equal("status", ended.status, Some(0))?;
     check("the files are there", ended.file("out.exr").is_file() && ended.file("out.checkpoint").is_file())?;
-    equal("complaints of the page", browser.complaints, Vec::<String>::new())
+    equal("complaints of the page", &browser.complaints, &Vec::new())
 }
 
 /// The page shows the first picture, then newer ones.

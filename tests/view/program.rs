@@ -3,7 +3,6 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Stdio};
-use std::time::Duration;
 
 use caustica_formats::image::{self, Image};
 use libtest_mimic::Failed;
@@ -121,8 +120,4 @@ pub fn values(image: &Image, channels: &[&str]) -> Result<Vec<f32>, Failed> {
     let places = channels.iter().map(at).collect::<Result<Vec<_>, _>>()?;
     let pixels = image.data.chunks_exact(image.channels.len());
     Ok(pixels.flat_map(|pixel| places.iter().map(|place| pixel[*place])).collect())
-}
-
-pub fn nap() {
-    std::thread::sleep(Duration::from_millis(20));
 }

@@ -96,20 +96,26 @@ async function choose(index) {
 function describeLayer() {
   const { name, data } = parts[part];
   const ended = state?.phase === 'ended';
-  if (data || !state) return;
+  if (!state) return;
+  if (data) {
+    if (pointed) read(...pointed);
+    else byId('readout').textContent = 'Point at a pixel to read its values.';
+    return;
+  }
   byId('readout').textContent = ended ? `${name} was not looked at before the end.`
     : state.snapshot ? `${name} comes after the running pass.` : 'The first pass is running.';
 }
 
 function read(x, y) {
   pointed = [x, y];
-  if (parts[part].data) byId('readout').textContent = viewer.readout(`pixel (${x}, ${y})`, y * width + x);
+  if (parts[part].data) byId('readout').textContent = viewer.readout(`pixel (${x}, ${y})`, y * width + x, part === 0);
 }
 
 // --- words and numbers --------------------------------------------------------------------------
 
 const count = n => n >= 1e9 ? `${(n / 1e9).toFixed(2)} G` : n >= 1e6 ? `${(n / 1e6).toFixed(2)} M` : n >= 1e3 ? `${(n / 1e3).toFixed(2)} k` : String(Math.round(n));
 const megabytes = n => `${(n / 1e6).toFixed(1)} MB`;
+const after = n => `after ${n} ${n === 1 ? 'pass' : 'passes'}`;
 const seconds = s => s < 60 ? `${s.toFixed(1)} s` : s < 3600 ? `${Math.floor(s / 60)} min ${Math.floor(s % 60)} s` : `${Math.floor(s / 3600)} h ${Math.floor(s / 60 % 60)} min`;
 
 const phases = { rendering: 'rendering', paused: 'paused', ended: 'the render has ended', lost: 'no connection to the render' };
@@ -140,14 +146,14 @@ function describe() {
   if (s.last_radius > 0) rows.push(['radius', `${number(s.first_radius)} to ${number(s.last_radius)}`]);
   if (s.last_caustic_radius > 0) rows.push(['caustic radius', `${number(s.first_caustic_radius)} to ${number(s.last_caustic_radius)}`]);
   rows.push(['memory', `maps ${megabytes(s.map_bytes)}, film ${megabytes(s.film_bytes)}, scene ${megabytes(s.scene_bytes)}`]);
-  if (state.error) rows.push(['standard error', `${(100 * state.error[0]).toFixed(3)} % after ${state.error[1]} passes${info.target ? `, target ${100 * info.target} %` : ''}`]);
-  if (state.snapshot) rows.push(['picture shown', `after ${state.snapshot.passes} passes`]);
+  if (state.error) rows.push(['standard error', `${(100 * state.error[0]).toFixed(3)} % ${after(state.error[1])}${info.target ? `, target ${100 * info.target} %` : ''}`]);
+  if (state.snapshot) rows.push(['picture shown', after(state.snapshot.passes)]);
   rows.push(['cost of viewing', `${(100 * state.load).toFixed(2)} % of the render's processor time`]);
   const last = state.curve.at(-1);
   if (last) {
     rows.push(['RMSE', number(last.rmse)], ['relMSE', number(last.relmse)]);
     const flips = state.curve.filter(p => p.flip !== null);
-    if (flips.length > 0) rows.push(['LDR-FLIP, mean', `${number(flips.at(-1).flip)} after ${flips.at(-1).passes} passes`]);
+    if (flips.length > 0) rows.push(['LDR-FLIP, mean', `${number(flips.at(-1).flip)} ${after(flips.at(-1).passes)}`]);
   }
   byId('statistics').replaceChildren(element('tbody', {}, ...rows.map(([name, value]) =>
     element('tr', {}, element('th', { textContent: name }), element('td', { textContent: value })))));
@@ -158,10 +164,12 @@ function describe() {
 
 // --- error against time -------------------------------------------------------------------------
 
-/** The decades that values span, as exponents. */
-function decades(values) {
-  const low = Math.floor(Math.log10(Math.min(...values))), high = Math.ceil(Math.log10(Math.max(...values)));
-  return [low, Math.max(high, low + 1)];
+/** The numbers 1, 2 and 5 of every decade around values, from the last below them to the first above. */
+function ticks(values) {
+  const all = Array.from({ length: 25 }, (_, i) => [1, 2, 5].map(k => Number(`${k}e${i - 12}`))).flat();
+  const low = all.findLastIndex(t => t <= Math.min(...values)), high = all.findIndex(t => t >= Math.max(...values));
+  const first = Math.max(low, 0);
+  return all.slice(first, Math.max(high < 0 ? all.length - 1 : high, first + 1) + 1);
 }
 
 /** Logarithmic axes: seconds from left to right, errors upwards. Numbers only: nothing in it can be markup. */
@@ -171,13 +179,15 @@ function chart(curve) {
   const errors = points.flatMap(p => series.map(([key]) => p[key])).filter(v => v > 0);
   if (errors.length === 0) return '<p class="hint">The first picture is not judged yet.</p>';
   const left = 52, top = 8, w = 330, h = 200;
-  const [x0, x1] = decades(points.map(p => p.seconds)), [y0, y1] = decades(errors);
-  const x = v => left + w * (Math.log10(v) - x0) / (x1 - x0), y = v => top + h * (y1 - Math.log10(v)) / (y1 - y0);
-  const range = (a, b) => Array.from({ length: b - a + 1 }, (_, i) => a + i);
-  const name = e => e >= -3 && e <= 4 ? String(Number((10 ** e).toPrecision(1))) : `1e${e}`;
+  const across = ticks(points.map(p => p.seconds)), up = ticks(errors);
+  const place = (v, ends) => Math.log(v / ends[0]) / Math.log(ends.at(-1) / ends[0]);
+  const x = v => left + w * place(v, across), y = v => top + h * (1 - place(v, up));
+  // Names that would stand too close are left out.
+  const named = (t, list) => list.length <= 7 || t.toExponential().startsWith('1');
+  const name = t => t >= 1e-3 && t < 1e5 ? String(t) : t.toExponential();
   const grid = [
-    ...range(y0, y1).map(e => `<line class="grid" x1="${left}" x2="${left + w}" y1="${y(10 ** e)}" y2="${y(10 ** e)}"/><text x="${left - 6}" y="${y(10 ** e) + 4}" text-anchor="end">${name(e)}</text>`),
-    ...range(x0, x1).map(e => `<line class="grid" x1="${x(10 ** e)}" x2="${x(10 ** e)}" y1="${top}" y2="${top + h}"/><text x="${x(10 ** e)}" y="${top + h + 15}" text-anchor="middle">${name(e)}</text>`),
+    ...up.filter(t => named(t, up)).map(t => `<line class="grid" x1="${left}" x2="${left + w}" y1="${y(t)}" y2="${y(t)}"/><text x="${left - 6}" y="${y(t) + 4}" text-anchor="end">${name(t)}</text>`),
+    ...across.filter(t => named(t, across)).map(t => `<line class="grid" x1="${x(t)}" x2="${x(t)}" y1="${top}" y2="${top + h}"/><text x="${x(t)}" y="${top + h + 15}" text-anchor="middle">${name(t)}</text>`),
   ];
   const lines = series.map(([key]) => {
     const known = points.filter(p => p[key] > 0);

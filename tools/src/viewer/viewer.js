@@ -270,12 +270,12 @@ class Viewer {
   refit() { this.fitted = true; this.draw(); }
 
   /** The lines of a read-out of a pixel: the layers of radiance, the values of the maps beside the place. */
-  readout(place, i) {
+  readout(place, i, comparable = true) {
     const known = this.layers.filter(layer => layer.data);
     const maps = known.filter(layer => layer.map), rows = known.filter(layer => !layer.map);
     const row = (name, values) => `${name.padEnd(11)}${values.map(c => (c < 0 ? '' : ' ') + c.toPrecision(4)).map(s => s.padEnd(11)).join(' ')}`;
     const lines = rows.map(layer => row(layer.name, this.values(layer, i)));
-    if (rows.length === 2) {
+    if (rows.length === 2 && comparable) {
       const [a, b] = rows.map(layer => this.values(layer, i));
       lines.push(row('difference', a.map((v, k) => v - b[k])));
     }
