@@ -93,7 +93,9 @@ impl Browser {
                 return Ok(answer["result"].clone());
             }
             let event = answer["method"].as_str().unwrap_or_default();
-            if event == "Runtime.exceptionThrown" || event == "Log.entryAdded" {
+            // Warnings are about the test, which reads the canvas.
+            let error = event == "Log.entryAdded" && answer["params"]["entry"]["level"] == "error";
+            if error || event == "Runtime.exceptionThrown" {
                 self.complaints.push(answer["params"].to_string());
             }
         }

@@ -41,7 +41,7 @@ pub fn page(program: &Path) -> Result<(), Failed> {
     browser.screenshot(&screens.join("1-light-1600-first.png"))?;
     wipes(&mut browser)?;
     browser.look(1600, 1000, "dark")?;
-    browser.until("Number(byId('slider').value) === 0.5")?;
+    browser.until("Number(byId('slider').value) === 0.4")?;
     browser.screenshot(&screens.join("2-dark-1600-wipe.png"))?;
     browser.value(&slide("slider", 2.0))?;
     browser.look(800, 1100, "dark")?;
@@ -92,7 +92,7 @@ fn wipes(browser: &mut Browser) -> Result<(), Failed> {
     };
     let (image, truth, map) = (look(0.0)?, look(1.0)?, look(2.0)?);
     check("three pictures", image != truth && truth != map)?;
-    let between = look(0.5)?;
+    let between = look(0.4)?;
     check("left of the divider is the reference", between[0] != image[0])?;
     check("right of it is the picture", between[1] == image[1])?;
     browser.value(&slide("exposure", 2.0))?;
@@ -129,6 +129,7 @@ fn pauses_and_saves(browser: &mut Browser, render: &Render) -> Result<(), Failed
     let expected: Vec<u16> = values(&file, &["R", "G", "B"])?.into_iter().map(half).collect();
     check("the file is what is shown", shown == json!(expected))?;
     // Another layer comes in a pause, too.
+    browser.value("viewer.moveTo(0)")?;
     browser.value(&key("l"))?;
     browser.until("part === 1 && parts[1].data")?;
     equal(
@@ -140,7 +141,7 @@ fn pauses_and_saves(browser: &mut Browser, render: &Render) -> Result<(), Failed
     // The read-out of a pixel.
     let read = "(() => { const c = document.querySelector('.pane canvas'), r = c.getBoundingClientRect();
         viewer.refit(); viewer.moveTo(0);
-        c.dispatchEvent(new PointerEvent('pointermove', { clientX: r.x + r.width / 2, clientY: r.y + r.height / 2, pointerId: 1 }));
+        c.dispatchEvent(new PointerEvent('pointermove', { clientX: r.x + r.width / 2 + 3, clientY: r.y + r.height / 2 + 3, pointerId: 1 }));
         return byId('readout').textContent; })()";
     let text = browser.value(read)?;
     let text = text.as_str().unwrap_or_default();
