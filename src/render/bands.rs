@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::aovs::{Eye, Start};
-use crate::film::{Aov, Mean, PassSums, Radiance, Rejected};
+use crate::film::{Aov, Mean, PassSums, Radiance, Rejected, StoredMean};
 use crate::integrator::{CameraSample, Integrator, Scratch};
 use crate::math::Vec2;
 use crate::photon::trace::Halt;
@@ -55,7 +55,7 @@ impl<I: Integrator> Bands<'_, I> {
     }
 
     /// Samples band `b`.
-    fn band(&self, b: usize, means: &mut [Mean], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
+    fn band(&self, b: usize, means: &mut [StoredMean], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
         let [_, _, width, height] = self.view.film.crop.map(|v| v as usize);
         let each = self.each as usize;
         let mut scratch = Scratch::default();
@@ -82,7 +82,7 @@ impl<I: Integrator> Bands<'_, I> {
                     self.view.response.apply(&mut sample.out);
                     mean.add(&sample.out, weight / each as f32, &mut rejected);
                 }
-                means[at] = mean;
+                means[at] = mean.stored(1.0);
             }
             if let Some(eye) = &self.eye {
                 scratch.rays += self.look(eye, &square, aovs);
