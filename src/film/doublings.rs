@@ -50,10 +50,10 @@ impl Doublings {
         self.marks.values().map(BinnedSums::bytes).sum()
     }
 
-    /// `luminance` holds the sums over the passes from `first` to `end`, a power of two.
-    pub(super) fn pass_done(&mut self, first: u32, end: u32, luminance: BinnedSums) {
+    /// `luminance` holds the sums over the passes from the first to a power of two, of so many pixels.
+    pub(super) fn pass_done(&mut self, [first, end]: [u32; 2], pixels: usize, luminance: BinnedSums) {
         self.mark(end, luminance);
-        self.close(if first == 0 { end } else { 0 });
+        self.close(if first == 0 { end } else { 0 }, pixels);
     }
 
     /// `luminance` holds the sums over all passes before `power`.
@@ -89,15 +89,15 @@ impl Doublings {
     }
 
     /// Finds the steps up to `passes`, all of which are known.
-    pub(super) fn close(&mut self, passes: u32) {
+    pub(super) fn close(&mut self, passes: u32, pixels: usize) {
         loop {
             let half = 1u32 << self.steps.len().min(30);
             let whole = 2 * half;
             let Some(now) = self.marks.get(&whole).filter(|_| whole <= passes) else { return };
             let Some(before) = self.marks.get(&half) else { return };
             let square = |i: usize| ((now.get(i) - 2.0 * before.get(i)) / f64::from(half)).powi(2) / 4.0;
-            let sum: f64 = (0..now.len()).map(square).sum();
-            self.steps.push(sum / now.len().max(1) as f64);
+            let sum: f64 = (0..pixels).map(square).sum();
+            self.steps.push(sum / pixels.max(1) as f64);
             self.marks.remove(&half);
         }
     }

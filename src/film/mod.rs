@@ -18,7 +18,7 @@ pub use binned::{Binned, BinnedSums, MOST_ADDITIONS};
 pub use doublings::Doublings;
 pub use filter::Filter;
 pub use layer::{LAYERS, Layer, Radiance};
-pub use pass::{Mean, PassSums};
+pub use pass::{Mean, PassSums, StoredMean};
 pub use pixels::{Common, Pixels};
 pub use rejected::{Rejected, RejectedLayer};
 pub use response::Response;

@@ -46,11 +46,7 @@ impl BinnedSums {
         let parts: Option<Vec<Self>> =
             blocks.into_par_iter().map(|(block, count)| unpacked(block, count)).collect();
         let mut all = Self::default();
-        for part in parts? {
-            all.high.extend(part.high);
-            all.low.extend(part.low);
-            all.top.extend(part.top);
-        }
+        parts?.iter().for_each(|part| all.extend(part, 0..part.len()));
         Some(all)
     }
 }

@@ -5,13 +5,13 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::aov::Aov;
-use super::binned::BinnedSums;
+use super::binned::{BinnedSums, ROW};
 use super::doublings::Doublings;
 use super::layer::{LAYERS, Layer};
-use super::pass::{Mean, PassSums};
-use super::stored::{ALPHA, LUMINANCE, SQUARE, STRIDE};
+use super::pass::{PassSums, StoredMean};
+use super::stored::{ALPHA, BLOCK, LUMINANCE, SQUARE, STRIDE, place};
 
-/// Pixels whose sums are added to together: a unit of parallel work.
+/// Blocks of pixels that are added to together: a unit of parallel work.
 const TOGETHER: usize = 64;
 
 /// What all passes of a picture have in common.
@@ -21,6 +21,16 @@ pub struct Common {
     pub samples_a_pass: u32,
     /// Search radii of the global and of the caustic map in pass 0; 0 without a map.
     pub first_radii: [f32; 2],
+}
+
+/// Sums of luminance, those of the last block that stand for no pixel included: they are 0.
+fn luminance(light: &BinnedSums) -> BinnedSums {
+    let mut sums = BinnedSums::default();
+    for block in (0..light.len()).step_by(BLOCK) {
+        let first = block + place(0, LUMINANCE);
+        sums.extend(light, first..first + ROW);
+    }
+    sums
 }
 
 impl fmt::Display for Common {
@@ -33,7 +43,10 @@ impl fmt::Display for Common {
 /// Sums over passes, which do not depend on the order of the passes, see [`super::binned`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pixels {
-    /// Per pixel: layers × RGB, then alpha, then the luminance of each pass and its square.
+    /// Pixels.
+    count: usize,
+    /// Per pixel: layers × RGB, then alpha, then the luminance of each pass and its square; [`place`] says where. The
+    /// last block may have more pixels than there are.
     light: BinnedSums,
     /// What all passes have in common.
     pub common: Common,
@@ -46,16 +59,27 @@ impl Pixels {
     /// Empty sums of `count` pixels.
     pub fn new(count: usize) -> Self {
         Self {
-            light: BinnedSums::new(count * STRIDE),
+            count,
+            light: BinnedSums::new(Self::sums_of_light(count)),
             common: Common { samples_a_pass: 1, first_radii: [0.0; 2] },
             doublings: Doublings::default(),
             aovs: BinnedSums::default(),
         }
     }
 
-    /// From the sums of light, of AOVs, and what the noise is estimated from.
-    pub fn from_parts(light: BinnedSums, aovs: BinnedSums, doublings: Doublings, common: Common) -> Self {
-        Self { light, common, doublings, aovs }
+    /// Sums of light of so many pixels, in [`Pixels::sums`].
+    pub fn sums_of_light(count: usize) -> usize {
+        count.div_ceil(ROW).saturating_mul(BLOCK)
+    }
+
+    /// Of `count` pixels, from their sums of light and of AOVs, and what the noise is estimated from.
+    pub fn from_parts(
+        count: usize,
+        [light, aovs]: [BinnedSums; 2],
+        doublings: Doublings,
+        common: Common,
+    ) -> Self {
+        Self { count, light, common, doublings, aovs }
     }
 
     /// Makes room for so many sums of AOVs a pixel, unless it is there already.
@@ -63,7 +87,7 @@ impl Pixels {
         self.aovs.resize(self.len() * numbers);
     }
 
-    /// Sums of AOVs of all pixels.
+    /// Sums of AOVs of all pixels, of which [`Pixels::sums`] has the second.
     pub fn numbers_of_aovs(&self) -> usize {
         self.aovs.len()
     }
@@ -78,12 +102,12 @@ impl Pixels {
 
     /// Pixels.
     pub fn len(&self) -> usize {
-        self.light.len() / STRIDE
+        self.count
     }
 
     /// Whether there are no pixels.
     pub fn is_empty(&self) -> bool {
-        self.light.is_empty()
+        self.count == 0
     }
 
     /// Bytes of memory.
@@ -104,17 +128,20 @@ impl Pixels {
     /// Adds a pass.
     pub fn add(&mut self, pass: &PassSums) {
         self.add_means(&pass.means);
-        let aovs = self.aovs.par_chunks_mut(TOGETHER * STRIDE);
-        aovs.zip(pass.aovs.par_chunks(TOGETHER * STRIDE)).for_each(|(mut sums, values)| sums.add(values));
+        let aovs = self.aovs.par_chunks_mut(TOGETHER * ROW);
+        aovs.zip(pass.aovs.par_chunks(TOGETHER * ROW)).for_each(|(mut sums, values)| sums.add(values));
     }
 
     /// Adds one mean to each pixel.
-    pub(super) fn add_means(&mut self, means: &[Mean]) {
-        let chunks = self.light.par_chunks_mut(TOGETHER * STRIDE).with_min_len(TOGETHER);
-        chunks.zip(means.par_chunks(TOGETHER)).for_each(|(mut sums, means)| {
-            let mut values = [[0.0; STRIDE]; TOGETHER];
-            values.iter_mut().zip(means).for_each(|(to, mean)| *to = mean.numbers());
-            sums.add(&values.as_flattened()[..means.len() * STRIDE]);
+    pub(super) fn add_means(&mut self, means: &[StoredMean]) {
+        let blocks = self.light.par_chunks_mut(BLOCK).with_min_len(TOGETHER);
+        blocks.zip(means.par_chunks(ROW)).for_each(|(mut sums, means)| {
+            let mut values = [[0.0; ROW]; STRIDE];
+            for (i, mean) in means.iter().enumerate() {
+                let numbers = mean.numbers();
+                values.iter_mut().zip(numbers).for_each(|(row, number)| row[i] = number);
+            }
+            sums.add(values.as_flattened());
         });
     }
 
@@ -122,14 +149,15 @@ impl Pixels {
     /// them, in order: what [`Self::relative_error`] is made of.
     pub fn pass_done(&mut self, first: u32, end: u32) {
         if end.is_power_of_two() {
-            self.doublings.pass_done(first, end, self.light.every(LUMINANCE, STRIDE));
+            let luminance = luminance(&self.light);
+            self.doublings.pass_done([first, end], self.count, luminance);
         }
     }
 
     /// Adds the sums of other passes. None of theirs is at or after `other_end`, none of ours at or after `end`.
     pub fn merge(&mut self, end: u32, other: &Self, other_end: u32) {
-        let light = [&self.light, &other.light];
-        let totals = light.map(|light| move || light.every(LUMINANCE, STRIDE));
+        let (ours, theirs) = (&self.light, &other.light);
+        let totals = [ours, theirs].map(|light| move || luminance(light));
         self.doublings.merge([end, other_end], [&totals[0], &totals[1]], &other.doublings);
         self.light.merge(&other.light);
         self.aovs.merge(&other.aovs);
@@ -138,13 +166,13 @@ impl Pixels {
     /// To be called with sums that end with pass `end` and come from a file, which does not keep what follows from them.
     pub fn mark_end(&mut self, end: u32) {
         if end.is_power_of_two() {
-            self.doublings.mark(end, self.light.every(LUMINANCE, STRIDE));
+            self.doublings.mark(end, luminance(&self.light));
         }
     }
 
     /// To be called when all of the first `passes` passes are in the sums.
     pub fn complete_until(&mut self, passes: u32) {
-        self.doublings.close(passes);
+        self.doublings.close(passes, self.count);
     }
 
     /// Mean of a layer after `passes`.
@@ -153,8 +181,13 @@ impl Pixels {
         [at, at + 1, at + 2].map(|at| self.sum(pixel, at) / f64::from(passes.max(1)))
     }
 
+    /// All sums of light of a pixel: layers × RGB, then alpha, then the luminance of each pass and its square.
+    pub fn numbers(&self, pixel: usize) -> [f64; STRIDE] {
+        std::array::from_fn(|at| self.sum(pixel, at))
+    }
+
     fn sum(&self, pixel: usize, at: usize) -> f64 {
-        self.light.get(pixel * STRIDE + at)
+        self.light.get(place(pixel, at))
     }
 
     /// Mean of the sum of all layers.

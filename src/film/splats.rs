@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::filter::Shape;
-use super::{FilmSize, Filter, Layer, Mean, Pixels, Radiance, Rejected};
+use super::{FilmSize, Filter, Layer, Mean, Pixels, Radiance, Rejected, StoredMean};
 use crate::math::{Color, Vec2};
 
 /// Chunks whose lists are held at once: more cost memory, fewer leave threads without work.
@@ -114,7 +114,7 @@ impl Splats {
     /// Adds what `paths` light paths brought to the sums of a pass.
     pub fn add_to(&self, pixels: &mut Pixels, paths: u64) {
         let share = 1.0 / paths.max(1) as f64;
-        let scaled: Vec<Mean> = self.means.iter().map(|mean| mean.scaled(share)).collect();
+        let scaled: Vec<StoredMean> = self.means.iter().map(|mean| mean.stored(share)).collect();
         pixels.add_means(&scaled);
     }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::aovs::{Eye, Start};
 use super::extra::Pixel;
-use crate::film::{Aov, Mean, PassSums, Radiance, Rejected};
+use crate::film::{Aov, Mean, PassSums, Radiance, Rejected, StoredMean};
 use crate::integrator::images::Images;
 use crate::integrator::{CameraSample, Integrator, Scratch, Task};
 use crate::math::Vec2;
@@ -62,7 +62,7 @@ impl<I: Integrator> Bands<'_, I> {
     }
 
     /// Samples band `b`.
-    fn band(&self, b: usize, means: &mut [Mean], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
+    fn band(&self, b: usize, means: &mut [StoredMean], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
         let [_, _, width, height] = self.view.film.crop.map(|v| v as usize);
         let each = self.each as usize;
         let mut scratch = Scratch::default();
@@ -97,7 +97,7 @@ impl<I: Integrator> Bands<'_, I> {
                     self.view.response.apply(&mut out);
                     mean.add(&out, weight / each as f32, &mut rejected);
                 }
-                means[at] = mean;
+                means[at] = mean.stored(1.0);
             }
             drop(extra);
             if let Some(eye) = &self.eye {

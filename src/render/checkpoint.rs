@@ -222,14 +222,15 @@ impl Checkpoint {
         let count = r.u32()? as usize;
         let samples_a_pass = r.u32()?;
         let first_radii = [f32::from_le_bytes(r.array()?), f32::from_le_bytes(r.array()?)];
-        let light = r.sums(count.saturating_mul(STRIDE))?;
+        let light = r.sums(Pixels::sums_of_light(count))?;
         let aovs = r.u32()? as usize;
         let aovs = r.sums(aovs)?;
         let steps = r.list(|r| Ok(f64::from_le_bytes(r.array()?)))?;
-        let marks = r.list(|r| Ok((r.u32()?, r.sums(count)?)))?;
+        let marked = light.len() / STRIDE;
+        let marks = r.list(|r| Ok((r.u32()?, r.sums(marked)?)))?;
         let doublings = Doublings::from_parts(steps, BTreeMap::from_iter(marks));
         let common = Common { samples_a_pass, first_radii };
-        let mut pixels = Pixels::from_parts(light, aovs, doublings, common);
+        let mut pixels = Pixels::from_parts(count, [light, aovs], doublings, common);
         pixels.mark_end(head.end());
         Ok(Self { head, pixels })
     }
@@ -255,7 +256,10 @@ mod tests {
         let mut mean = Mean::default();
         let layers = [0.1f32, 2e-20, 7e30, 0.0, -0.25].map(Color::splat);
         mean.add(&Radiance { layers, alpha: 1.0 }, 0.7, &mut Rejected::default());
-        let pass = PassSums { means: vec![mean, Mean::default(), mean], aovs: vec![0.7; 6] };
+        let pass = PassSums {
+            means: [mean, Mean::default(), mean].map(|mean| mean.stored(1.0)).to_vec(),
+            aovs: vec![0.7; 6],
+        };
         for done in 1..=12 {
             pixels.add(&pass);
             pixels.pass_done(5, 5 + done);

@@ -256,21 +256,9 @@ fn run<I: Integrator>(
             break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
         }
         let camera = Instant::now();
-        let bands = Bands {
-            task,
-            view: task.view,
-            eye: Eye::new(task.scene, task.view),
-            images: integrator.images(),
-            integrator,
-            shared: &shared,
-            seed: task.settings.seed,
-            pass: first + passes,
-            each: integrator.samples_a_pass(),
-            pixel: Vec2::new(1.0 / task.view.film.width as f32, 1.0 / task.view.film.height as f32),
-            has_aperture: task.view.sensor.has_aperture(),
-            // The first samples of a picture are made however late it is.
-            halt: if cuttable { Halt { deadline: None, ..halt } } else { halt },
-        };
+        // The first samples of a picture are made however late it is.
+        let halt_camera = if cuttable { Halt { deadline: None, ..halt } } else { halt };
+        let bands = bands(task, integrator, &shared, first + passes, halt_camera);
         let whole = count_camera(&mut stats, &bands.sample(&mut sums));
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
@@ -297,6 +285,31 @@ fn run<I: Integrator>(
     stats.film_bytes = (pixels.bytes() + sums.bytes()) as u64;
     (stats.passes, stats.seconds) = (passes, budget.elapsed(start).as_secs_f64());
     Outcome { pixels, statistics: stats, stop }
+}
+
+/// The camera samples of a pass.
+fn bands<'a, I: Integrator>(
+    task: Task<'a>,
+    integrator: &'a I,
+    shared: &'a I::Pass,
+    pass: u32,
+    halt: Halt<'a>,
+) -> Bands<'a, I> {
+    let film = &task.view.film;
+    Bands {
+        task,
+        view: task.view,
+        eye: Eye::new(task.scene, task.view),
+        images: integrator.images(),
+        integrator,
+        shared,
+        seed: task.settings.seed,
+        pass,
+        each: integrator.samples_a_pass(),
+        pixel: Vec2::new(1.0 / film.width as f32, 1.0 / film.height as f32),
+        has_aperture: task.view.sensor.has_aperture(),
+        halt,
+    }
 }
 
 /// What is known before the first pass.
