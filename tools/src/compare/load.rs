@@ -15,6 +15,17 @@ pub struct Loaded {
     pub display: bool,
 }
 
+impl Loaded {
+    /// A picture of radiance in memory; messages call it by `name`.
+    ///
+    /// # Errors
+    /// It holds a value that is not finite.
+    pub fn radiance(pixels: Pixels, name: &Path) -> Result<Self, CompareError> {
+        check_finite(&pixels, name)?;
+        Ok(Self { pixels, display: false })
+    }
+}
+
 /// Reads a picture as linear RGB: the channels `R G B`, else `Y` as gray, else the only channel. With `layer`
 /// these are `layer.R` and so on. Other channels are ignored.
 ///

@@ -4,7 +4,7 @@ use super::args::CompareArgs;
 use super::comparison::{Compared, Comparison, compare};
 use super::error::CompareError;
 use super::error_map;
-use super::load::load;
+use super::load::{Loaded, load};
 use super::mask::Mask;
 use super::page::Page;
 use super::pairs::{self, Pair};
@@ -110,8 +110,20 @@ fn compare_pair(
     pair: &Pair,
     page: Option<&mut Page>,
 ) -> Result<Comparison, CompareError> {
-    let mut image = load(&pair.image, args.layer.as_deref())?;
-    let mut reference = load(&pair.reference, args.reference_layer.as_deref().or(args.layer.as_deref()))?;
+    let image = load(&pair.image, args.layer.as_deref())?;
+    let reference = load(&pair.reference, args.reference_layer.as_deref().or(args.layer.as_deref()))?;
+    Ok(compare_loaded(args, folder, pair, image, reference, page)?.comparison)
+}
+
+/// As the files of `pair`, which messages and notes name.
+pub(super) fn compare_loaded(
+    args: &CompareArgs,
+    folder: bool,
+    pair: &Pair,
+    mut image: Loaded,
+    mut reference: Loaded,
+    page: Option<&mut Page>,
+) -> Result<Compared, CompareError> {
     same_size(&image.pixels, &pair.image, &reference.pixels, &pair.reference)?;
     let mut options = args.options();
     let mut notes = Vec::new();
@@ -144,8 +156,7 @@ fn compare_pair(
     if let Some(page) = page {
         page.add(&compared, &image.pixels, &reference.pixels);
     }
-    let Compared { comparison, .. } = compared;
-    Ok(comparison)
+    Ok(compared)
 }
 
 /// The file of a pair's error map: the path itself, or `folder/name.png`.
