@@ -6,7 +6,6 @@ use caustica_formats::image::{
     ExrLayer, ExrOptions, ImageError, atomic_write, encode_exr, encode_hdr, encode_pfm, encode_png,
 };
 
-use super::layers::Content;
 use super::lock::Lock;
 use super::place::{check_distinct, check_place, keep_elsewhere, real};
 use super::{Error, Picture, Session};
@@ -100,7 +99,11 @@ impl Output {
         if problems.is_empty() { Ok(()) } else { Err(Error::Picture(problems.join("\n"))) }
     }
 
-    fn encode(&self, picture: &Picture<'_>, extension: &str) -> Result<Vec<u8>, ImageError> {
+    /// The bytes of a file with this extension, in lower case.
+    ///
+    /// # Errors
+    /// When the format cannot hold a picture of this size.
+    pub fn encode(&self, picture: &Picture<'_>, extension: &str) -> Result<Vec<u8>, ImageError> {
         let [width, height] = picture.size();
         match extension {
             "exr" => self.exr(picture),
@@ -121,7 +124,7 @@ impl Output {
         }
         let main_channels: &[&str] = if self.alpha { &["R", "G", "B", "A"] } else { &["R", "G", "B"] };
         let wanted = &picture.session.layers;
-        let extras: Vec<Vec<f32>> = wanted.iter().map(|layer| channels(picture, layer.content)).collect();
+        let extras: Vec<Vec<f32>> = wanted.iter().map(|layer| picture.channels(layer.content)).collect();
         let mut layers = vec![ExrLayer { name: "", channels: main_channels, data: &main }];
         layers.extend(wanted.iter().zip(&extras).map(|(layer, data)| ExrLayer {
             name: &layer.name,
@@ -143,30 +146,6 @@ impl Output {
             (encoded * 255.0).round() as u8
         };
         picture.rgb().flat_map(|c| c.map(curve)).collect()
-    }
-}
-
-/// The numbers of a layer, pixel by pixel.
-fn channels(picture: &Picture<'_>, content: Content) -> Vec<f32> {
-    let (pixels, passes) = (picture.pixels, picture.passes);
-    let count = pixels.len();
-    let alpha = |i: usize| pixels.alpha(i, passes) as f32;
-    match content {
-        Content::Part(layer) => {
-            (0..count).flat_map(|i| pixels.layer(i, layer, passes)).map(|v| v as f32).collect()
-        }
-        Content::Picture => {
-            let rgb = picture.rgb().enumerate();
-            rgb.flat_map(|(i, [r, g, b])| [r as f32, g as f32, b as f32, alpha(i)]).collect()
-        }
-        Content::Variance => {
-            (0..count).map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect()
-        }
-        Content::Samples => vec![passes as f32 * pixels.samples_a_pass as f32; count],
-        Content::Surface(aov) => {
-            let list = &picture.session.view.aovs;
-            (0..count).flat_map(|i| pixels.aov(i, aov, list, passes)).map(|v| v as f32).collect()
-        }
     }
 }
 
