@@ -235,7 +235,8 @@ fn the_python_package_sees_the_session_only() {
 #[test]
 fn files_are_short() {
     for s in sources() {
-        let product = ["src/", "formats/src/", "python/src/", "tools/src/"].iter().any(|f| s.path.starts_with(f));
+        let product =
+            ["src/", "formats/src/", "python/src/", "tools/src/"].iter().any(|f| s.path.starts_with(f));
         let most = if product { 400 } else { 600 };
         let lines = s.text.lines().count();
         assert!(lines <= most, "{} has {lines} lines; {most} is the most", s.path);

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use caustica::session::{Outcome, Output, Picture, Session};
+use caustica::session::{Merged, Outcome, Output, Picture, Session};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,12 +12,16 @@ use crate::arrays::picture;
 use crate::error::raised;
 use crate::render::word;
 
-/// What a render has made.
+/// A picture.
 #[derive(Debug)]
 #[pyclass(frozen, module = "caustica._native")]
-pub struct Image {
-    session: Session,
-    outcome: Outcome,
+pub struct Image(Source);
+
+/// Where a picture comes from.
+#[derive(Debug)]
+enum Source {
+    Rendered(Box<(Session, Outcome)>),
+    Merged(Box<Merged>),
 }
 
 #[pymethods]
@@ -33,8 +37,8 @@ impl Image {
         layer.map(|layer| picture(py, layer.data, self.picture().size(), layer.channels.len())).transpose()
     }
 
-    fn channels(&self, name: &str) -> Option<Vec<&'static str>> {
-        self.picture().layer(name).map(|layer| layer.channels.to_vec())
+    fn channels(&self, name: &str) -> Option<Vec<String>> {
+        self.picture().layer(name).map(|layer| layer.channels)
     }
 
     fn rgb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -53,45 +57,67 @@ impl Image {
 
     #[getter]
     fn passes(&self) -> u32 {
-        self.outcome.statistics.passes
+        self.picture().passes()
     }
 
     /// Camera samples a pixel.
     #[getter]
     fn samples(&self) -> f64 {
-        f64::from(self.outcome.statistics.passes) * f64::from(self.outcome.pixels.samples_a_pass)
+        self.picture().samples()
     }
 
     /// Relative standard error; `None` where it is not known.
     #[getter]
     fn error(&self) -> Option<f64> {
-        let error = self.outcome.pixels.relative_error(self.outcome.statistics.passes);
-        error.is_finite().then_some(error)
+        Some(self.picture().relative_error()).filter(|error| error.is_finite())
     }
 
+    /// Why the render ended; a merged picture has all its passes, or some are missing.
     #[getter]
     fn stop(&self) -> &'static str {
-        word(self.outcome.stop)
+        match &self.0 {
+            Source::Rendered(made) => word(made.1.stop),
+            Source::Merged(merged) if merged.missing().is_empty() => "passes",
+            Source::Merged(_) => "interrupted",
+        }
     }
 
-    /// As JSON.
+    /// As JSON; nothing is known of a merged picture's parts.
     fn statistics(&self) -> PyResult<String> {
-        serde_json::to_string(&self.outcome.statistics).map_err(|e| PyRuntimeError::new_err(e.to_string()))
+        match &self.0 {
+            Source::Rendered(made) => {
+                serde_json::to_string(&made.1.statistics).map_err(|e| PyRuntimeError::new_err(e.to_string()))
+            }
+            Source::Merged(_) => Ok("{}".to_owned()),
+        }
+    }
+
+    /// The passes as the bytes of a checkpoint, to be merged with others.
+    fn part<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let Source::Rendered(made) = &self.0 else {
+            return Err(PyRuntimeError::new_err("a merged picture is no part"));
+        };
+        let bytes = py.detach(|| made.0.part(&made.1)).map_err(|e| raised(py, &e))?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     fn metadata(&self) -> HashMap<String, String> {
         self.picture().metadata().into_iter().collect()
     }
 
-    fn settings(&self) -> Vec<(&'static str, String)> {
-        self.session.settings.values().collect()
+    /// Every setting in effect, but for the number of passes: names and values with blanks between them.
+    fn settings(&self) -> String {
+        self.picture().info().settings.clone()
     }
 
     /// Writes files as the command line does.
     fn save(&self, py: Python<'_>, files: Vec<PathBuf>, half: bool, exposure: f64) -> PyResult<()> {
         let output = self.output(files, half, exposure);
         let written = py.detach(|| {
-            output.check(&self.session, &[])?;
+            match &self.0 {
+                Source::Rendered(made) => output.check(&made.0, &[])?,
+                Source::Merged(_) => output.check_merged(false, &[], &[])?,
+            }
             let _locks = output.lock(&[])?;
             output.write(&self.picture())
         });
@@ -113,16 +139,23 @@ impl Image {
 }
 
 impl Image {
-    pub fn new(session: Session, outcome: Outcome) -> Self {
-        Self { session, outcome }
+    pub fn rendered(session: Session, outcome: Outcome) -> Self {
+        Self(Source::Rendered(Box::new((session, outcome))))
+    }
+
+    pub fn merged(merged: Merged) -> Self {
+        Self(Source::Merged(Box::new(merged)))
     }
 
     fn picture(&self) -> Picture<'_> {
-        self.session.picture(&self.outcome)
+        match &self.0 {
+            Source::Rendered(made) => made.0.picture(&made.1),
+            Source::Merged(merged) => merged.picture(),
+        }
     }
 
     fn output(&self, files: Vec<PathBuf>, half: bool, exposure: f64) -> Output {
-        let own = Output::new(&self.session, files);
+        let own = Output::of(self.picture().info(), files);
         Output { half, exposure: exposure + own.exposure, ..own }
     }
 }

@@ -6,6 +6,7 @@ mod compare;
 mod convert;
 mod error;
 mod image;
+mod merge;
 mod pool;
 mod render;
 mod scene;
@@ -27,6 +28,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("DEFAULT_PPD", caustica_tools::flip::DEFAULT_PPD)?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<image::Image>()?;
+    module.add_class::<merge::Merge>()?;
     module.add_function(wrap_pyfunction!(settings, module)?)?;
     module.add_function(wrap_pyfunction!(compare::compare, module)?)?;
     module.add_function(wrap_pyfunction!(convert::convert, module)?)

@@ -7,9 +7,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use caustica::session::{
-    Budget, Error, Lock, Outcome, Progress, Saver, Session, Stop, Sums, check_place,
-};
+use caustica::session::{Budget, Error, Lock, Outcome, Progress, Saver, Session, Stop, Sums, check_place};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeWarning, PyValueError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
@@ -32,6 +30,8 @@ pub struct Request {
     pub checkpoint: Option<PathBuf>,
     /// Goes on from the checkpoint.
     pub resume: bool,
+    /// These passes only: the first one and the one after the last.
+    pub range: Option<(u32, u32)>,
 }
 
 /// How often signals are looked for.
@@ -66,6 +66,7 @@ pub fn render(
         time,
         error: request.target_error,
         interrupt: Some(&stop),
+        ..Budget::default()
     };
     let (saver, sums, _lock) = begin(&session, request).map_err(|e| raised(py, &e))?;
     let pool = pool(request.threads)?;
@@ -73,7 +74,7 @@ pub fn render(
     let (answer, answers) = channel();
     let talk = Talk { passes: tell, answers: Mutex::new(answers), wanted: on_pass.is_some() };
     let (outcome, failed) = std::thread::scope(|scope| {
-        let worker = scope.spawn(|| work(&pool, &session, sums, budget, saver, talk));
+        let worker = scope.spawn(|| work(&pool, &session, request.range, sums, budget, saver, talk));
         let failed = listen(py, &Mutex::new(passes), &answer, &stop, on_pass);
         (py.detach(|| worker.join()), failed)
     });
@@ -84,7 +85,7 @@ pub fn render(
         let text = CString::new(problem.to_string()).unwrap_or_default();
         PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &text, 2)?;
     }
-    Ok(Image::new(session, outcome))
+    Ok(Image::rendered(session, outcome))
 }
 
 /// What the render goes on from, and the file it is saved in.
@@ -101,6 +102,7 @@ fn begin(session: &Session, request: &Request) -> Result<(Option<Saver>, Sums, O
 fn work(
     pool: &ThreadPool,
     session: &Session,
+    range: Option<(u32, u32)>,
     sums: Sums,
     budget: Budget<'_>,
     mut saver: Option<Saver>,
@@ -119,7 +121,10 @@ fn work(
             let _ended = talk.answers.lock().unwrap_or_else(PoisonError::into_inner).recv();
         }
     };
-    let outcome = pool.install(|| session.resume(sums, budget, &mut after));
+    let outcome = pool.install(|| match range {
+        Some((first, end)) => session.render_range(first..end, budget, &mut after),
+        None => session.resume(sums, budget, &mut after),
+    });
     if let Some(saver) = &saver
         && outcome.statistics.passes > 0
         && !outcome.statistics.first_pass_cut

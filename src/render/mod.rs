@@ -5,5 +5,5 @@ mod bands;
 mod checkpoint;
 mod driver;
 
-pub use checkpoint::{Checkpoint, CheckpointError};
-pub use driver::{Budget, Outcome, Progress, Statistics, Stop, Sums, render};
+pub use checkpoint::{Checkpoint, CheckpointError, Head};
+pub use driver::{Budget, MOST_PASSES, Outcome, Progress, Statistics, Stop, Sums, render};

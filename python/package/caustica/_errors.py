@@ -50,9 +50,18 @@ class Diagnostic:
         related: list[tuple[str, str | None, int | None, int | None]],
         unsupported: bool,
     ) -> None:
-        values = dict(severity=severity, text=text, file=file, line=line, column=column, source=source)
-        values.update(help=tuple(help), related=tuple(Related(*r) for r in related), unsupported=unsupported)
-        for name, value in values.items():
+        fields: dict[str, object] = {
+            "severity": severity,
+            "text": text,
+            "file": file,
+            "line": line,
+            "column": column,
+            "source": source,
+            "help": tuple(help),
+            "related": tuple(Related(*place) for place in related),
+            "unsupported": unsupported,
+        }
+        for name, value in fields.items():
             object.__setattr__(self, name, value)
 
     @property

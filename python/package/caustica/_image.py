@@ -47,7 +47,7 @@ class Image:
         """Red, green and blue: float32 of shape (height, width, 3)."""
         return self._native.rgb()
 
-    def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> npt.NDArray[Any]:
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         if copy is False:
             raise ValueError("the array of an image is always made anew")
         return self.numpy().astype(dtype if dtype is not None else np.float32, copy=False)
@@ -124,7 +124,8 @@ class Image:
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """Counts and times of the render, as `render` of the JSON that ``caustica render --stats`` writes."""
+        """Counts and times of the render, as `render` of the JSON that ``caustica render --stats`` writes; nothing
+        for a picture that was rendered in parts."""
         statistics: dict[str, Any] = json.loads(self._native.statistics())
         return statistics
 
@@ -135,8 +136,9 @@ class Image:
 
     @property
     def settings(self) -> dict[str, str]:
-        """Every setting in effect."""
-        return dict(self._native.settings())
+        """Every setting in effect, but for the number of passes."""
+        rows = (row.partition("=") for row in self._native.settings().split())
+        return {name: value for name, _, value in rows}
 
     def save(self, *files: str | os.PathLike[str], half: bool = False, exposure: float = 0.0) -> None:
         """Writes the picture to .exr (with its layers), .png, .hdr or .pfm files: the same bytes as the command

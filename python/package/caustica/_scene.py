@@ -252,6 +252,7 @@ def render(
         threads=threads,
         checkpoint=None if checkpoint is None else os.fspath(checkpoint),
         resume=resume,
+        pass_range=None,
         on_pass=on_pass,
     )
     return Image(native)

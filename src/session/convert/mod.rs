@@ -48,11 +48,8 @@ impl Conversion {
         };
         let files = Confined::new(path, &options.allow_paths);
         let mut read = read_scene(&files, path, &reading)?;
-        let rendering = Options {
-            spectrum_rule: options.spectrum_rule,
-            lenient: options.lenient,
-            ..Options::default()
-        };
+        let rendering =
+            Options { spectrum_rule: options.spectrum_rule, lenient: options.lenient, ..Options::default() };
         check(&read, &files, path, &rendering)?;
         if let Some(rule) = options.spectrum_rule {
             read.scene.spectrum_rule = rule;

@@ -83,9 +83,8 @@ pub fn set_mesh_array(
     recompute: bool,
 ) -> Result<(), ValueError> {
     let count = mesh.positions.len();
-    let wrong = |columns: usize| {
-        ValueError::shape(key, format!("an array of shape ({count}, {columns})"), array)
-    };
+    let wrong =
+        |columns: usize| ValueError::shape(key, format!("an array of shape ({count}, {columns})"), array);
     let rows = || array.as_rows::<3>().filter(|rows| rows.len() == count).ok_or_else(|| wrong(3));
     let single = |row: &[f64; 3]| row.map(|v| v as f32);
     match part {

@@ -57,15 +57,13 @@ impl Draft {
         Ok(Self { read, files, served, path, options, names, made, changed })
     }
 
-    /// Compiles the scene as it is now, with `settings` after those of the options, and with `layers` in their place.
+    /// Compiles the scene as it is now, for `layers` where some are given instead of those of the options.
     ///
     /// # Errors
     /// As [`Session::open`], as far as compiling goes.
-    pub fn compile(&self, settings: &[(String, String)], layers: Option<Layers>) -> Result<Session, Error> {
+    pub fn compile(&self, layers: Option<Layers>) -> Result<Session, Error> {
         let mut options = self.options.clone();
-        options.settings.extend_from_slice(settings);
         options.layers = layers.or(options.layers);
-        options.override_settings(&mut Settings::default())?;
         let files = Beside { below: &self.files, made: &self.made };
         let mut hashing = Hashing::going_on(&files, &self.path, self.served.clone());
         self.changed.iter().for_each(|(key, array)| hashing.change(key, &array.data));
@@ -101,7 +99,8 @@ impl Draft {
                 self.bitmap_array(key, self.bitmap_of(key, id)?)
             }
             Leaf::Ior(Ior::Named(name)) => {
-                let value = ior(&name).ok_or_else(|| ValueError::invalid(key, format!("no index `{name}`")))?;
+                let value =
+                    ior(&name).ok_or_else(|| ValueError::invalid(key, format!("no index `{name}`")))?;
                 Ok(Array::doubles(&[], [value]))
             }
             Leaf::Bitmap(bitmap) => self.bitmap_array(key, &bitmap),

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::collections::{BTreeSet, VecDeque};
 
-use caustica_formats::ir::{Bsdf, Id, Part, Reference, Scene, Texture, VisitField};
+use caustica_formats::ir::{Bsdf, BsdfKind, Id, Part, Reference, Scene, Texture, VisitField};
 
 /// A name for every object that is seen, each once.
 #[derive(Clone, Debug, Default)]
@@ -60,18 +60,19 @@ impl Names {
         free
     }
 
-    /// Names what has no id by the first field that refers to it.
+    /// Names what has no id by the first field that refers to it. The one model of `twosided`, which has no values
+    /// itself, is called as that is.
     fn follow(&mut self, scene: &Scene) {
         // Fields are shown to be changed: those of a copy.
         let mut copy = scene.clone();
         let mut found = VecDeque::new();
         walk(&mut copy, self, None, &mut |path, field| note(path, field, &mut found));
-        while let Some((path, reference)) = found.pop_front() {
+        while let Some((path, reference, shares)) = found.pop_front() {
             let mut note = |path: &str, field: &mut dyn Any| note(path, field, &mut found);
             if let Some(id) = reference.to::<Bsdf>()
                 && self.bsdfs[id.index()].is_none()
             {
-                let name = self.claim(&path);
+                let name = if shares { path } else { self.claim(&path) };
                 copy.bsdfs[id].kind.fields(&name, &mut note);
                 self.bsdfs[id.index()] = Some(name);
             } else if let Some(id) = reference.to::<Texture>()
@@ -96,26 +97,34 @@ impl Names {
     }
 }
 
-fn note(path: &str, field: &mut dyn Any, found: &mut VecDeque<(String, Reference)>) -> bool {
+/// A path, what is referred to there, and whether that may be called by the path although it is taken.
+type Found = VecDeque<(String, Reference, bool)>;
+
+fn note(path: &str, field: &mut dyn Any, found: &mut Found) -> bool {
     if let Some(id) = field.downcast_ref::<Id<Bsdf>>() {
-        found.push_back((path.to_owned(), (*id).into()));
+        found.push_back((path.to_owned(), (*id).into(), false));
     } else if let Some(id) = field.downcast_ref::<Id<Texture>>() {
-        found.push_back((path.to_owned(), (*id).into()));
+        found.push_back((path.to_owned(), (*id).into(), false));
+    } else if let Some(BsdfKind::TwoSided { front, back: None }) = field.downcast_ref() {
+        found.push_back((path.to_owned(), (*front).into(), true));
+        return false;
     }
     true
 }
 
 /// Shows the fields of all objects, or of those whose name `key` begins with.
 pub fn walk(scene: &mut Scene, names: &Names, key: Option<&str>, visit: &mut VisitField<'_>) {
-    let wanted = |name: &str| key.is_none_or(|key| key.strip_prefix(name).is_some_and(|r| r.starts_with('.')));
+    let wanted =
+        |name: &str| key.is_none_or(|key| key.strip_prefix(name).is_some_and(|r| r.starts_with('.')));
+    let sensors = scene.sensors.iter_mut().zip(&names.sensors);
+    for (sensor, name) in sensors.filter(|(_, name)| wanted(name)) {
+        sensor.to_world.fields(&format!("{name}.to_world"), visit);
+    }
     let mut show = |name: &str, part: &mut dyn Part| {
         if wanted(name) {
             part.fields(name, visit);
         }
     };
-    for (sensor, name) in scene.sensors.iter_mut().zip(&names.sensors) {
-        show(&format!("{name}.to_world"), &mut sensor.to_world);
-    }
     scene.emitters.iter_mut().zip(&names.emitters).for_each(|(emitter, name)| show(name, emitter));
     scene.shapes.iter_mut().zip(&names.shapes).for_each(|(shape, name)| show(name, shape));
     let ids: Vec<_> = scene.groups.iter().map(|(id, _)| id).collect();

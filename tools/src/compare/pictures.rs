@@ -25,6 +25,7 @@ pub fn judge(args: &CompareArgs, image: Loaded, reference: Loaded) -> Result<Jud
     let name = args.image.display().to_string();
     let pair = Pair { name, image: args.image.clone(), reference: args.reference.clone() };
     let compared = compare_loaded(args, false, &pair, image, reference, None)?;
-    let json = serde_json::to_string(&compared.comparison).expect("a comparison holds only numbers and strings");
+    let json =
+        serde_json::to_string(&compared.comparison).expect("a comparison holds only numbers and strings");
     Ok(Judged { json, flip: compared.ldr })
 }
