@@ -49,7 +49,7 @@ pub fn compare<'py>(
         ..CompareArgs::new(image_name, reference_name)
     };
     let (image, reference) = (image.map(|a| pixels(&a)), reference.map(|a| pixels(&a)));
-    let pool = pool(None)?;
+    let pool = pool()?;
     let judged = py.detach(|| {
         pool.install(|| -> Result<_, CompareError> {
             let image = match image {

@@ -27,7 +27,7 @@ pub fn convert<'py>(
 ) -> PyResult<(usize, usize, Vec<LossRow>, Bound<'py, PyAny>)> {
     let rule = spectrum_rule(spectral_to_rgb).map_err(|e| raised(py, &e))?;
     let options = Options { defines, allow_paths, lenient, spectrum_rule: rule, ..Options::default() };
-    let pool = pool(None)?;
+    let pool = pool()?;
     let converted = py.detach(|| {
         pool.install(|| -> Result<_, Error> {
             let conversion = Conversion::read(&source, &options)?;

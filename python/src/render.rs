@@ -14,7 +14,7 @@ use rayon::ThreadPool;
 
 use crate::error::raised;
 use crate::image::Image;
-use crate::pool::pool;
+use crate::pool::own_pool;
 
 /// What a render is asked for, beside its settings.
 pub struct Request {
@@ -69,7 +69,7 @@ pub fn render(
         ..Budget::default()
     };
     let (saver, sums, _lock) = begin(&session, request).map_err(|e| raised(py, &e))?;
-    let pool = pool(request.threads)?;
+    let pool = own_pool(request.threads)?;
     let (tell, passes) = channel();
     let (answer, answers) = channel();
     let talk = Talk { passes: tell, answers: Mutex::new(answers), wanted: on_pass.is_some() };

@@ -51,7 +51,7 @@ impl Scene {
             lenient,
             ..Options::default()
         };
-        let pool = pool(None)?;
+        let pool = pool()?;
         let opened = py.detach(|| {
             pool.install(|| {
                 let draft = Draft::open(&path, &options)?;
@@ -87,14 +87,14 @@ impl Scene {
     fn describe(&self, py: Python<'_>) -> PyResult<String> {
         let session = self.session(py, None)?;
         let session = session.as_ref().clone();
-        let pool = pool(None)?;
+        let pool = pool()?;
         Ok(py.detach(|| pool.install(|| Inspection::of_session(session).describe().to_string())))
     }
 
     /// What `caustica inspect --json` prints.
     fn inspect(&self, py: Python<'_>) -> PyResult<String> {
         let session = self.session(py, None)?.as_ref().clone();
-        let pool = pool(None)?;
+        let pool = pool()?;
         let json =
             py.detach(|| pool.install(|| serde_json::to_string(&Inspection::of_session(session).describe())));
         json.map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))
@@ -151,7 +151,7 @@ impl Scene {
     /// The compiled scene, fit for these layers.
     fn session(&self, py: Python<'_>, layers: Option<&Layers>) -> PyResult<Arc<Session>> {
         let uvs = layers.is_some_and(Layers::need_uvs);
-        let pool = pool(None)?;
+        let pool = pool()?;
         let compiled = py.detach(|| {
             let draft = self.draft();
             let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);

@@ -135,6 +135,21 @@ def test_other_threads_run_meanwhile(root: Path) -> None:
     assert images[0].stop == "interrupted"
 
 
+def test_on_pass_may_use_the_package(root: Path) -> None:
+    scene = caustica.load(root / GLASS, size=(16, 16))
+    seen: list[float] = []
+
+    def look(progress: caustica.Progress) -> None:
+        other = caustica.render(caustica.load(root / GLASS, size=(8, 8)), passes=1, threads=1)
+        seen.append(caustica.compare(other, other, hdr=False).flip)
+
+    # The only thread of the render waits meanwhile.
+    caustica.render(scene, passes=2, threads=1, on_pass=look)
+    assert seen == [0, 0]
+    with pytest.raises(ValueError, match="threads: expected a whole number from 1 to 1024"):
+        caustica.render(scene, passes=1, threads=0)
+
+
 INTERRUPTED = """
 import caustica, os, signal, sys
 scene = caustica.load(sys.argv[1], size=(32, 32))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Program
+from conftest import ROOT, Program
 
 import caustica
 
@@ -85,6 +85,28 @@ def test_what_is_set_to_itself_changes_nothing(room: Path) -> None:
     for key in scene.keys():
         scene[key] = scene[key]
     assert np.array_equal(caustica.render(scene, passes=2).numpy(), before)
+
+
+SCENES = sorted(
+    str(path.relative_to(ROOT)) for path in (ROOT / "scenes").rglob("*.*") if path.suffix in (".xml", ".pbrt")
+)
+
+
+@pytest.mark.parametrize("path", SCENES)
+def test_every_value_of_every_scene_can_be_read_and_given_back(path: str) -> None:
+    scene = caustica.load(ROOT / path)
+    keys = scene.keys()
+    assert len(set(keys)) == len(keys) > 3
+    for key in keys:
+        try:
+            value = scene[key]
+        except caustica.ArrayError as procedural:
+            assert "it is a texture of kind" in str(procedural)
+            continue
+        scene[key] = value
+        assert np.allclose(scene[key], value, rtol=1e-6)
+    # It is compiled again.
+    assert scene.settings
 
 
 def test_a_reflectance_scales_the_light_of_its_surface(room: Path) -> None:
