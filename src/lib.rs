@@ -24,7 +24,7 @@
 //! Code map, upwards: `math` ← `sampling` ← `spectrum` ← `shape`, `texture`, `accel` ← `bsdf`, `medium`, `emitter`,
 //! `sensor`, `film` ← `settings` ← `scene` ← `transport` ← `photon` ← `integrator` ← `render` ← `session` ← `serve` ← `cli`. Imports
 //! point downwards only; `tests/tidy.rs` checks it. The renderer knows no file format: `scene::compile` and
-//! `session` (and `cli`, for arguments and `convert`) alone read the scene representation of `caustica-formats`.
+//! `session` (and `cli`, for arguments) alone read the scene representation of `caustica-formats`.
 
 #![warn(missing_docs, clippy::missing_errors_doc)]
 

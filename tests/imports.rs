@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::tidy::{product, sources};
 
 /// Source folders that are checked; each is the root of a crate.
-const CHECKED: &[&str] = &["formats/src", "tools/src", "src"];
+const CHECKED: &[&str] = &["formats/src", "python/src", "tools/src", "src"];
 
 /// Module path from the root of its crate.
 type Module = Vec<String>;

@@ -25,7 +25,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
 pub(crate) fn sources() -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
-    for folder in ["src", "tests", "benches", "formats", "tools"] {
+    for folder in ["src", "tests", "benches", "formats", "python", "tools"] {
         collect(&root.join(folder), &mut files);
     }
     files.sort();
@@ -220,6 +220,20 @@ fn only_the_compiler_and_the_session_read_the_scene_representation() {
     }
 }
 
+/// The bindings need nothing but the front door, and the judge.
+#[test]
+fn the_python_package_sees_the_session_only() {
+    let mut seen = 0;
+    for s in sources().iter().filter(|s| s.path.starts_with("python/src/")) {
+        let rooms = imports(&s.text, "caustica");
+        seen += rooms.len();
+        let other: Vec<_> = rooms.into_iter().filter(|room| *room != "session").collect();
+        assert!(other.is_empty(), "{}: {other:?}", s.path);
+        assert!(imports(&s.text, "caustica_formats").is_empty(), "{} imports caustica_formats", s.path);
+    }
+    assert!(seen > 0, "the package uses the session");
+}
+
 #[test]
 fn the_live_view_knows_the_front_door_only() {
     for s in sources().iter().filter(|s| s.path.starts_with("src/serve/")) {
@@ -232,7 +246,8 @@ fn the_live_view_knows_the_front_door_only() {
 #[test]
 fn files_are_short() {
     for s in sources() {
-        let product = ["src/", "formats/src/", "tools/src/"].iter().any(|f| s.path.starts_with(f));
+        let product =
+            ["src/", "formats/src/", "python/src/", "tools/src/"].iter().any(|f| s.path.starts_with(f));
         let most = if product { 400 } else { 600 };
         let lines = s.text.lines().count();
         assert!(lines <= most, "{} has {lines} lines; {most} is the most", s.path);

@@ -34,6 +34,7 @@ mod missing;
 mod mitsuba;
 mod outside;
 mod pbrt;
+pub mod picture;
 mod plugin;
 mod read;
 pub mod sky;

@@ -17,9 +17,7 @@ use super::{report, summary};
 use crate::math::kernel::KernelKind;
 use crate::render::MOST_PASSES;
 use crate::serve::View;
-use crate::session::{
-    Budget, Outcome, Output, Progress, Saver, Session, Stop, Sums,
-};
+use crate::session::{Budget, Outcome, Output, Progress, Saver, Session, Stop, Sums};
 use crate::settings::{SETTINGS, Settings};
 
 /// Arguments of `render`.

@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use caustica_formats::Failure;
 use caustica_formats::ir::Crop;
+use caustica_formats::{Failure, WriteError};
 use thiserror::Error as ThisError;
 
+use super::draft::ValueError;
+use super::finding::Finding;
 use super::layers::LayerError;
 use super::passes::listed;
 use super::units::megabytes;
@@ -100,6 +102,12 @@ pub enum Error {
         /// The system's words.
         source: std::io::Error,
     },
+    /// A value of a scene cannot be read or changed.
+    #[error(transparent)]
+    Value(#[from] ValueError),
+    /// A scene cannot be written in another language.
+    #[error(transparent)]
+    Convert(#[from] WriteError),
     /// A render has no whole pass that could be merged with others.
     #[error("no pass is whole: there is nothing to merge")]
     NotWhole,
@@ -167,6 +175,16 @@ pub enum Error {
 }
 
 impl Error {
+    /// What is wrong with the scene, where that is why.
+    pub fn findings(&self) -> Vec<Finding> {
+        match self {
+            Self::Scene(failure) => {
+                failure.diagnostics.iter().map(|d| Finding::new(d, &failure.sources)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// Whether what was asked for is wrong in itself, rather than the scene, a file, the memory or the disk.
     pub fn is_request(&self) -> bool {
         matches!(
@@ -179,6 +197,8 @@ impl Error {
                 | Self::UnknownFormat { .. }
                 | Self::IsInput(_)
                 | Self::NamedTwice(_)
+                | Self::Value(_)
+                | Self::Convert(WriteError::UnknownLanguage { .. })
                 | Self::Beyond { .. }
                 | Self::NotRendered(_)
         ) || matches!(self, Self::Scene(failure) if failure.is_request())

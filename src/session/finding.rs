@@ -19,6 +19,9 @@ pub struct Finding {
     pub labels: Vec<Label>,
     /// Something known is left out of the picture or replaced.
     pub unsupported: bool,
+    /// The line of the file that `place` names.
+    #[serde(skip)]
+    pub source: Option<String>,
 }
 
 /// A further place of a message.
@@ -68,13 +71,15 @@ impl Finding {
             help: d.help.clone(),
             labels: d.labels.iter().map(label).collect(),
             unsupported: d.unsupported,
+            source: d.span.and_then(|span| sources.line(span)).map(str::to_owned),
         }
     }
 
     /// A warning about what stands in no file.
     pub(super) fn warning(message: String) -> Self {
         let place = Place::default();
-        Self { severity: "warning", message, place, help: Vec::new(), labels: Vec::new(), unsupported: false }
+        let (help, labels) = (Vec::new(), Vec::new());
+        Self { severity: "warning", message, place, help, labels, unsupported: false, source: None }
     }
 
     /// Whether it keeps the scene from being rendered.

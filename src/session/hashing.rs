@@ -21,8 +21,8 @@ pub struct Hashing<'a> {
 }
 
 /// What was read so far.
-#[derive(Debug, Default)]
-struct Served {
+#[derive(Clone, Debug, Default)]
+pub struct Served {
     /// Hashes of contents by name, in an order that does not depend on that of the reads.
     contents: BTreeMap<PathBuf, u64>,
     /// Links followed.
@@ -33,6 +33,24 @@ impl<'a> Hashing<'a> {
     /// For the files of the scene at `scene`.
     pub fn new(inner: &'a dyn Files, scene: &Path) -> Self {
         Self { inner, scene: scene.to_path_buf(), served: Mutex::default() }
+    }
+
+    /// After another source of the same scene has served files.
+    pub fn going_on(inner: &'a dyn Files, scene: &Path, served: Served) -> Self {
+        Self { inner, scene: scene.to_path_buf(), served: Mutex::new(served) }
+    }
+
+    /// What was read.
+    pub fn into_served(self) -> Served {
+        self.served.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes it the hash of a scene in which a value was changed.
+    pub fn change(&mut self, key: &str, numbers: &[f64]) {
+        let served = self.served.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let content = numbers.iter().fold(numbers.len() as u64, |h, v| mix(h ^ v.to_bits()));
+        // No file is called so: a name ends at the zero.
+        served.contents.insert(PathBuf::from(format!("\0{key}")), content);
     }
 
     fn name(&self, path: &Path) -> PathBuf {
@@ -46,7 +64,7 @@ impl<'a> Hashing<'a> {
 
     /// Hash of names and contents of the files read, and these files with links followed.
     pub fn finish(self) -> (String, BTreeSet<PathBuf>) {
-        let served = self.served.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let served = self.into_served();
         let sum = served
             .contents
             .iter()

@@ -30,20 +30,24 @@ impl Inspection {
         let path = path.as_ref();
         let mut findings = Vec::new();
         let (session, contents, failure) = match Session::open(path, options) {
-            Ok(session) => {
-                findings.extend_from_slice(session.findings());
-                // That is not the scene's fault: another machine renders it.
-                findings.extend(session.check_memory().err().map(|e| Finding::warning(e.to_string())));
-                (Some(session), None, None)
-            }
-            Err(Error::Scene(failure)) => {
-                findings.extend(failure.diagnostics.iter().map(|d| Finding::new(d, &failure.sources)));
+            Ok(session) => return Ok(Self::of_session(session)),
+            Err(error @ Error::Scene(_)) => {
+                findings.extend(error.findings());
                 let (session, contents) = substitute(path, options);
-                (session, contents, Some(Error::Scene(failure)))
+                (session, contents, Some(error))
             }
             Err(error) => return Err(error),
         };
         Ok(Self { path: path.to_path_buf(), session, contents, findings, failure })
+    }
+
+    /// Of a scene that is open.
+    pub fn of_session(session: Session) -> Self {
+        let mut findings = session.findings().to_vec();
+        // That is not the scene's fault: another machine renders it.
+        findings.extend(session.check_memory().err().map(|e| Finding::warning(e.to_string())));
+        let path = session.path().to_path_buf();
+        Self { path, session: Some(session), contents: None, findings, failure: None }
     }
 
     /// For people, of a scene that can be rendered: what is worth a warning, without what is not supported, which

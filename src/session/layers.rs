@@ -92,7 +92,7 @@ impl LayerRequest {
     }
 
     /// The layer of this name in [`KNOWN`].
-    fn known(name: &str) -> Option<Self> {
+    pub(super) fn known(name: &str) -> Option<Self> {
         let part = LAYERS.iter().find(|(_, known)| *known == name).map(|(layer, _)| Content::Part(*layer));
         let surface = || AOVS.iter().find(|row| row.1 == name).map(|row| Content::Surface(row.0));
         let content = match name {
@@ -146,6 +146,11 @@ impl Layers {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// Whether texture coordinates are among them, or what is made of these.
+    pub fn need_uvs(&self) -> bool {
+        self.aovs().into_iter().any(Aov::needs_uvs)
     }
 
     /// What the render has to make for them beside the picture, each once.

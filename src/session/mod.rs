@@ -3,22 +3,28 @@
 //! Nothing here prints, parses arguments or ends the process; the command line, tests and benchmarks are a
 //! few calls of this module each.
 //!
-//! - [`Session::open`] reads and compiles a scene with [`Options`].
+//! - [`Session::open`] reads and compiles a scene with [`Options`]; [`Draft`] does the two in steps, between which the
+//!   values of the scene can be changed.
 //! - [`Inspection::of`] opens it as well and says what is in it, what rendering it will do ([`Plan`]) and what is
 //!   wrong with it.
 //! - [`Session::check_memory`] and [`Output::check`] find out what would fail before time is spent.
 //! - [`Session::render`] makes passes until a [`Budget`] is used up and calls back after each.
 //! - [`Session::picture`] gives pixels; [`Output::write`] puts them into files.
 //! - [`Saver`] writes checkpoints; [`Session::resume`] goes on from one.
+//! - [`Conversion`] writes a scene in another language.
 //! - [`Session::render_range`] makes some of the passes of a render, on another machine perhaps, [`Session::part`] is
 //!   what it has to send, and [`Merge`] makes the picture of all parts, which is that of one run to the last bit.
 
+mod beside;
 mod checkpoint;
+mod convert;
 mod describe;
+mod draft;
 mod error;
 mod finding;
 mod hashing;
 mod inspection;
+mod layer_data;
 mod layers;
 mod lock;
 mod media;
@@ -36,6 +42,7 @@ pub mod units;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use caustica_formats::confined::Confined;
 use caustica_formats::diagnostic::{Diagnostic, SourceMap};
@@ -46,15 +53,19 @@ use crate::integrator::Task;
 use crate::render::{Checkpoint, Head, render};
 use crate::scene::compile::{Compiled, compile};
 use crate::scene::{Facts, Scene, View};
-use crate::settings::Settings;
 
 pub use crate::render::{Budget, Outcome, Progress, Statistics, Stop, Sums};
+pub use crate::settings::{SETTINGS, SettingError, Settings};
+pub use caustica_formats::diagnostic::nearest;
 pub use caustica_formats::ir::{Crop, Filter, SpectrumRule};
 pub use checkpoint::Saver;
+pub use convert::{Conversion, Converted, Loss};
 pub use describe::Description;
+pub use draft::{Array, Draft, NumberKind, ValueError};
 pub use error::Error;
 pub use finding::{Finding, Label, Place};
 pub use inspection::Inspection;
+pub use layer_data::LayerData;
 pub use layers::{Content, KNOWN as KNOWN_LAYERS, LayerError, LayerRequest, Layers};
 pub use lock::Lock;
 pub use memory::Memory;
@@ -72,10 +83,10 @@ use hashing::Hashing;
 
 /// An opened scene. Its parts are public: tests and tools may look at the compiled scene, and change the
 /// view or the settings before they render.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Session {
     /// What rays meet and what shines.
-    pub scene: Scene,
+    pub scene: Arc<Scene>,
     /// What rendering the scene needs.
     pub facts: Facts,
     /// Camera and film.
@@ -146,7 +157,7 @@ impl Session {
         let (hash, inputs) = files.finish();
         compiled.view.aovs = layers.aovs();
         Ok(Self {
-            scene: compiled.scene,
+            scene: Arc::new(compiled.scene),
             facts: compiled.facts,
             view: compiled.view,
             settings,
@@ -213,6 +224,22 @@ impl Session {
     /// What a render with the present settings will do.
     pub fn plan(&self) -> Plan {
         Plan::of(self.task())
+    }
+
+    /// The same scene with other settings and layers. The compiled scene is shared.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a setting that does not exist or does not parse.
+    pub fn with(&self, settings: &[(String, String)], layers: Option<Layers>) -> Result<Self, Error> {
+        let mut session = self.clone();
+        for (name, value) in settings {
+            session.settings.set(name, value)?;
+        }
+        if let Some(layers) = layers {
+            session.view.aovs = layers.aovs();
+            (session.layers, session.layers_asked) = (layers, true);
+        }
+        Ok(session)
     }
 
     /// For the pass driver and the integrators.

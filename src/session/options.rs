@@ -6,7 +6,6 @@ use caustica_formats::ReadOptions;
 use caustica_formats::ir::{self, Crop, Filter, SpectrumRule};
 
 use super::{Error, Layers};
-use crate::film::Aov;
 use crate::scene::compile::CompileOptions;
 use crate::settings::Settings;
 
@@ -67,7 +66,7 @@ impl Options {
             sensor: self.sensor,
             lenient: self.lenient,
             spectrum_rule: self.spectrum_rule,
-            keep_uvs: layers.aovs().into_iter().any(Aov::needs_uvs),
+            keep_uvs: layers.need_uvs(),
         }
     }
 

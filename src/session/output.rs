@@ -109,7 +109,11 @@ impl Output {
         if problems.is_empty() { Ok(()) } else { Err(Error::Picture(problems.join("\n"))) }
     }
 
-    fn encode(&self, picture: &Picture<'_>, extension: &str) -> Result<Vec<u8>, ImageError> {
+    /// The bytes of a file with this extension, in lower case.
+    ///
+    /// # Errors
+    /// When the format cannot hold a picture of this size.
+    pub fn encode(&self, picture: &Picture<'_>, extension: &str) -> Result<Vec<u8>, ImageError> {
         let [width, height] = picture.size();
         match extension {
             "exr" => self.exr(picture),
@@ -132,7 +136,8 @@ impl Output {
         let wanted = &picture.info.layers;
         let names: Vec<Vec<&str>> =
             wanted.iter().map(|layer| layer.channels.iter().map(String::as_str).collect()).collect();
-        let extras: Vec<Vec<f32>> = wanted.iter().map(|layer| picture.channels(layer.content, 0..pixels.len())).collect();
+        let extras: Vec<Vec<f32>> =
+            wanted.iter().map(|layer| picture.channels(layer.content, 0..pixels.len())).collect();
         let mut layers = vec![ExrLayer { name: "", channels: main_channels, data: &main }];
         layers.extend(wanted.iter().zip(&names).zip(&extras).map(|((layer, channels), data)| ExrLayer {
             name: &layer.name,

@@ -78,7 +78,7 @@ impl Picture<'_> {
     }
 
     /// Camera samples of each pixel.
-    fn samples(&self) -> u64 {
+    pub fn samples(&self) -> u64 {
         u64::from(self.passes()) * u64::from(self.pixels.common.samples_a_pass)
     }
 

@@ -217,6 +217,14 @@ impl SourceMap {
         lines.get_or_init(|| Lines::of(text)).place(text, offset)
     }
 
+    /// The line in which `span` starts.
+    pub fn line(&self, span: Span) -> Option<&str> {
+        let text = &self.files[span.file as usize].text;
+        let start = char_floor(text, span.start as usize);
+        let begin = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        text[begin..].lines().next()
+    }
+
     /// `path:line:column` of the start of `span`.
     pub fn location(&self, span: Span) -> String {
         let (line, column) = self.line_column(span);

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::arena::Reference;
-use super::table::{Part, kinds, plain, record};
+use super::table::{Part, VisitField, joined, kinds, plain, record};
 use super::texture::{ColorInput, FloatInput};
 
 /// Index of refraction: a number, or a name of `crate::spectrum::ior`.
@@ -113,6 +113,13 @@ impl Part for Microfacet {
     fn references_mut(&mut self, visit: &mut dyn FnMut(&mut Reference)) {
         self.alpha_u.references_mut(visit);
         self.alpha_v.references_mut(visit);
+    }
+
+    fn fields(&mut self, path: &str, visit: &mut VisitField<'_>) {
+        if visit(path, self) {
+            self.alpha_u.fields(&joined(path, "alpha_u"), visit);
+            self.alpha_v.fields(&joined(path, "alpha_v"), visit);
+        }
     }
 
     fn anisotropic(&self) -> bool {

@@ -47,7 +47,7 @@ pub use shape::{
     AreaEmission, InlineMesh, MeshFile, MeshFormat, PartialQuadric, Shape, ShapeGroup, ShapeKind,
 };
 pub use sunsky::{Day, Place, SunModel, SunPosition, SunSky};
-pub use table::Part;
+pub use table::{Part, VisitField};
 pub use texture::{
     Bitmap, ColorInput, FloatInput, Mapping, MixAmount, NoiseKind, Texture, TextureEncoding, TextureFilter,
     TextureKind, WrapMode,

@@ -1,13 +1,17 @@
-//! The tables that say what a kind is. [`kinds`] makes an enum, the names of its kinds and its references from
-//! one row each; [`record`] makes a struct and its references.
+//! The tables that say what a kind is. [`kinds`] makes an enum, the names of its kinds, its references and its
+//! fields from one row each; [`record`] makes a struct with its references and fields.
 
+use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::arena::{Id, Reference, Stored};
 
+/// Takes a field by its path, such as `microfacet.alpha_u`, and says whether to go into it.
+pub type VisitField<'a> = dyn FnMut(&str, &mut dyn Any) -> bool + 'a;
+
 /// A part of the scene that may refer to objects of the arenas.
-pub trait Part {
+pub trait Part: Any {
     /// Shows every reference, in the order of the fields.
     fn references(&self, visit: &mut dyn FnMut(Reference));
 
@@ -18,13 +22,25 @@ pub trait Part {
     /// Shows the path of every file it is read from.
     fn files<'a>(&'a self, _visit: &mut dyn FnMut(&'a Path)) {}
 
+    /// Shows itself and, where `visit` says so, its fields. Elements of a list add their number to the path; fields
+    /// that scene languages do not name, and the one part of a kind, add nothing.
+    fn fields(&mut self, path: &str, visit: &mut VisitField<'_>);
+
     /// Whether what it looks like depends on the direction of ∂p/∂u on the surface.
     fn anisotropic(&self) -> bool {
         false
     }
 }
 
-impl<T: Stored> Part for Id<T> {
+/// Fields whose own fields are named as if they stood in their place, as scene languages have it.
+const OPEN: [&str; 5] = ["kind", "interface", "conductor", "plastic", "microfacet"];
+
+/// The path of a field.
+pub(super) fn joined(path: &str, field: &str) -> String {
+    if OPEN.contains(&field) { path.to_owned() } else { format!("{path}.{field}") }
+}
+
+impl<T: Stored + 'static> Part for Id<T> {
     fn references(&self, visit: &mut dyn FnMut(Reference)) {
         visit((*self).into());
     }
@@ -34,11 +50,15 @@ impl<T: Stored> Part for Id<T> {
         visit(&mut reference);
         *self = reference.to().expect("a reference keeps its arena");
     }
+
+    fn fields(&mut self, path: &str, visit: &mut VisitField<'_>) {
+        visit(path, self);
+    }
 }
 
 /// What holds any number of parts.
 macro_rules! part_of_parts {
-    ($([$($generic:tt)*] $type:ty),* $(,)?) => {
+    ($([$($generic:tt)*] $type:ty, numbered: $numbered:literal);* $(;)?) => {
         $(impl<$($generic)*> Part for $type {
             fn references(&self, visit: &mut dyn FnMut(Reference)) {
                 self.iter().for_each(|part| part.references(visit));
@@ -49,6 +69,14 @@ macro_rules! part_of_parts {
             fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a Path)) {
                 self.iter().for_each(|part| part.files(visit));
             }
+            fn fields(&mut self, path: &str, visit: &mut VisitField<'_>) {
+                if visit(path, self) {
+                    for (i, part) in self.iter_mut().enumerate() {
+                        let path = if $numbered { format!("{path}.{i}") } else { path.to_owned() };
+                        part.fields(&path, visit);
+                    }
+                }
+            }
             fn anisotropic(&self) -> bool {
                 self.iter().any(Part::anisotropic)
             }
@@ -56,7 +84,11 @@ macro_rules! part_of_parts {
     };
 }
 
-part_of_parts! { [T: Part] Option<T>, [T: Part] Vec<T>, [T: Part, const N: usize] [T; N] }
+part_of_parts! {
+    [T: Part] Option<T>, numbered: false;
+    [T: Part] Vec<T>, numbered: true;
+    [T: Part, const N: usize] [T; N], numbered: true;
+}
 
 impl<T: Part> Part for Box<T> {
     fn references(&self, visit: &mut dyn FnMut(Reference)) {
@@ -67,6 +99,9 @@ impl<T: Part> Part for Box<T> {
     }
     fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a Path)) {
         self.as_ref().files(visit);
+    }
+    fn fields(&mut self, path: &str, visit: &mut VisitField<'_>) {
+        self.as_mut().fields(path, visit);
     }
     fn anisotropic(&self) -> bool {
         self.as_ref().anisotropic()
@@ -84,14 +119,21 @@ impl<T: Part> Part for (f64, T) {
     fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a Path)) {
         self.1.files(visit);
     }
+    fn fields(&mut self, path: &str, visit: &mut VisitField<'_>) {
+        self.0.fields(&format!("{path}.weight"), visit);
+        self.1.fields(path, visit);
+    }
     fn anisotropic(&self) -> bool {
         self.1.anisotropic()
     }
 }
 
-impl<T> Part for Arc<T> {
+impl<T: 'static> Part for Arc<T> {
     fn references(&self, _: &mut dyn FnMut(Reference)) {}
     fn references_mut(&mut self, _: &mut dyn FnMut(&mut Reference)) {}
+    fn fields(&mut self, path: &str, visit: &mut VisitField<'_>) {
+        visit(path, self);
+    }
 }
 
 /// Types that refer to nothing.
@@ -100,6 +142,9 @@ macro_rules! plain {
         $(impl $crate::ir::table::Part for $type {
             fn references(&self, _: &mut dyn FnMut($crate::ir::arena::Reference)) {}
             fn references_mut(&mut self, _: &mut dyn FnMut(&mut $crate::ir::arena::Reference)) {}
+            fn fields(&mut self, path: &str, visit: &mut $crate::ir::table::VisitField<'_>) {
+                visit(path, self);
+            }
         })*
     };
 }
@@ -114,6 +159,9 @@ macro_rules! file {
             fn references_mut(&mut self, _: &mut dyn FnMut(&mut $crate::ir::arena::Reference)) {}
             fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a std::path::Path)) {
                 visit(&self.path);
+            }
+            fn fields(&mut self, path: &str, visit: &mut $crate::ir::table::VisitField<'_>) {
+                visit(path, self);
             }
         })*
     };
@@ -170,6 +218,21 @@ macro_rules! kinds {
                     $(Self::$Kind $(($part))? $({ $($field),* })? => {
                         $($crate::ir::table::Part::files($part, visit);)?
                         $($($crate::ir::table::Part::files($field, visit);)*)?
+                    })*
+                }
+            }
+
+            fn fields(&mut self, path: &str, visit: &mut $crate::ir::table::VisitField<'_>) {
+                if !visit(path, self) {
+                    return;
+                }
+                match self {
+                    $(Self::$Kind $(($part))? $({ $($field),* })? => {
+                        $($crate::ir::table::Part::fields($part, path, visit);)?
+                        $($(
+                            let field_path = $crate::ir::table::joined(path, stringify!($field));
+                            $crate::ir::table::Part::fields($field, &field_path, visit);
+                        )*)?
                     })*
                 }
             }
@@ -239,6 +302,15 @@ macro_rules! record {
 
             fn files<'a>(&'a self, visit: &mut dyn FnMut(&'a std::path::Path)) {
                 $($crate::ir::table::Part::files(&self.$field, visit);)*
+            }
+
+            fn fields(&mut self, path: &str, visit: &mut $crate::ir::table::VisitField<'_>) {
+                if visit(path, self) {
+                    $(
+                        let field_path = $crate::ir::table::joined(path, stringify!($field));
+                        $crate::ir::table::Part::fields(&mut self.$field, &field_path, visit);
+                    )*
+                }
             }
 
             fn anisotropic(&self) -> bool {

@@ -6,9 +6,10 @@ use std::rc::Rc;
 
 use super::mesh::stem;
 use super::{Output, WriteError};
-use crate::image::{self, Encoding, ExrLayer, ExrOptions, Image};
+use crate::image::{self, ExrLayer, ExrOptions, Image};
 use crate::ir::{Bitmap, EnvironmentMapping, LightImage, TextureEncoding, WrapMode};
-use crate::spectrum::{luminance, srgb_to_linear};
+use crate::picture::linear_rgb;
+use crate::spectrum::luminance;
 
 /// What a baked texture's colours become.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,22 +125,7 @@ impl Output<'_> {
         channel: Option<char>,
     ) -> Result<Pixels, WriteError> {
         let image = self.image(path)?;
-        let named = |c: char| image.channel(&c.to_ascii_uppercase().to_string());
-        let places = match channel.and_then(named) {
-            Some(place) => [place; 3],
-            None => image.rgb().unwrap_or([0; 3]),
-        };
-        let decode = |v: f32| {
-            let v = f64::from(v);
-            match encoding {
-                TextureEncoding::Auto if image.encoding == Encoding::Linear => v,
-                TextureEncoding::Linear => v,
-                TextureEncoding::Auto | TextureEncoding::Srgb => srgb_to_linear(v),
-                TextureEncoding::Gamma(gamma) => v.max(0.0).powf(gamma),
-            }
-        };
-        let rgb = image.data.chunks_exact(image.channels.len().max(1));
-        let rgb = rgb.map(|pixel| places.map(|place| decode(pixel[place]))).collect();
+        let rgb = linear_rgb(&image, encoding, channel);
         Ok(Pixels { width: image.width, height: image.height, rgb })
     }
 

@@ -35,6 +35,21 @@ pub(super) fn open(path: &Path) -> Result<Opened, CompareError> {
     Ok(Opened { bytes, image })
 }
 
+impl Opened {
+    /// A picture of radiance in memory, with the names of channels that `layer` of a file would have.
+    pub(super) fn in_memory(pixels: &Pixels, layer: Option<&str>) -> Self {
+        let name = |channel: &str| layer.map_or_else(|| channel.to_owned(), |l| format!("{l}.{channel}"));
+        let image = Image {
+            width: pixels.width,
+            height: pixels.height,
+            channels: ["R", "G", "B"].map(name).to_vec(),
+            data: pixels.rgb.iter().flatten().copied().collect(),
+            encoding: Encoding::Linear,
+        };
+        Self { bytes: Vec::new(), image }
+    }
+}
+
 /// Reads a picture as linear RGB: the channels `R G B`, else `Y` as gray, else the only channel. With `layer`
 /// these are `layer.R` and so on. Other channels are ignored.
 ///

@@ -1,6 +1,7 @@
 //! Pictures against references: every metric, thresholds, and the verdict, for two files or two folders.
 //!
-//! [`run()`] is the whole command; [`load()`] and [`Mask`] read pictures the way it does.
+//! [`run()`] is the whole command; [`judge`] compares pictures in memory, and [`load()`] and [`Mask`] read them the way
+//! the command does.
 
 mod args;
 mod check;
@@ -15,6 +16,7 @@ mod mask;
 mod noise;
 mod page;
 mod pairs;
+mod pictures;
 mod report;
 mod run;
 mod table;
@@ -26,6 +28,7 @@ pub(crate) use comparison::{CompareOptions, compare};
 pub use error::CompareError;
 pub use load::{Loaded, load};
 pub use mask::Mask;
+pub use pictures::{Judged, judge};
 pub use report::Status;
 pub use run::run;
 pub(crate) use variance::{VarianceKind, beside as variance_beside};

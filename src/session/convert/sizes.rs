@@ -1,7 +1,6 @@
 //! How much light a loss of `convert` gains or takes, where a material is what changed.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use caustica_formats::files::Files;
@@ -11,8 +10,9 @@ use caustica_formats::ir::{
 };
 use caustica_formats::{Content, Read, ReadOptions, Written, read_scene, write_scene};
 
+use super::super::beside::Beside;
+use super::super::{Options, Session};
 use crate::render::Budget;
-use crate::session::{Options, Session};
 
 /// Pixels of a side, and samples in each: the mean of a material that reflects half errs by less than 1 %.
 const SIDE: u32 = 24;
@@ -53,9 +53,10 @@ fn size(ball: serde_json::Value, files: &dyn Files, path: &Path) -> Option<f64> 
     let before = mean(&Session::of(scene.clone(), files, path, &options).ok()?);
     let read = Read { scene, warnings: Vec::new(), sources: Default::default() };
     let written = write_scene(&read, files, path).ok()?;
-    let made = Beside::new(files, &written);
-    let after = read_scene(&made, path, &ReadOptions::default()).ok()?;
-    let after = mean(&Session::of(after.scene, &made, path, &options).ok()?);
+    let made = files_of(&written, files);
+    let files = Beside { below: files, made: &made };
+    let after = read_scene(&files, path, &ReadOptions::default()).ok()?;
+    let after = mean(&Session::of(after.scene, &files, path, &options).ok()?);
     (before > 0.0).then(|| after / before - 1.0)
 }
 
@@ -127,34 +128,16 @@ fn ball(stage: &mut ir::Scene, id: Id<Bsdf>) -> Option<serde_json::Value> {
     serde_json::to_value(scene).ok()
 }
 
-/// The files of a scene that was written in memory, over those it was made from.
-#[derive(Debug)]
-struct Beside<'a> {
-    below: &'a dyn Files,
-    made: BTreeMap<PathBuf, Vec<u8>>,
-}
-
-impl<'a> Beside<'a> {
-    fn new(below: &'a dyn Files, written: &Written) -> Self {
-        let folder = written.path.parent().unwrap_or(Path::new(""));
-        let bytes = |content: &Content| match content {
-            Content::Bytes(bytes) => Some(bytes.clone()),
-            Content::Copy(path) => below.read(path).ok(),
-        };
-        let assets = written.assets.iter();
-        let mut made: BTreeMap<PathBuf, Vec<u8>> =
-            assets.filter_map(|asset| Some((folder.join(&asset.path), bytes(&asset.content)?))).collect();
-        made.insert(written.path.clone(), written.text.clone().into_bytes());
-        Self { below, made }
-    }
-}
-
-impl Files for Beside<'_> {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.made.get(path).cloned().map_or_else(|| self.below.read(path), Ok)
-    }
-
-    fn is_file(&self, path: &Path) -> bool {
-        self.made.contains_key(path) || self.below.is_file(path)
-    }
+/// The files of a scene that was written in memory.
+fn files_of(written: &Written, below: &dyn Files) -> BTreeMap<PathBuf, Vec<u8>> {
+    let folder = written.path.parent().unwrap_or(Path::new(""));
+    let bytes = |content: &Content| match content {
+        Content::Bytes(bytes) => Some(bytes.clone()),
+        Content::Copy(path) => below.read(path).ok(),
+    };
+    let assets = written.assets.iter();
+    let mut made: BTreeMap<PathBuf, Vec<u8>> =
+        assets.filter_map(|asset| Some((folder.join(&asset.path), bytes(&asset.content)?))).collect();
+    made.insert(written.path.clone(), written.text.clone().into_bytes());
+    made
 }
