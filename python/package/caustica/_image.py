@@ -98,7 +98,7 @@ class Image:
         return self._native.passes
 
     @property
-    def samples(self) -> float:
+    def samples(self) -> int:
         """Camera samples a pixel."""
         return self._native.samples
 
