@@ -38,9 +38,9 @@ use tev::Display;
 
 /// Shares of the processor time of the render: of snapshots with encoding and sending, of errors against the reference,
 /// and of FLIP. With what is not counted, such as waking threads, they stay below 2 %.
-const PICTURES: f64 = 0.009;
-const ERRORS: f64 = 0.002;
-const FLIP: f64 = 0.006;
+const PICTURES: f64 = 0.007;
+const ERRORS: f64 = 0.001;
+const FLIP: f64 = 0.004;
 
 /// Nanoseconds a pixel of these, as long as they are not measured.
 const PICTURE_COST: u64 = 50;

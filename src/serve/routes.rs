@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::account::Meter;
 use super::gate::Gate;
 use super::http::{Method, Request, Response};
 use super::live::{Live, Phase, Shared};
@@ -47,12 +46,7 @@ impl Routes {
         let Some(what) = self.gate.admit(request) else {
             return Response::status(403).write(stream);
         };
-        if (request.method, what) == (Method::Get, "state") {
-            return self.news(request).write(stream);
-        }
-        let meter = Meter::start();
         let sent = self.respond(request, what).write(stream);
-        self.pay(&meter);
         if (request.method, what) == (Method::Post, "bye") {
             // After the answer, since the program may be waiting for nothing else.
             let id = request.number("client").unwrap_or_default();
@@ -61,16 +55,17 @@ impl Routes {
         sent
     }
 
-    /// What viewers cost while the render waits is not taken from it.
-    fn pay(&self, meter: &Meter) {
+    /// Pays for a connection. What viewers cost while the render waits is not taken from it.
+    pub fn pay(&self, cost: Duration) {
         if self.shared.lock().phase == Phase::Rendering {
-            self.shared.pictures.pay(meter.elapsed());
+            self.shared.pictures.pay(cost);
         }
     }
 
     fn respond(&self, request: &Request, what: &str) -> Response {
         match (request.method, what) {
             (Method::Get, "") => Response::html(&self.page),
+            (Method::Get, "state") => self.news(request),
             (Method::Get, "tiles") => self.tiles(request),
             (Method::Get, "reference") => match &self.reference {
                 Some(reference) => Response::bytes(Arc::clone(reference)),
@@ -136,15 +131,9 @@ impl Routes {
         let newer = |live: &Live| known.is_none_or(|known| live.version != known);
         let (mut live, _) = self.shared.wait(live, PATIENCE, newer);
         live.meet(id, false);
-        let meter = Meter::start();
         let state = self.state(&live);
-        let rendering = live.phase == Phase::Rendering;
         drop(live);
-        let response = Response::json(&state);
-        if rendering {
-            self.shared.pictures.pay(meter.elapsed());
-        }
-        response
+        Response::json(&state)
     }
 
     fn state(&self, live: &Live) -> Value {

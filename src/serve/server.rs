@@ -6,11 +6,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
+use super::account::Meter;
 use super::http::{self, Response};
 use super::routes::Routes;
 
 /// Connections at once. Further ones are closed.
 const MOST: usize = 48;
+
+/// Processor time of accepting a connection and of starting and ending its thread, about, which no thread sees.
+const THREAD: Duration = Duration::from_micros(100);
 
 /// Serves until it is dropped.
 #[derive(Debug)]
@@ -69,7 +73,9 @@ fn accept(listener: &TcpListener, routes: &Arc<Routes>, closing: &AtomicBool) {
         }
         let (routes, theirs) = (Arc::clone(routes), Arc::clone(&open));
         let serve = move || {
+            let meter = Meter::start();
             serve(stream, &routes);
+            routes.pay(THREAD + meter.elapsed());
             theirs.fetch_sub(1, Ordering::AcqRel);
         };
         if std::thread::Builder::new().name("view page".to_owned()).spawn(serve).is_err() {
