@@ -9,7 +9,7 @@ fn root() -> &'static Path {
 
 /// The documents for people, relative to the workspace.
 fn documents() -> Vec<String> {
-    let mut pages: Vec<String> = ["README.md", "CONTRIBUTING.md"].map(str::to_owned).to_vec();
+    let mut pages: Vec<String> = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(str::to_owned).to_vec();
     pages.extend(
         ["tools/converted/README.md", "tools/references/README.md", "tools/studies/README.md"]
             .map(str::to_owned),

@@ -75,7 +75,7 @@ fn several_environments_add_up() {
     let plane = "Material \"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5]\nShape \"disk\" \"float radius\" 2";
     for (what, shape, expected) in [("the sky itself", "", 1.5), ("a plane below", plane, 0.5 * 1.5)] {
         let scene = pbrt_scene_seen(view, &format!("{world}{shape}"), vec![("sky.pfm", picture.clone())]);
-        let rgb = scene.background(Vec3::Z).map(|(light, _)| light).sum::<Color>();
+        let rgb = scene.background(Vec3::ZERO, Vec3::Z).map(|(light, _)| light).sum::<Color>();
         assert!((rgb - Color::splat(1.5)).abs().max_element() < 1e-5, "{rgb}");
         for integrator in ["path", "photonmap"] {
             let got = render(&scene, &[("integrator", integrator)], 4096).beauty(1);

@@ -6,6 +6,7 @@
 
 mod support;
 
+mod aims;
 mod aovs;
 mod bench;
 mod bsdf;
@@ -27,8 +28,10 @@ mod furnace;
 mod glints;
 mod hard;
 mod hostile;
+mod images;
 mod imports;
 mod inspect;
+mod installing;
 mod laws;
 mod layers;
 mod light_tracing;

@@ -62,7 +62,7 @@ impl Image {
 
     /// Camera samples a pixel.
     #[getter]
-    fn samples(&self) -> f64 {
+    fn samples(&self) -> u64 {
         self.picture().samples()
     }
 

@@ -4,6 +4,7 @@ mod bench;
 mod compare;
 mod convert;
 mod failure;
+mod generate;
 mod inspect;
 mod interrupt;
 mod merge;
@@ -13,15 +14,16 @@ mod report;
 mod scene;
 mod submit;
 mod summary;
+mod version;
 
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
 
-/// Photon-mapping renderer for Mitsuba scenes.
+/// Photon-mapping renderer for Mitsuba and pbrt scenes.
 #[derive(Debug, Parser)]
-#[command(name = "caustica", version, about)]
+#[command(name = "caustica", version, long_version = version::long(), about)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -43,6 +45,10 @@ enum Command {
     Compare(Box<caustica_tools::compare::CompareArgs>),
     /// Measure error against CPU time, or repeat a study of the parameters
     Bench(Box<caustica_tools::bench::BenchArgs>),
+    /// Print the completions of a shell
+    Completions(generate::CompletionsArgs),
+    /// Write man pages
+    Man(generate::ManArgs),
 }
 
 /// Exit status of a run that could not do its work.
@@ -71,6 +77,8 @@ pub fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => Ok(compare::run(&args)),
         Command::Bench(args) => bench::run(&args, &interrupt).map_err(Into::into),
+        Command::Completions(args) => generate::completions(&args, Arguments::command()).map_err(Into::into),
+        Command::Man(args) => generate::man(&args, Arguments::command()).map_err(Into::into),
     };
     match result {
         Ok(status) => ExitCode::from(status),

@@ -105,7 +105,7 @@ pub fn scattered_lamp(
         *rays += 1;
         let Next::Surface(at) = walk::next(scene, &mut ray, Lamps::Solid) else {
             let mut seen = Color::ZERO;
-            for (radiance, direct) in scene.background(d) {
+            for (radiance, direct) in scene.background(s.p, d) {
                 seen += radiance * power_heuristic(pdf, direct);
             }
             return sample.weight * seen * through;

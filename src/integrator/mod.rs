@@ -5,6 +5,7 @@
 //! and the pass number only, so passes can run anywhere, be resumed, and give the same bytes.
 
 mod direct;
+pub mod images;
 mod path;
 pub mod photon_map;
 mod shadows;
@@ -15,6 +16,7 @@ pub use path::PathTracer;
 pub use photon_map::PhotonMapper;
 pub use volpath::VolumePathTracer;
 
+use self::images::Images;
 use crate::film::{Radiance, Rejected};
 use crate::math::Ray;
 use crate::photon::Gather;
@@ -83,6 +85,8 @@ pub struct CameraSample {
     pub ray: Ray,
     /// Random numbers of the path, those of the film position taken.
     pub sampler: Sampler,
+    /// Of what lamps with a surface send it through specular surfaces alone: the rest is brought by other samples.
+    pub share: f32,
     /// What the ray brings.
     pub out: Radiance,
 }
@@ -103,6 +107,11 @@ pub trait Integrator: Sync {
     /// Camera samples a pixel in each pass.
     fn samples_a_pass(&self) -> u32 {
         1
+    }
+
+    /// Lamps that the camera sees smaller than a pixel, for which pixels take extra samples; `None` where there are none.
+    fn images(&self) -> Option<&Images> {
+        None
     }
 
     /// Prepares pass `pass`, counted from 0.

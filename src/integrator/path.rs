@@ -156,6 +156,7 @@ impl PathTracer<'_> {
             pdf: walk.pdf,
             from: walk.from,
             left: None,
+            share: 1.0,
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
         let next = sight.meet(scene, ray, hit, carried, &mut sample.out);

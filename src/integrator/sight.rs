@@ -20,6 +20,8 @@ pub struct Sight {
     pub from: Vec3,
     /// Lamps of this smallness as seen from there, and smaller ones, are left to photons.
     pub left: Option<Smallness>,
+    /// Of the light of a lamp with a surface; the rest is brought by other samples of the pixel.
+    pub share: f32,
 }
 
 /// What a camera path is when its next ray is traced.
@@ -73,7 +75,7 @@ impl Sight {
     #[inline(always)]
     fn add_background(&self, scene: &Scene, d: Vec3, path: Carried, out: &mut Radiance) {
         if self.lamps {
-            for (radiance, pdf) in scene.background(d).filter(|&(_, pdf)| !self.leaves(pdf)) {
+            for (radiance, pdf) in scene.background(self.from, d).filter(|&(_, pdf)| !self.leaves(pdf)) {
                 out.add(path.class.layer(), path.throughput * radiance * self.weight(pdf));
             }
         }
@@ -88,7 +90,7 @@ impl Sight {
         if emitted.max_element() > 0.0 && self.lamps {
             let pdf = scene.pdf_direct_surface(self.from, d, s);
             if !self.leaves(pdf) {
-                out.add(path.class.layer(), path.throughput * emitted * self.weight(pdf));
+                out.add(path.class.layer(), path.throughput * emitted * (self.weight(pdf) * self.share));
             }
         }
     }

@@ -3,8 +3,10 @@
 use rayon::prelude::*;
 
 use super::aovs::{Eye, Start};
+use super::extra::Pixel;
 use crate::film::{Aov, Mean, PassSums, Radiance, Rejected};
-use crate::integrator::{CameraSample, Integrator, Scratch};
+use crate::integrator::images::Images;
+use crate::integrator::{CameraSample, Integrator, Scratch, Task};
 use crate::math::Vec2;
 use crate::photon::trace::Halt;
 use crate::sampling::{Sampler, mix};
@@ -19,8 +21,11 @@ const SQUARE: usize = 32;
 
 /// What all bands of a pass share.
 pub(super) struct Bands<'a, I: Integrator> {
+    pub task: Task<'a>,
     pub view: &'a View,
     pub eye: Option<Eye<'a>>,
+    /// Of lamps that look smaller than a pixel.
+    pub images: Option<&'a Images>,
     pub integrator: &'a I,
     pub shared: &'a I::Pass,
     pub seed: u64,
@@ -38,10 +43,12 @@ struct Square {
     samples: Vec<CameraSample>,
     /// Of the filter, for each sample.
     weights: Vec<f32>,
-    /// Of each ray, where AOVs are made.
+    /// Of each ray, where AOVs are made or lamps look small.
     starts: Vec<Start>,
     /// Pixels of the band; each has as many samples as the integrator takes in a pass.
     places: Vec<usize>,
+    /// Further samples of pixels, by the place of the pixel among `places`.
+    extra: Vec<(usize, Vec<(Radiance, f32)>)>,
 }
 
 impl<I: Integrator> Bands<'_, I> {
@@ -68,27 +75,61 @@ impl<I: Integrator> Bands<'_, I> {
             weights: Vec::with_capacity(capacity),
             starts: Vec::new(),
             places: Vec::with_capacity(capacity),
+            extra: Vec::new(),
         };
         for column in (0..width).step_by(SQUARE) {
             if self.halt.stopped() || self.halt.late() {
                 return (scratch, rejected, false);
             }
             self.draw(b, rows, column, &mut square);
+            self.look_for_images(b, &mut square, &mut scratch);
             self.integrator.sample(self.shared, &mut square.samples, &mut scratch);
+            let mut extra = square.extra.drain(..).peekable();
             let pixels = square.samples.chunks_mut(each).zip(square.weights.chunks(each)).zip(&square.places);
-            for ((samples, weights), &at) in pixels {
+            for (owner, ((samples, weights), &at)) in pixels.enumerate() {
                 let mut mean = Mean::default();
                 for (sample, weight) in samples.iter_mut().zip(weights) {
                     self.view.response.apply(&mut sample.out);
                     mean.add(&sample.out, weight / each as f32, &mut rejected);
                 }
+                let more = extra.next_if(|(of, _)| *of == owner);
+                for (mut out, weight) in more.into_iter().flat_map(|(_, samples)| samples) {
+                    self.view.response.apply(&mut out);
+                    mean.add(&out, weight / each as f32, &mut rejected);
+                }
                 means[at] = mean;
             }
+            drop(extra);
             if let Some(eye) = &self.eye {
                 scratch.rays += self.look(eye, &square, aovs);
             }
         }
         (scratch, rejected, true)
+    }
+
+    /// Takes the extra samples of those pixels of a square that see lamps smaller than themselves, and leaves the
+    /// samples of the square their share of that light.
+    fn look_for_images(&self, b: usize, square: &mut Square, scratch: &mut Scratch) {
+        let Some(images) = self.images else { return };
+        let more = images.samples(self.each);
+        let film = &self.view.film;
+        let [x0, y0, width, _] = film.crop.map(|v| v as usize);
+        let (full, each) = (Vec2::new(film.width as f32, film.height as f32), self.each as usize);
+        for (owner, &place) in square.places.iter().enumerate() {
+            let number = b * BLOCK * width + place;
+            let images = images.of(number);
+            if images.is_empty() {
+                continue;
+            }
+            let at = [x0 + number % width, y0 + number / width];
+            let counts = [self.each, more];
+            let pixel = Pixel { task: self.task, images, at, pass: self.pass, counts };
+            let of_pixel = owner * each..(owner + 1) * each;
+            for (sample, start) in square.samples[of_pixel.clone()].iter_mut().zip(&square.starts[of_pixel]) {
+                sample.share = pixel.weight(start.place * full).1;
+            }
+            square.extra.push((owner, pixel.samples(&mut scratch.rays)));
+        }
     }
 
     /// Adds the samples of a square to the AOVs of the band, and counts the rays.
@@ -132,9 +173,9 @@ impl<I: Integrator> Bands<'_, I> {
             let place = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * self.pixel;
             let aperture = if self.has_aperture { sampler.next_2d() } else { Vec2::ZERO };
             let ray = sensor.ray(place, aperture);
-            square.samples.push(CameraSample { ray, sampler, out: Radiance::default() });
+            square.samples.push(CameraSample { ray, sampler, share: 1.0, out: Radiance::default() });
             square.weights.push(weight);
-            if self.eye.is_some() {
+            if self.eye.is_some() || self.images.is_some() {
                 square.starts.push(Start { place, aperture });
             }
         }

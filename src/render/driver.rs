@@ -246,8 +246,10 @@ fn run<I: Integrator>(
         }
         let camera = Instant::now();
         let bands = Bands {
+            task,
             view: task.view,
             eye: Eye::new(task.scene, task.view),
+            images: integrator.images(),
             integrator,
             shared: &shared,
             seed: task.settings.seed,

@@ -4,6 +4,7 @@ mod aovs;
 mod bands;
 mod checkpoint;
 mod driver;
+mod extra;
 
 pub use checkpoint::{Checkpoint, CheckpointError, Head};
 pub use driver::{Budget, MOST_PASSES, Outcome, Progress, Statistics, Stop, Sums, render};

@@ -1,5 +1,6 @@
 //! What shines in a scene: emission met by rays, light sampled at a point, starts of light paths.
 
+use super::lamp_choice::LampChoice;
 use super::{Scene, Surface};
 use crate::emitter::{Aim, DirectSample, Emission, EmissionBounds, Emitter, SceneSphere, Start, Starts};
 use crate::math::{Color, Vec2, Vec3};
@@ -37,13 +38,13 @@ impl Scene {
         self.shapes[s.shape as usize].emitter.is_some()
     }
 
-    /// Light from infinity seen along the unit direction `d`: for each environment, its radiance and the
-    /// solid-angle density with which [`Scene::sample_direct`] samples that direction.
+    /// Light from infinity seen from `p` along the unit direction `d`: for each environment, its radiance and the
+    /// solid-angle density with which [`Scene::sample_direct`] at `p` samples that direction.
     #[inline]
-    pub fn background(&self, d: Vec3) -> impl Iterator<Item = (Color, f32)> {
+    pub fn background(&self, p: Vec3, d: Vec3) -> impl Iterator<Item = (Color, f32)> {
         self.environments.iter().map(move |&e| {
             let (radiance, pdf) = self.emitters[e as usize].background(d);
-            (radiance, pdf * self.direct.probability(e as usize))
+            (radiance, pdf * self.direct.probability(p, e as usize))
         })
     }
 
@@ -54,7 +55,7 @@ impl Scene {
         match self.shapes[s.shape as usize].emitter {
             Some(e) => {
                 let pdf = self.emitters[e as usize].pdf_direct_surface(p, d, s.p, s.ng);
-                pdf * self.direct.probability(e as usize)
+                pdf * self.direct.probability(p, e as usize)
             }
             None => 0.0,
         }
@@ -71,7 +72,7 @@ impl Scene {
         } else {
             emitter.pdf_direct_surface(p, d, at.o, d * at.cos)
         };
-        pdf * self.direct.probability(lamp)
+        pdf * self.direct.probability(p, lamp)
     }
 
     /// Light at `p` from one emitter, with the probability of choosing it divided out.
@@ -83,20 +84,21 @@ impl Scene {
         if let [only] = self.emitters.as_slice() {
             return only.sample_direct(&self.textures, p, u);
         }
-        let (i, _) = self.direct.sample(pick);
-        let probability = self.direct.probability(i);
+        let i = self.direct.sample(p, pick);
+        let probability = self.direct.probability(p, i);
         let mut s = self.emitters[i].sample_direct(&self.textures, p, u)?;
         s.value /= probability;
         s.pdf *= probability;
         Some(s)
     }
 
-    /// A place of the lamp that [`Scene::sample_direct`] would choose for the same numbers.
+    /// A place of a lamp, chosen as [`Scene::sample_direct`] does where it is not known yet for which point: with few lamps,
+    /// the same numbers choose the same place.
     pub fn lamp_place(&self, pick: f32, u: Vec2) -> Option<Vec3> {
         match self.emitters.as_slice() {
             [] => None,
             [only] => only.place(u),
-            all => all[self.direct.sample(pick).0].place(u),
+            all => all[self.direct.sample_anywhere(pick)].place(u),
         }
     }
 
@@ -157,11 +159,12 @@ pub(crate) fn emitter_distributions(
     emitters: &[Emitter],
     textures: &Textures,
     sphere: &SceneSphere,
-) -> (Discrete, Discrete) {
+) -> (LampChoice, Discrete) {
     let power: Vec<f64> =
         emitters.iter().map(|e| f64::from(luminance(e.power(textures, sphere).max(Color::ZERO)))).collect();
     let total: f64 = power.iter().sum();
     let n = emitters.len() as f64;
     let direct = power.iter().map(|p| if total > 0.0 { 0.5 * p / total + 0.5 / n } else { 1.0 });
-    (Discrete::new(direct), Discrete::new(power.iter().copied()))
+    let choice = LampChoice::new(Discrete::new(direct), emitters, &power, sphere);
+    (choice, Discrete::new(power.iter().copied()))
 }

@@ -3,6 +3,7 @@
 pub mod compile;
 mod facts;
 mod geometry;
+mod lamp_choice;
 mod lamps;
 mod media;
 mod shown;
@@ -11,6 +12,7 @@ mod view;
 
 pub use facts::Facts;
 pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Near, Placement};
+pub use lamp_choice::LampChoice;
 pub use lamps::LightStart;
 pub use shown::{Numbers, Primitives};
 pub use surface::{PhotonSide, Surface};
@@ -69,8 +71,9 @@ pub struct Scene {
     pub lamp_media: Vec<Option<MediumId>>,
     /// By power, for photons.
     pub emission: Discrete,
-    /// For direct light: half uniform, half by power, because a weak lamp nearby may matter most.
-    pub direct: Discrete,
+    /// For direct light: half uniform, half by power, because a weak lamp nearby may matter most; of many
+    /// lamps, by their distance as well.
+    pub direct: LampChoice,
     /// Emitters that fill the sky; their light adds up.
     pub environments: Vec<u32>,
     /// Around all geometry.

@@ -46,11 +46,6 @@ impl Picture<'_> {
         Some(LayerData { channels: layer.channels, data: self.channels(layer.content) })
     }
 
-    /// Camera samples a pixel.
-    pub fn samples(&self) -> f64 {
-        f64::from(self.passes()) * f64::from(self.pixels.common.samples_a_pass)
-    }
-
     /// See [`Pixels::relative_error`](crate::film::Pixels::relative_error); infinite where it is not known.
     pub fn relative_error(&self) -> f64 {
         self.pixels.relative_error(self.passes())

@@ -80,6 +80,11 @@ impl Picture<'_> {
         self.passes[1]
     }
 
+    /// Camera samples of each pixel.
+    pub fn samples(&self) -> u64 {
+        u64::from(self.passes()) * u64::from(self.pixels.common.samples_a_pass)
+    }
+
     /// Red, green and blue at column `x` from the left and row `y` from the top.
     ///
     /// # Panics
@@ -106,6 +111,7 @@ impl Picture<'_> {
             row("scene", &info.scene),
             row("sceneHash", &info.hash),
             row("passes", &count.to_string()),
+            row("samplesPerPixel", &self.samples().to_string()),
             row("settings", &info.settings),
         ];
         let [global, caustic] = self.pixels.common.first_radii;

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::integrator::Task;
+use crate::integrator::images;
 use crate::integrator::photon_map::{self, Decided};
 use crate::settings::{Count, IntegratorKind};
 
@@ -40,6 +41,9 @@ pub struct Plan {
     pub caustic_paths: Count,
     /// How indirect light is computed where a pilot has measured it.
     pub indirect: Option<photon_map::Choice>,
+    /// Pixels that see lamps smaller than themselves in mirrors and glass, and take extra samples for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub small_images: Option<u64>,
     /// What light leaves in media, where they scatter it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<photon_map::VolumeChoice>,
@@ -56,6 +60,8 @@ impl Plan {
             notes.push("no emitter: the picture is black".to_owned());
         }
         let nothing = Decided { plan: photon_map::Plan::NOTHING, indirect: None, volume: None };
+        let photons = settings.integrator == IntegratorKind::PhotonMap && !facts.media_emit;
+        let images = photons.then(|| images::search(task)).flatten();
         let Decided { plan: maps, indirect, volume } = match settings.integrator {
             IntegratorKind::Path => nothing,
             IntegratorKind::PhotonMap if facts.media_emit => {
@@ -82,6 +88,7 @@ impl Plan {
             global_paths: maps.global_paths,
             caustic_paths: maps.caustic_paths,
             indirect,
+            small_images: images.map(|images| images.pixels()),
             volume,
             notes,
         }
@@ -109,6 +116,12 @@ impl fmt::Display for Plan {
                     write!(f, "\n{name:<20} {aim}")?;
                 }
             }
+        }
+        if let Some(pixels) = self.small_images {
+            write!(
+                f,
+                "\nlamps in mirrors     smaller than a pixel in {pixels} pixels, which take extra samples"
+            )?;
         }
         if let Some(choice) = &self.volume {
             write!(f, "\nlight in media       {choice}")?;

@@ -248,7 +248,7 @@ fn towards(scene: &Scene, ray: &Ray) -> (f64, f64) {
             (green(scene.emitted(&s, -ray.d)), f64::from(pdf))
         }
         None => scene
-            .background(ray.d)
+            .background(ray.o, ray.d)
             .fold((0.0, 0.0), |sum, (light, pdf)| (sum.0 + green(light), sum.1 + f64::from(pdf))),
     }
 }

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use exr::image::FlatSamples;
 use exr::meta::MetaData;
-use exr::meta::attribute::Text;
+use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{Compression, ReadChannels, ReadLayers};
 
 use super::exr_claims::{self, exr_error};
@@ -28,6 +28,24 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
             .map_err(exr_error)?;
         Ok(assemble(&file, window))
     })
+}
+
+/// Text or whole number under this name in the first header that has one.
+pub(super) fn attribute(bytes: &[u8], name: &str) -> Option<String> {
+    let find = || {
+        let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(exr_error)?;
+        let all = meta
+            .headers
+            .iter()
+            .flat_map(|header| header.own_attributes.other.iter().chain(&header.shared_attributes.other));
+        let mut named = all.filter(|(key, _)| text(key) == name).filter_map(|(_, value)| match value {
+            AttributeValue::Text(value) => Some(text(value)),
+            AttributeValue::I32(value) => Some(value.to_string()),
+            _ => None,
+        });
+        Ok(named.next())
+    };
+    guarded(find).ok().flatten()
 }
 
 /// Smallest rectangle around all data windows.

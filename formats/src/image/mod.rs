@@ -119,6 +119,14 @@ pub fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     Ok(read_samples(bytes)?.map(floats))
 }
 
+/// Text or whole number of an EXR file's header; `None` where it has no such attribute, or is no EXR file.
+pub fn attribute(bytes: &[u8], name: &str) -> Option<String> {
+    match detect(bytes) {
+        Some(Format::Exr) => exr_read::attribute(bytes, name),
+        _ => None,
+    }
+}
+
 /// As [`read`], but 8-bit formats stay bytes.
 ///
 /// # Errors

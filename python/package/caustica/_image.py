@@ -98,7 +98,7 @@ class Image:
         return self._native.passes
 
     @property
-    def samples(self) -> float:
+    def samples(self) -> int:
         """Camera samples a pixel."""
         return self._native.samples
 
@@ -153,6 +153,10 @@ class Image:
     def png(self, exposure: float = 0.0) -> bytes:
         """The bytes of a PNG, brightened by `exposure` stops."""
         return self._native.encode("png", False, exposure)
+
+    def _exr(self) -> bytes:
+        """The bytes of an EXR with all that `compare` may use."""
+        return self._native.encode("exr", False, 0.0)
 
     def _repr_png_(self) -> bytes:
         return self.png()

@@ -89,9 +89,30 @@ impl Filter {
         let (y, wy) = self.axes[1].sample(u.y);
         (Vec2::new(x, y), wx * wy)
     }
+
+    /// Density of [`Filter::sample`] at an offset, per squared pixel, and the weight of such a sample.
+    pub fn density(&self, offset: Vec2) -> (f32, f32) {
+        let (x, wx) = self.axes[0].density(offset.x);
+        let (y, wy) = self.axes[1].density(offset.y);
+        (x * y, wx * wy)
+    }
 }
 
 impl Axis {
+    /// Density and weight of the samples that are this far from the pixel's centre.
+    fn density(&self, x: f32) -> (f32, f32) {
+        let place = (x / self.radius + 1.0) * 0.5;
+        if !(0.0..1.0).contains(&place) {
+            return (0.0, 0.0);
+        }
+        let width = 2.0 * self.radius;
+        if self.even {
+            return (1.0 / width, 1.0);
+        }
+        let i = ((place * CELLS as f32) as usize).min(CELLS - 1);
+        ((self.cdf[i + 1] - self.cdf[i]) * CELLS as f32 / width, self.signs[i])
+    }
+
     fn new(shape: Shape) -> Self {
         let radius = shape.radius();
         let weights: Vec<f64> = (0..CELLS)

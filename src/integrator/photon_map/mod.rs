@@ -20,6 +20,7 @@ mod walk;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use super::images::{self, Images};
 use super::{CameraSample, Integrator, PassStats, Scratch, Task, VolumePathTracer};
 use crate::bsdf::Range;
 use crate::photon::irradiance::Irradiance;
@@ -50,6 +51,8 @@ pub struct PhotonMapper<'a> {
     volume: VolumeMap,
     /// Finds what media scatter once, in scenes with media.
     single: Option<VolumePathTracer<'a>>,
+    /// Of lamps that look smaller than a pixel.
+    images: Option<Images>,
     /// Classic mode traces once.
     kept: OnceLock<Arc<Maps>>,
 }
@@ -85,6 +88,7 @@ impl<'a> PhotonMapper<'a> {
             known.aims.map(Some)
         });
         mapper.prepare(aims.unwrap_or_default(), [None; 2]);
+        mapper.images = images::search(mapper.task());
         mapper
     }
 
@@ -94,7 +98,7 @@ impl<'a> PhotonMapper<'a> {
         let volume = VolumeMap::new(&settings, &plan);
         let single = task.facts.media.then(|| VolumePathTracer::once(task));
         let kept = OnceLock::new();
-        Self { task, settings, halts, global, caustic, clearance: None, volume, single, kept }
+        Self { task, settings, halts, global, caustic, clearance: None, volume, single, images: None, kept }
     }
 
     /// The task with the settings that are in use.
@@ -175,6 +179,10 @@ impl Integrator for PhotonMapper<'_> {
         self.settings.camera_samples.0.unwrap_or((SMALL_PICTURE / pixels).clamp(least, 64))
     }
 
+    fn images(&self) -> Option<&Images> {
+        self.images.as_ref()
+    }
+
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {
         let mut stats = PassStats::default();
         let mut make = |pass| {
@@ -201,7 +209,7 @@ impl Integrator for PhotonMapper<'_> {
             return;
         }
         for sample in samples {
-            sample.out = self.trace(maps, sample.ray, &mut sample.sampler, scratch);
+            sample.out = self.trace(maps, sample, scratch);
         }
     }
 }

@@ -52,6 +52,8 @@ struct Walk {
     reach: f32,
     depth: u32,
     seen: bool,
+    /// No lobe but perfectly specular ones so far.
+    specular: bool,
 }
 
 impl Walk {
@@ -69,6 +71,7 @@ impl Walk {
             reach: 0.0,
             depth: 0,
             seen: false,
+            specular: true,
         }
     }
 
@@ -172,6 +175,7 @@ impl PhotonMapper<'_> {
             pdf: walk.pdf,
             from: walk.from,
             left: walk.chain.on_the_way(),
+            share: if walk.specular && walk.at_first() { sample.share } else { 1.0 },
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
         let length = hit.map_or(0.0, |hit| hit.t * ray.d.length());
@@ -362,7 +366,7 @@ fn follow(walk: &mut Walk, s: &Surface, weight: Color, eta: f32, density: Densit
     match density {
         Density::Kept => {}
         Density::Specular => (walk.pdf, walk.from) = (0.0, s.p),
-        Density::Glossy(pdf) => (walk.pdf, walk.from) = (pdf, s.p),
+        Density::Glossy(pdf) => (walk.pdf, walk.from, walk.specular) = (pdf, s.p, false),
     }
     let event = density.event();
     if glints && walk.at_first() {

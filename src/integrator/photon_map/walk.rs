@@ -1,12 +1,12 @@
 //! A camera path: through mirrors, glass and glossy surfaces to the first rough one.
 
-use super::super::Scratch;
 use super::super::direct::propose;
 use super::super::sight::{Carried, Sight};
+use super::super::{CameraSample, Scratch};
 use super::{Maps, PhotonMapper};
 use crate::bsdf::{DeltaLobe, Event, Transport};
 use crate::film::Radiance;
-use crate::math::{Color, Ray, Vec3};
+use crate::math::{Color, Vec3};
 use crate::sampling::Sampler;
 use crate::transport::roulette::Length;
 use crate::transport::walk::Next;
@@ -46,13 +46,8 @@ impl Density {
 
 impl PhotonMapper<'_> {
     /// What a camera ray brings.
-    pub(super) fn trace(
-        &self,
-        maps: &Maps,
-        mut ray: Ray,
-        sampler: &mut Sampler,
-        scratch: &mut Scratch,
-    ) -> Radiance {
+    pub(super) fn trace(&self, maps: &Maps, sample: &mut CameraSample, scratch: &mut Scratch) -> Radiance {
+        let CameraSample { mut ray, ref mut sampler, share, .. } = *sample;
         let (scene, settings) = (self.task.scene, &self.settings);
         let max_depth = settings.max_depth.0;
         let mut out = Radiance::default();
@@ -60,6 +55,8 @@ impl PhotonMapper<'_> {
         let mut eta = 1.0f32;
         let mut depth = 0u32;
         let mut seen = false;
+        // No lobe but perfectly specular ones so far.
+        let mut specular = true;
         // Density of the last glossy scattering; 0 where lamps count in full. Place of the last scattering.
         let (mut pdf, mut from) = (0.0f32, Vec3::ZERO);
         let mut chain = Chain::default();
@@ -73,6 +70,7 @@ impl PhotonMapper<'_> {
                 pdf,
                 from,
                 left: chain.on_the_way(),
+                share: if specular { share } else { 1.0 },
             };
             let hit = scene.geometry.closest(&ray);
             let s = match sight.meet(scene, &mut ray, hit.as_ref(), path, &mut out) {
@@ -107,7 +105,7 @@ impl PhotonMapper<'_> {
                     match density {
                         Density::Kept => {}
                         Density::Specular => (pdf, from) = (0.0, s.p),
-                        Density::Glossy(density) => (pdf, from) = (density, s.p),
+                        Density::Glossy(density) => (pdf, from, specular) = (density, s.p, false),
                     }
                     if self.caustic.has_glints() {
                         chain = chain.after(density.event(), pdf);

@@ -200,7 +200,7 @@ impl VolumePathTracer<'_> {
         if self.hide_emitters && walk.depth == 0 {
             return;
         }
-        for (radiance, pdf) in self.scene.background(walk.ray.d) {
+        for (radiance, pdf) in self.scene.background(walk.from, walk.ray.d) {
             sample.out.add(walk.class.layer(), walk.carried.weight * radiance * Self::weight(walk, pdf));
         }
     }

@@ -8,6 +8,20 @@ use std::ops::{Add, Div, Mul, Sub};
 /// Lanes of a [`Wide`].
 pub const WIDTH: usize = 8;
 
+/// The widest instructions of this machine that the program uses.
+pub fn level() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if HasAvx512::detect().is_some() {
+            return "AVX-512";
+        }
+        if HasAvx2::detect().is_some() {
+            return "AVX2";
+        }
+    }
+    "portable"
+}
+
 /// `N` floats. `min` and `max` give the second operand when one is NaN, as the instructions do.
 pub trait Wide<const N: usize = WIDTH>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>

@@ -1,8 +1,8 @@
 //! The noise of a reference: the error that a picture without any has.
 
 use super::error::BenchError;
-use crate::compare::{Mask, load, variance_beside};
-use crate::metrics::{VarianceKind, errors};
+use crate::compare::{Mask, VarianceKind, load, variance_beside};
+use crate::metrics::errors;
 use crate::pixels::Pixels;
 use serde::Serialize;
 use std::fmt;

@@ -1,7 +1,8 @@
 use super::check::Thresholds;
 use super::comparison::CompareOptions;
+use super::variance::VarianceKind;
 use crate::flip::{DEFAULT_PPD, Tonemapper};
-use crate::metrics::{VarianceKind, ZTestOptions};
+use crate::metrics::ZTestOptions;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -23,17 +24,20 @@ pub struct CompareArgs {
     /// Mask: pixels above one half count [default: `X.mask.exr` beside reference `X.exr`]
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
-    /// Variance image for the z-test [default: `X.var.exr` or `X_var.exr` beside reference `X.exr`]
+    /// Variance of the reference for the z-test [default: `X.var.exr` or `X_var.exr` beside `X.exr`, or its layers]
     #[arg(long, value_name = "FILE")]
     pub variance: Option<PathBuf>,
-    /// What the variance image holds [default: `sample` for `*_var.*`, else `mean`]
+    /// Variance of the image [default: `X.var.exr` or `X_var.exr` beside `X.exr`, or its layers]
+    #[arg(long, value_name = "FILE")]
+    pub image_variance: Option<PathBuf>,
+    /// What variance files hold [default: `sample` for `*_var.*`, else `mean`]
     #[arg(long, value_name = "KIND")]
     pub variance_of: Option<VarianceOf>,
-    /// Samples per pixel of the image, for the z-test
-    #[arg(long, value_name = "N")]
+    /// Samples per pixel of the image, for the z-test [default: what the image says]
+    #[arg(long, value_name = "N", value_parser = samples)]
     pub spp: Option<f64>,
-    /// Samples per pixel of the reference: with --spp, the z-test includes the noise of the image
-    #[arg(long, value_name = "N")]
+    /// Samples per pixel of the reference, for the z-test [default: what the reference says]
+    #[arg(long, value_name = "N", value_parser = samples)]
     pub reference_spp: Option<f64>,
     /// Limit of the mean LDR-FLIP
     #[arg(long, value_name = "LIMIT")]
@@ -74,6 +78,19 @@ pub struct CompareArgs {
     /// Write one self-contained HTML page of all comparisons
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+    /// Write JUnit XML: a suite with a case for each picture
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Print annotations for a GitHub workflow
+    #[arg(long)]
+    pub github: bool,
+    /// Copy images over references: all that a threshold rejects (without thresholds, all that differ) and those
+    /// without a reference; or only the pictures of these names (`a,deep/b`)
+    #[arg(long, value_name = "NAMES", num_args = 0..=1, require_equals = true)]
+    pub update: Option<Option<String>>,
+    /// Folder of the pages that show replaced references before and after
+    #[arg(long, value_name = "DIR", default_value = "before-after", requires = "update")]
+    pub update_pages: PathBuf,
     /// Write the LDR-FLIP map: magma colours (.png), or values (.pfm, .exr); for folders, a folder
     #[arg(long, value_name = "FILE")]
     pub error_map: Option<PathBuf>,
@@ -103,6 +120,11 @@ fn pixels_per_degree(text: &str) -> Result<f64, String> {
     ppd.ok_or_else(|| "expected a number from 1 to 10000".to_owned())
 }
 
+fn samples(text: &str) -> Result<f64, String> {
+    let n = text.parse().ok().filter(|n: &f64| n.is_finite() && *n > 0.0);
+    n.ok_or_else(|| "expected a number above 0".to_owned())
+}
+
 impl CompareArgs {
     /// The arguments for two paths, everything else at its default.
     pub fn new(image: impl Into<PathBuf>, reference: impl Into<PathBuf>) -> Self {
@@ -113,6 +135,7 @@ impl CompareArgs {
             reference_layer: None,
             mask: None,
             variance: None,
+            image_variance: None,
             variance_of: None,
             spp: None,
             reference_spp: None,
@@ -129,8 +152,17 @@ impl CompareArgs {
             psnr_peak: 1.0,
             json: None,
             html: None,
+            junit: None,
+            github: false,
+            update: None,
+            update_pages: "before-after".into(),
             error_map: None,
         }
+    }
+
+    /// Whether two folders are compared.
+    pub(super) fn is_folders(&self) -> bool {
+        self.image.is_dir() && self.reference.is_dir()
     }
 
     /// The options of each comparison.
@@ -140,11 +172,7 @@ impl CompareArgs {
             exposure: self.exposure,
             hdr: (!self.no_hdr).then_some(self.tonemapper),
             psnr_peak: self.psnr_peak,
-            z_test: ZTestOptions {
-                samples: self.spp,
-                reference_samples: self.reference_spp,
-                ..ZTestOptions::default()
-            },
+            z_test: ZTestOptions::default(),
             thresholds: Thresholds {
                 flip: self.max_flip,
                 hdr_flip: self.max_hdr_flip,

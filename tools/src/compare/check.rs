@@ -2,6 +2,7 @@
 
 use crate::metrics::{Bias, Errors, ZTest};
 use serde::Serialize;
+use std::fmt;
 
 /// Limits of a comparison; `None` is no limit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +28,24 @@ pub struct Check {
     pub limit: f64,
     /// `value ≤ limit`; for the z-test, whose value is the accepted share, `value ≥ limit`.
     pub holds: bool,
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = match (self.holds, self.name == "z-test") {
+            (true, false) => "<=",
+            (true, true) => ">=",
+            (false, false) => ">",
+            (false, true) => "<",
+        };
+        write!(f, "{} {:.6} {sign} {}", self.name, self.value, self.limit)
+    }
+}
+
+/// The thresholds that do not hold, in one line.
+pub fn exceeded(checks: &[Check]) -> String {
+    let failed = checks.iter().filter(|check| !check.holds).map(Check::to_string);
+    failed.collect::<Vec<_>>().join(", ")
 }
 
 impl Thresholds {

@@ -2,7 +2,7 @@
 
 use super::check::{Check, Thresholds};
 use crate::flip::{self, DEFAULT_PPD, Exposures, FlipMap, FlipStats, HdrFlipMap, Tonemapper};
-use crate::metrics::{self, Bias, Errors, Variance, ZTest, ZTestOptions};
+use crate::metrics::{self, Bias, Errors, Noise, ZTest, ZTestOptions};
 use crate::pixels::Pixels;
 use serde::Serialize;
 
@@ -74,6 +74,9 @@ pub struct Comparison {
     pub checks: Vec<Check>,
     /// Whether every check holds.
     pub holds: bool,
+    /// Wall time of reading and comparing; not in the JSON, which is the same for the same pictures.
+    #[serde(skip)]
+    pub seconds: f64,
 }
 
 /// A comparison and its FLIP maps.
@@ -91,7 +94,7 @@ pub struct Compared {
 pub fn compare(
     image: &Pixels,
     reference: &Pixels,
-    variance: Option<Variance>,
+    noise: Option<&Noise>,
     options: &CompareOptions,
 ) -> Compared {
     assert!(image.same_size(reference), "compared pictures have one size");
@@ -113,7 +116,7 @@ pub fn compare(
         tonemapper: h.tonemapper,
         exposures: h.exposures.clone(),
     });
-    let z_test = variance.and_then(|v| metrics::z_test(image, reference, v, &options.z_test));
+    let z_test = noise.map(|noise| metrics::z_test(image, reference, noise, &options.z_test));
     let flip_means = (flip_ldr.stats.mean, flip_hdr.as_ref().map(|h| h.stats.mean));
     let checks = options.thresholds.check(&bias, &errors, flip_means, z_test.as_ref());
     let holds = checks.iter().all(|c| c.holds);
@@ -131,6 +134,7 @@ pub fn compare(
         notes: Vec::new(),
         checks,
         holds,
+        seconds: 0.0,
     };
     Compared { comparison, ldr, hdr }
 }

@@ -66,19 +66,29 @@ pub enum CompareError {
         reference_size: [usize; 2],
     },
     /// A z-test was asked for without a variance image.
-    #[error("no variance image beside {}: give one with --variance FILE", reference.display())]
+    #[error(
+        "no variance image beside {} or {}, and no layer of variance in them: give one with --variance FILE or --image-variance FILE",
+        reference.display(), image.display()
+    )]
     NoVariance {
         /// The reference.
         reference: PathBuf,
+        /// The image.
+        image: PathBuf,
     },
     /// The variance of one sample says nothing without the number of samples.
-    #[error(
-        "{} holds the variance of one sample: give the sample count of the image with --spp N",
-        path.display()
-    )]
+    #[error("{from} holds the variance of one sample: give the sample count of the image with --spp N")]
     NoSamples {
-        /// The variance image.
-        path: PathBuf,
+        /// The variance image or layer.
+        from: String,
+    },
+    /// Variances that are not finite, such as those of a single pass.
+    #[error("{from} holds no variance: {why}")]
+    NotVariance {
+        /// The variance image or layer.
+        from: String,
+        /// What is wrong with it.
+        why: &'static str,
     },
     /// A folder is compared with a file.
     #[error("{} is a folder and {} is a file", folder.display(), file.display())]
@@ -102,4 +112,23 @@ pub enum CompareError {
         /// The folder.
         folder: PathBuf,
     },
+    /// A name of `--update` is that of no picture.
+    #[error("--update: there is no picture `{name}` to compare{}", hint.as_ref().map_or(String::new(), |h| format!("; did you mean `{h}`?")))]
+    NoSuchPicture {
+        /// The name.
+        name: String,
+        /// A picture with nearly this name.
+        hint: Option<String>,
+    },
+}
+
+impl CompareError {
+    /// Whether a file is not there.
+    pub fn is_missing(&self) -> bool {
+        match self {
+            Self::NoImage { .. } | Self::NoReferences { .. } => true,
+            Self::Io { source, .. } => source.kind() == std::io::ErrorKind::NotFound,
+            _ => false,
+        }
+    }
 }

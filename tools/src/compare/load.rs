@@ -15,15 +15,43 @@ pub struct Loaded {
     pub display: bool,
 }
 
-impl Loaded {
-    /// A picture of radiance in memory; messages call it by `name`.
+/// A picture with all that its file holds.
+#[derive(Debug)]
+pub(super) struct Opened {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// All channels.
+    pub image: Image,
+}
+
+impl Opened {
+    /// The bytes of a picture that errors call `name`.
     ///
     /// # Errors
-    /// It holds a value that is not finite.
-    pub fn radiance(pixels: Pixels, name: &Path) -> Result<Self, CompareError> {
-        check_finite(&pixels, name)?;
-        Ok(Self { pixels, display: false })
+    /// They are not a picture.
+    pub fn of_bytes(bytes: Vec<u8>, name: &Path) -> Result<Self, CompareError> {
+        let read = image::read(&bytes);
+        let image = read.map_err(|source| CompareError::Read { path: name.to_path_buf(), source })?;
+        Ok(Self { bytes, image })
     }
+
+    /// A picture of radiance that no file holds.
+    pub fn of_pixels(pixels: &Pixels) -> Self {
+        let channels = ["R", "G", "B"].map(str::to_owned).to_vec();
+        let data = pixels.rgb.as_flattened().to_vec();
+        let (width, height, encoding) = (pixels.width, pixels.height, Encoding::Linear);
+        Self { bytes: Vec::new(), image: Image { width, height, channels, data, encoding } }
+    }
+}
+
+/// Reads a picture with all its channels.
+///
+/// # Errors
+/// The file cannot be read, or is not a picture.
+pub(super) fn open(path: &Path) -> Result<Opened, CompareError> {
+    let bytes = std::fs::read(path);
+    let bytes = bytes.map_err(|source| CompareError::Io { path: path.to_path_buf(), source })?;
+    Opened::of_bytes(bytes, path)
 }
 
 /// Reads a picture as linear RGB: the channels `R G B`, else `Y` as gray, else the only channel. With `layer`
@@ -32,12 +60,16 @@ impl Loaded {
 /// # Errors
 /// The file cannot be read, is not a picture, lacks the channels, or holds a value that is not finite.
 pub fn load(path: &Path, layer: Option<&str>) -> Result<Loaded, CompareError> {
-    let at = || path.to_path_buf();
-    let bytes = std::fs::read(path).map_err(|source| CompareError::Io { path: at(), source })?;
-    let image = image::read(&bytes).map_err(|source| CompareError::Read { path: at(), source })?;
-    drop(bytes);
-    let rgb = select(&image, layer).ok_or_else(|| CompareError::MissingChannels {
-        path: at(),
+    rgb_of(&open(path)?.image, path, layer)
+}
+
+/// The linear RGB of a picture that was read from `path`, see [`load()`].
+///
+/// # Errors
+/// The picture lacks the channels, or holds a value that is not finite.
+pub(super) fn rgb_of(image: &Image, path: &Path, layer: Option<&str>) -> Result<Loaded, CompareError> {
+    let rgb = select(image, layer).ok_or_else(|| CompareError::MissingChannels {
+        path: path.to_path_buf(),
         wanted: layer.map_or("R G B or Y".into(), |l| format!("{l}.R {l}.G {l}.B or {l}.Y or {l}")),
         found: image.channels.join(" "),
     })?;
@@ -66,7 +98,7 @@ fn select(image: &Image, layer: Option<&str>) -> Option<[usize; 3]> {
     named("R", "G", "B").or_else(|| named("r", "g", "b")).or_else(gray)
 }
 
-fn to_pixels(image: Image, rgb: [usize; 3], display: bool) -> Pixels {
+fn to_pixels(image: &Image, rgb: [usize; 3], display: bool) -> Pixels {
     let pick = |p: &[f32]| {
         let v = rgb.map(|i| p[i]);
         if display { v.map(srgb_to_linear) } else { v }

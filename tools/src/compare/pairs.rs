@@ -1,7 +1,6 @@
-//! Which file is compared with which, and where variance images are.
+//! Which file is compared with which.
 
 use super::error::CompareError;
-use crate::metrics::VarianceKind;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -24,10 +23,10 @@ pub struct Pair {
 #[derive(Debug, Default)]
 pub struct Pairs {
     pub pairs: Vec<Pair>,
-    /// References without an image.
-    pub missing: Vec<PathBuf>,
-    /// Images without a reference.
-    pub extra: Vec<PathBuf>,
+    /// References without an image, by name.
+    pub missing: Vec<(String, PathBuf)>,
+    /// Images without a reference, by name.
+    pub extra: Vec<(String, PathBuf)>,
 }
 
 /// Finds the pairs of two folders: images whose paths agree up to the extension and a suffix of references
@@ -41,10 +40,10 @@ pub fn in_folders(images: &Path, references: &Path) -> Result<Pairs, CompareErro
     for (name, reference) in list(references)? {
         match found.remove(&name) {
             Some(image) => pairs.pairs.push(Pair { name, image, reference }),
-            None => pairs.missing.push(reference),
+            None => pairs.missing.push((name, reference)),
         }
     }
-    pairs.extra = found.into_values().collect();
+    pairs.extra = found.into_iter().collect();
     Ok(pairs)
 }
 
@@ -84,24 +83,6 @@ fn partner_name(path: &Path) -> Option<String> {
     Some(shared.unwrap_or(&stem).to_string())
 }
 
-/// The variance image beside a reference: `x.ref.exr` has `x.ref.var.exr` (variance of the mean),
-/// `x_ref_rgb.exr` has `x_ref_rgb_var.exr` (Mitsuba's tests: variance of one sample).
-pub fn variance_beside(reference: &Path) -> Option<(PathBuf, VarianceKind)> {
-    let extension = reference.extension()?.to_str()?;
-    [".var", "_var"].into_iter().find_map(|suffix| {
-        let name = format!("{}{suffix}.{extension}", reference.file_stem()?.to_str()?);
-        let path = reference.with_file_name(name);
-        path.is_file().then(|| (path.clone(), variance_kind(&path)))
-    })
-}
-
-/// What a variance file holds, by its name: Mitsuba's `_var` the variance of a sample, any other that of the
-/// mean.
-pub fn variance_kind(path: &Path) -> VarianceKind {
-    let stem = path.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
-    if stem.ends_with("_var") { VarianceKind::OfSample } else { VarianceKind::OfMean }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,11 +113,7 @@ mod tests {
         let names: Vec<_> = pairs.pairs.iter().map(|p| p.name.as_str()).collect();
         assert_eq!(names, ["a", "sub/b"]);
         assert_eq!(pairs.pairs[0].image, i.join("a.exr"));
-        assert_eq!(pairs.missing, [r.join("d.exr")]);
-        assert_eq!(pairs.extra, [i.join("c.exr")]);
-        let kind = |p: &str| variance_beside(&r.join(p)).map(|v| v.1);
-        assert_eq!(kind("a.ref.exr"), Some(VarianceKind::OfMean));
-        assert_eq!(kind("sub/b_ref_rgb.exr"), Some(VarianceKind::OfSample));
-        assert_eq!(kind("d.exr"), None);
+        assert_eq!(pairs.missing, [("d".to_owned(), r.join("d.exr"))]);
+        assert_eq!(pairs.extra, [("c".to_owned(), i.join("c.exr"))]);
     }
 }

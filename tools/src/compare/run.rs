@@ -1,162 +1,262 @@
 //! `caustica compare`: reads what the arguments name, compares, writes.
 
 use super::args::CompareArgs;
-use super::comparison::{Compared, Comparison, compare};
+use super::comparison::{CompareOptions, Compared, Comparison, compare};
 use super::error::CompareError;
 use super::error_map;
-use super::load::{Loaded, load};
+use super::files;
+use super::load::{Loaded, Opened, open, rgb_of};
 use super::mask::Mask;
+use super::noise::{self, Known};
 use super::page::Page;
-use super::pairs::{self, Pair};
-use super::report::{Failure, Report, Status};
-use super::table::{write_rows, write_table};
-use crate::metrics::{Variance, VarianceKind};
+use super::pairs::{self, Pair, Pairs};
+use super::report::{Extra, Failure, Report, Status};
+use super::update::{Accepted, Candidate, kept};
+use super::variance::{self, Given, VarianceKind};
+use crate::metrics::Noise;
 use crate::pixels::Pixels;
-use caustica_formats::image::atomic_write;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Runs `caustica compare` and writes the table or the JSON to `out`. A pair that cannot be compared is part
 /// of the output. If `out` cannot be written, the status is [`Status::CouldNotCompare`], unless its reader
 /// closed it.
 pub fn run(args: &CompareArgs, out: &mut dyn Write) -> Status {
-    let mut report = Report::default();
-    let mut page = args.html.as_ref().map(|_| Page::default());
-    let folder = args.image.is_dir() && args.reference.is_dir();
-    if let Err(error) = compare_all(args, folder, &mut report, page.as_mut()) {
-        report.failures.push(Failure::new(&args.image, &args.reference, &error));
+    let began = Instant::now();
+    let page = args.html.as_ref().map(|_| Page::default());
+    let mut run = Run { args, folder: args.is_folders(), report: Report::default(), page };
+    if let Err(error) = run.all() {
+        let name = name_of(&args.image);
+        run.report.failures.push(Failure::new(&name, &args.image, &args.reference, &error));
     }
-    let mut status = if !report.failures.is_empty() {
-        Status::CouldNotCompare
-    } else if report.comparisons.iter().all(|c| c.holds) {
-        Status::Holds
-    } else {
-        Status::FallsShort
-    };
-    report.status = status.code();
-    let mut write = |path: &Path, bytes: &[u8], report: &mut Report| {
-        if let Err(source) = atomic_write(path, bytes) {
-            let error = CompareError::Io { path: path.to_path_buf(), source };
-            report.failures.push(Failure::new(&args.image, &args.reference, &error));
-            status = Status::CouldNotCompare;
-            report.status = status.code();
-        }
-    };
-    if let (Some(page), Some(path)) = (page, &args.html) {
-        let page = page.render(&report);
-        write(path, page.as_bytes(), &mut report);
-    }
-    if let Some(Some(path)) = &args.json {
-        let json = to_json(&report);
-        write(path, json.as_bytes(), &mut report);
-    }
-    match write_report(args, folder, &report, out) {
+    let Run { mut report, page, .. } = run;
+    report.status = report.verdict().code();
+    files::write_files(args, page.as_ref(), &mut report, began.elapsed());
+    match files::print(args, &report, out) {
         // The reader may stop before the end.
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             let _closed = writeln!(io::stderr(), "error: cannot write to stdout: {e}");
             Status::CouldNotCompare
         }
-        _ => status,
+        _ => report.verdict(),
     }
 }
 
-fn to_json(report: &Report) -> String {
-    serde_json::to_string_pretty(report).expect("a report holds only numbers and strings")
+/// Compares two pictures as if they were the files that the arguments name.
+pub(super) fn compare_opened(args: &CompareArgs, pictures: [Opened; 2]) -> Result<Compared, CompareError> {
+    let (image, reference) = (args.image.clone(), args.reference.clone());
+    let pair = Pair { name: name_of(&image), image, reference };
+    Run { args, folder: false, report: Report::default(), page: None }.opened(&pair, pictures, None)
 }
 
-fn compare_all(
-    args: &CompareArgs,
+fn name_of(file: &Path) -> String {
+    file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned()
+}
+
+struct Run<'a> {
+    args: &'a CompareArgs,
     folder: bool,
-    report: &mut Report,
-    mut page: Option<&mut Page>,
-) -> Result<(), CompareError> {
-    let pairs = match (args.image.is_dir(), args.reference.is_dir()) {
-        (true, true) => pairs::in_folders(&args.image, &args.reference)?,
-        (false, false) => pairs::Pairs { pairs: vec![named(args)], ..Default::default() },
-        (true, false) => {
-            let (folder, file) = (args.image.clone(), args.reference.clone());
-            return Err(CompareError::FolderAgainstFile { folder, file });
-        }
-        (false, true) => {
-            let (folder, file) = (args.reference.clone(), args.image.clone());
-            return Err(CompareError::FolderAgainstFile { folder, file });
-        }
-    };
-    if pairs.pairs.is_empty() && pairs.missing.is_empty() {
-        return Err(CompareError::NoReferences { folder: args.reference.clone() });
-    }
-    for pair in &pairs.pairs {
-        match compare_pair(args, folder, pair, page.as_deref_mut()) {
-            Ok(comparison) => report.comparisons.push(comparison),
-            Err(error) => report.failures.push(Failure::new(&pair.image, &pair.reference, &error)),
-        }
-    }
-    for reference in pairs.missing {
-        let error = CompareError::NoImage { folder: args.image.clone(), reference: reference.clone() };
-        report.failures.push(Failure::new(&args.image, &reference, &error));
-    }
-    report.unmatched = pairs.extra.iter().map(|p| p.display().to_string()).collect();
-    Ok(())
+    report: Report,
+    page: Option<Page>,
 }
 
-fn named(args: &CompareArgs) -> Pair {
-    let name = args.image.file_name().unwrap_or(args.image.as_os_str()).to_string_lossy().into_owned();
-    Pair { name, image: args.image.clone(), reference: args.reference.clone() }
-}
+impl Run<'_> {
+    fn all(&mut self) -> Result<(), CompareError> {
+        let args = self.args;
+        let pairs = self.pairs()?;
+        let accepted = args.update.as_ref().map(|names| {
+            let compared = pairs.pairs.iter().map(|pair| &pair.name);
+            let lone = pairs.missing.iter().chain(&pairs.extra).map(|(name, _)| name);
+            let known: Vec<&str> = compared.chain(lone).map(String::as_str).collect();
+            Accepted::new(names.as_deref(), &known)
+        });
+        let accepted = accepted.transpose()?;
+        let nothing = pairs.pairs.is_empty() && pairs.missing.is_empty();
+        if nothing && (accepted.is_none() || pairs.extra.is_empty()) {
+            return Err(CompareError::NoReferences { folder: args.reference.clone() });
+        }
+        for pair in &pairs.pairs {
+            let began = Instant::now();
+            let result = self.pair(pair, accepted.as_ref());
+            let seconds = began.elapsed().as_secs_f64();
+            match result {
+                Ok(comparison) => self.report.comparisons.push(Comparison { seconds, ..comparison }),
+                Err(error) => {
+                    let failure = Failure::new(&pair.name, &pair.image, &pair.reference, &error);
+                    self.report.failures.push(Failure { seconds, ..failure });
+                    let kept = || kept(&pair.name, &pair.image, &pair.reference);
+                    self.report.updates.extend(accepted.as_ref().map(|_| kept()));
+                }
+            }
+        }
+        for (name, reference) in pairs.missing {
+            let error = CompareError::NoImage { folder: args.image.clone(), reference: reference.clone() };
+            self.report.failures.push(Failure::new(&name, &args.image, &reference, &error));
+        }
+        pairs.extra.iter().for_each(|(name, image)| self.extra(name, image, accepted.as_ref()));
+        Ok(())
+    }
 
-fn compare_pair(
-    args: &CompareArgs,
-    folder: bool,
-    pair: &Pair,
-    page: Option<&mut Page>,
-) -> Result<Comparison, CompareError> {
-    let image = load(&pair.image, args.layer.as_deref())?;
-    let reference = load(&pair.reference, args.reference_layer.as_deref().or(args.layer.as_deref()))?;
-    Ok(compare_loaded(args, folder, pair, image, reference, page)?.comparison)
-}
+    fn pairs(&self) -> Result<Pairs, CompareError> {
+        let args = self.args;
+        let against = |folder: &PathBuf, file: &PathBuf| CompareError::FolderAgainstFile {
+            folder: folder.clone(),
+            file: file.clone(),
+        };
+        match (args.image.is_dir(), args.reference.is_dir()) {
+            (true, true) => pairs::in_folders(&args.image, &args.reference),
+            (true, false) => Err(against(&args.image, &args.reference)),
+            (false, true) => Err(against(&args.reference, &args.image)),
+            (false, false) => {
+                let (image, reference) = (args.image.clone(), args.reference.clone());
+                let pair = Pair { name: name_of(&image), image, reference };
+                Ok(Pairs { pairs: vec![pair], ..Pairs::default() })
+            }
+        }
+    }
 
-/// As the files of `pair`, which messages and notes name.
-pub(super) fn compare_loaded(
-    args: &CompareArgs,
-    folder: bool,
-    pair: &Pair,
-    mut image: Loaded,
-    mut reference: Loaded,
-    page: Option<&mut Page>,
-) -> Result<Compared, CompareError> {
-    same_size(&image.pixels, &pair.image, &reference.pixels, &pair.reference)?;
-    let mut options = args.options();
-    let mut notes = Vec::new();
-    if image.display && reference.display && options.thresholds.hdr_flip.is_none() && options.hdr.is_some() {
-        options.hdr = None;
-        notes.push("no HDR-FLIP: both pictures hold display values".into());
-    } else if image.display != reference.display {
-        notes.push("one picture holds radiance, the other display values from 0 to 1".into());
+    /// An image without a reference: said, or made a reference.
+    fn extra(&mut self, name: &str, image: &Path, accepted: Option<&Accepted>) {
+        let reference = self.args.reference.join(image.strip_prefix(&self.args.image).unwrap_or(image));
+        let add = |accepted: &Accepted| {
+            let opened = open(image)?;
+            rgb_of(&opened.image, image, self.args.layer.as_deref())?;
+            accepted.add(name, image, &opened.bytes, &reference)
+        };
+        match accepted.map_or(Ok(None), add) {
+            Ok(Some(update)) => self.report.updates.push(update),
+            Ok(None) => {
+                let image = image.display().to_string();
+                self.report.unmatched.push(Extra { name: name.to_owned(), image });
+            }
+            Err(error) => self.report.failures.push(Failure::new(name, image, &reference, &error)),
+        }
     }
-    let mask = match &args.mask {
-        Some(path) => Some(Mask::read(path, &pair.reference, &reference.pixels)?),
-        None => Mask::beside(&pair.reference, &reference.pixels)?,
-    };
-    if let Some(mask) = mask {
-        mask.apply(&mut image.pixels);
-        mask.apply(&mut reference.pixels);
-        let (left_out, all) = (mask.left_out(), image.pixels.rgb.len());
-        notes.push(format!("{left_out} of {all} pixels are masked out: they are black in both pictures"));
+
+    fn pair(&mut self, pair: &Pair, accepted: Option<&Accepted>) -> Result<Comparison, CompareError> {
+        let files = [open(&pair.image)?, open(&pair.reference)?];
+        Ok(self.opened(pair, files, accepted)?.comparison)
     }
-    let variance = load_variance(args, pair, &image.pixels, &mut notes)?;
-    let variance = variance.as_ref().map(|(pixels, kind)| Variance { pixels, kind: *kind });
-    let mut compared = compare(&image.pixels, &reference.pixels, variance, &options);
-    compared.comparison.name = pair.name.clone();
-    compared.comparison.image = pair.image.display().to_string();
-    compared.comparison.reference = pair.reference.display().to_string();
-    compared.comparison.notes = notes;
-    if let Some(path) = &args.error_map {
-        error_map::write(&map_path(path, folder, &pair.name), &compared.ldr)?;
+
+    /// Compares the files of a pair.
+    fn opened(
+        &mut self,
+        pair: &Pair,
+        [image_file, reference_file]: [Opened; 2],
+        accepted: Option<&Accepted>,
+    ) -> Result<Compared, CompareError> {
+        let args = self.args;
+        let layer = args.layer.as_deref();
+        let reference_layer = args.reference_layer.as_deref().or(layer);
+        let mut image = rgb_of(&image_file.image, &pair.image, layer)?;
+        let mut reference = rgb_of(&reference_file.image, &pair.reference, reference_layer)?;
+        same_size(&image.pixels, &pair.image, &reference.pixels, &pair.reference)?;
+        let mut notes = Vec::new();
+        let options = self.options(&image, &reference, &mut notes);
+        let mask = match &args.mask {
+            Some(path) => Some(Mask::read(path, &pair.reference, &reference.pixels)?),
+            None => Mask::beside(&pair.reference, &reference.pixels)?,
+        };
+        if let Some(mask) = mask {
+            mask.apply(&mut image.pixels);
+            mask.apply(&mut reference.pixels);
+            let (left_out, all) = (mask.left_out(), image.pixels.rgb.len());
+            notes.push(format!("{left_out} of {all} pixels are masked out: they are black in both pictures"));
+        }
+        let noise = self.noise(pair, &image_file, &reference_file, &mut notes)?;
+        let mut compared = compare(&image.pixels, &reference.pixels, noise.as_ref(), &options);
+        compared.comparison.name = pair.name.clone();
+        compared.comparison.image = pair.image.display().to_string();
+        compared.comparison.reference = pair.reference.display().to_string();
+        compared.comparison.notes = notes;
+        if let Some(path) = &args.error_map {
+            error_map::write(&map_path(path, self.folder, &pair.name), &compared.ldr)?;
+        }
+        if let Some(accepted) = accepted {
+            let candidate = Candidate {
+                pair,
+                bytes: &image_file.bytes,
+                image: &image.pixels,
+                reference: &reference.pixels,
+                compared: &compared,
+            };
+            let update = accepted.replace(&candidate, &args.update_pages)?;
+            self.report.updates.push(update);
+        }
+        if let Some(page) = &mut self.page {
+            page.add(&compared, &image.pixels, &reference.pixels);
+        }
+        Ok(compared)
     }
-    if let Some(page) = page {
-        page.add(&compared, &image.pixels, &reference.pixels);
+
+    fn options(&self, image: &Loaded, reference: &Loaded, notes: &mut Vec<String>) -> CompareOptions {
+        let mut options = self.args.options();
+        let both = image.display && reference.display;
+        if both && options.thresholds.hdr_flip.is_none() && options.hdr.is_some() {
+            options.hdr = None;
+            notes.push("no HDR-FLIP: both pictures hold display values".into());
+        } else if image.display != reference.display {
+            notes.push("one picture holds radiance, the other display values from 0 to 1".into());
+        }
+        options
     }
-    Ok(compared)
+
+    /// What is known of the noise of both pictures. If too little is known for a z-test there is a note, or an error
+    /// if the test was asked for.
+    fn noise(
+        &self,
+        pair: &Pair,
+        image: &Opened,
+        reference: &Opened,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<Noise>, CompareError> {
+        let args = self.args;
+        let kind = args.variance_of.map(VarianceKind::from);
+        let found = || {
+            let given = |file| Given { file, kind };
+            // The layers tell the noise of the whole picture only.
+            let whole = [args.layer.is_none(), args.layer.is_none() && args.reference_layer.is_none()];
+            let of_image =
+                variance::find(&pair.image, &image.image, given(args.image_variance.as_deref()), whole[0])?;
+            let of_reference =
+                variance::find(&pair.reference, &reference.image, given(args.variance.as_deref()), whole[1])?;
+            Ok([of_image, of_reference])
+        };
+        let [of_image, of_reference] = match found() {
+            // Layers that say nothing do no harm where no test was asked for.
+            Err(error @ CompareError::NotVariance { .. }) if !args.z_test => {
+                notes.push(format!("no z-test: {error}"));
+                return Ok(None);
+            }
+            found => found?,
+        };
+        let image = Known { variance: of_image, samples: args.spp.or_else(|| variance::samples(image)) };
+        let samples = args.reference_spp.or_else(|| variance::samples(reference));
+        let reference = Known { variance: of_reference, samples };
+        let Some(difference) = noise::of_difference(&image, &reference) else {
+            let source = image.variance.or(reference.variance);
+            let error = source.map_or_else(
+                || CompareError::NoVariance { reference: pair.reference.clone(), image: pair.image.clone() },
+                |source| CompareError::NoSamples { from: source.from },
+            );
+            return match error {
+                error if args.z_test => Err(error),
+                CompareError::NoVariance { .. } => Ok(None),
+                error => {
+                    notes.push(format!("no z-test: {error}"));
+                    Ok(None)
+                }
+            };
+        };
+        // Nobody expects an image of unknown noise to agree with its reference to within the reference's.
+        if difference.image_is_exact && !args.z_test {
+            notes.push("no z-test: nothing is known of the noise of the image; --spp and --reference-spp, the samples a pixel of both pictures, or a variance of its own would tell it".into());
+            return Ok(None);
+        }
+        notes.push(difference.note);
+        Ok(Some(difference.noise))
+    }
 }
 
 /// The file of a pair's error map: the path itself, or `folder/name.png`.
@@ -174,62 +274,4 @@ fn same_size(image: &Pixels, path: &Path, other: &Pixels, other_path: &Path) -> 
         reference: other_path.to_path_buf(),
         reference_size: [other.width, other.height],
     })
-}
-
-/// The variance image that was given, or found beside the reference. Without a usable one there is a note, or
-/// an error if the z-test was asked for.
-fn load_variance(
-    args: &CompareArgs,
-    pair: &Pair,
-    image: &Pixels,
-    notes: &mut Vec<String>,
-) -> Result<Option<(Pixels, VarianceKind)>, CompareError> {
-    let given = args.variance.as_ref().map(|path| (path.clone(), pairs::variance_kind(path)));
-    let Some((path, kind)) = given.or_else(|| pairs::variance_beside(&pair.reference)) else {
-        if args.z_test {
-            return Err(CompareError::NoVariance { reference: pair.reference.clone() });
-        }
-        return Ok(None);
-    };
-    let kind = args.variance_of.map_or(kind, VarianceKind::from);
-    if kind == VarianceKind::OfSample && args.spp.is_none() {
-        let error = CompareError::NoSamples { path };
-        if args.z_test {
-            return Err(error);
-        }
-        notes.push(format!("no z-test: {error}"));
-        return Ok(None);
-    }
-    if kind == VarianceKind::OfMean && (args.spp.is_none() || args.reference_spp.is_none()) {
-        if !args.z_test {
-            notes.push(
-                "no z-test: it needs --spp and --reference-spp, the samples a pixel of both pictures".into(),
-            );
-            return Ok(None);
-        }
-        notes.push(
-            "the z-test takes the image as free of noise: --spp and --reference-spp are not given".into(),
-        );
-    }
-    let variance = load(&path, None)?.pixels;
-    same_size(image, &pair.image, &variance, &path)?;
-    Ok(Some((variance, kind)))
-}
-
-fn write_report(args: &CompareArgs, folder: bool, report: &Report, out: &mut dyn Write) -> io::Result<()> {
-    if args.json == Some(None) {
-        return writeln!(out, "{}", to_json(report));
-    }
-    if folder {
-        write_rows(&report.comparisons, out)?;
-    } else {
-        report.comparisons.iter().try_for_each(|c| write_table(c, out))?;
-    }
-    for failure in &report.failures {
-        writeln!(out, "could not compare: {}", failure.error)?;
-    }
-    for image in &report.unmatched {
-        writeln!(out, "no reference for {image}")?;
-    }
-    Ok(())
 }

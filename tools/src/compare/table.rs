@@ -2,16 +2,23 @@
 
 use super::check::Check;
 use super::comparison::Comparison;
+use super::report::{Action, Update};
 use crate::flip::FlipStats;
 use std::io::{self, Write};
+
+/// A name or message in one line: line ends and other control characters of a file's name would pass for lines of
+/// ours, for commands of a GitHub workflow, or for those of a terminal.
+pub fn shown(text: &str) -> String {
+    text.replace(char::is_control, "\u{FFFD}")
+}
 
 /// Writes one comparison in full.
 ///
 /// # Errors
 /// `out` cannot be written.
 pub fn write_table(c: &Comparison, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "image      {}", c.image)?;
-    writeln!(out, "reference  {}", c.reference)?;
+    writeln!(out, "image      {}", shown(&c.image))?;
+    writeln!(out, "reference  {}", shown(&c.reference))?;
     writeln!(out, "size       {} x {}", c.width, c.height)?;
     writeln!(out)?;
     writeln!(out, "{:<12}{:>12}{:>12}{:>12}{:>12}", "", "R", "G", "B", "all")?;
@@ -65,7 +72,7 @@ pub fn write_table(c: &Comparison, out: &mut dyn Write) -> io::Result<()> {
         )?;
     }
     for note in &c.notes {
-        writeln!(out, "note: {note}")?;
+        writeln!(out, "note: {}", shown(note))?;
     }
     if !c.checks.is_empty() {
         writeln!(out)?;
@@ -90,7 +97,7 @@ pub fn write_rows(comparisons: &[Comparison], out: &mut dyn Write) -> io::Result
         writeln!(
             out,
             "{:<wide$}{:>11.6}{:>11.6}{:>9.3} %{:>10.4}{hdr:>10}  {z}",
-            c.name,
+            shown(&c.name),
             c.errors.rmse_all,
             c.errors.relmse,
             100.0 * c.bias.relative_all,
@@ -103,14 +110,30 @@ pub fn write_rows(comparisons: &[Comparison], out: &mut dyn Write) -> io::Result
     Ok(())
 }
 
-fn check_line(c: &Check) -> String {
-    let (word, sign) = match (c.holds, c.name == "z-test") {
-        (true, false) => ("holds", "<="),
-        (true, true) => ("holds", ">="),
-        (false, false) => ("FAILS", ">"),
-        (false, true) => ("FAILS", "<"),
-    };
-    format!("{word}  {} {:.6} {sign} {}", c.name, c.value, c.limit)
+/// Writes one line for each reference that `--update` could replace.
+///
+/// # Errors
+/// `out` cannot be written.
+pub fn write_updates(updates: &[Update], out: &mut dyn Write) -> io::Result<()> {
+    updates.iter().try_for_each(|u| {
+        let (image, reference) = (shown(&u.image), shown(&u.reference));
+        match u.action {
+            Action::Replaced => {
+                let page = shown(u.page.as_deref().unwrap_or_default());
+                writeln!(out, "replaced  {reference} by {image}; before and after: {page}")
+            }
+            Action::Added => writeln!(out, "added     {reference} from {image}"),
+            Action::Kept => {
+                let reason = shown(u.reason.as_deref().unwrap_or_default());
+                writeln!(out, "kept      {reference}: {reason}")
+            }
+        }
+    })
+}
+
+/// Whether a threshold holds, and the values.
+pub fn check_line(c: &Check) -> String {
+    format!("{}  {c}", if c.holds { "holds" } else { "FAILS" })
 }
 
 fn row(

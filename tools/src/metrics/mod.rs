@@ -7,7 +7,7 @@ mod ztest;
 
 pub use bias::{Bias, bias};
 pub use error::{Errors, errors};
-pub use ztest::{Variance, VarianceKind, ZTest, ZTestOptions, z_test};
+pub use ztest::{Noise, Space, ZTest, ZTestOptions, rgb_to_xyz, z_test};
 
 use crate::pixels::Pixels;
 use rayon::prelude::*;

@@ -55,7 +55,7 @@ impl PhotonMapper<'_> {
                 left *= m.pass(&Ray { tmax, ..ray }, sampler).left;
             }
             let Some(hit) = hit else {
-                let seen = scene.background(d).map(|(radiance, p)| radiance * power_heuristic(pdf, p));
+                let seen = scene.background(s.p, d).map(|(radiance, p)| radiance * power_heuristic(pdf, p));
                 return left * seen.sum::<Color>();
             };
             let at = scene.surface(&ray, &hit);

@@ -116,6 +116,7 @@ impl PhotonMapper<'_> {
             pdf: walk.pdf,
             from: walk.from,
             left: None,
+            share: 1.0,
         };
         let before = walk.ray;
         let s = match sight.meet(scene, &mut walk.ray, hit, walk.path, &mut sample.out) {

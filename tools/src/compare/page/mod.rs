@@ -59,7 +59,8 @@ mod tests {
     #[test]
     fn names_cannot_leave_the_data() {
         let error = "</script><script>alert(1)</script>".to_string();
-        let failure = Failure { image: String::new(), reference: String::new(), error };
+        let (name, image, reference) = (String::new(), String::new(), String::new());
+        let failure = Failure { name, image, reference, error, missing: false, seconds: 0.0 };
         let report = Report { failures: vec![failure], ..Report::default() };
         let page = Page::default().render(&report);
         assert!(!page.contains("</script><script>alert"));

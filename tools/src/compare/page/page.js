@@ -5,6 +5,7 @@
 const byId = id => document.getElementById(id);
 const embedded = id => JSON.parse(byId(id).textContent);
 const report = embedded('report'), views = embedded('views'), magma = embedded('magma');
+const [imageName, referenceName] = report.labels ?? ['image', 'reference'];
 
 // --- pixels -------------------------------------------------------------------------------------
 
@@ -68,8 +69,8 @@ function select(index) {
   state.index = clamp(index, 0, report.comparisons.length - 1);
   const v = view();
   state.layers = [
-    { name: 'image', data: halves(v.image) },
-    { name: 'reference', data: halves(v.reference) },
+    { name: imageName, data: halves(v.image) },
+    { name: referenceName, data: halves(v.reference) },
     { name: 'LDR-FLIP', data: halves(v.flip), map: true },
   ];
   if (v.hdr_flip) state.layers.push({ name: 'HDR-FLIP', data: halves(v.hdr_flip), map: true });
@@ -225,8 +226,8 @@ function read(px, py) {
   const a = rgb(image), b = rgb(reference);
   const where = reduced > 1 ? `block of ${reduced}×${reduced} pixels at (${px * reduced}, ${py * reduced})` : `pixel (${px}, ${py})`;
   byId('readout').textContent = `${where}   ${maps.map(m => `${m.name} ${halfValue[m.data[i]].toFixed(4)}`).join('   ')}
-image      ${show(a)}
-reference  ${show(b)}
+${imageName.padEnd(10)} ${show(a)}
+${referenceName.padEnd(10)} ${show(b)}
 difference ${show(a.map((v, k) => v - b[k]))}`;
 }
 
@@ -240,7 +241,7 @@ function cell(metric, format = number) {
 
 function describe() {
   const c = comparison(), v = view();
-  byId('title').textContent = c.name;
+  byId('title').textContent = report.labels ? `${c.name}: before and after` : c.name;
   document.title = `${c.name}: caustica compare`;
   const verdict = byId('verdict');
   verdict.textContent = c.checks.length === 0 ? 'no threshold set' : c.holds ? 'all thresholds hold' : 'a threshold does not hold';
@@ -255,7 +256,7 @@ function describe() {
   const rows = [
     head('', 'R', 'G', 'B', 'all'),
     row('mean', ...per('bias.image_mean')),
-    row('mean of reference', ...per('bias.reference_mean')),
+    row(`mean, ${referenceName}`, ...per('bias.reference_mean')),
     row('bias', ...per('bias.absolute'), cell('bias.absolute_all')),
     row('bias, relative', ...per('bias.relative', percent), cell('bias.relative_all', percent)),
     row('RMSE', ...per('rmse'), cell('rmse_all')),
@@ -307,7 +308,7 @@ function crop(c) {
   const figure = (name, png) => element('figure', {},
     element('img', { src: `data:image/png;base64,${png}`, alt: name }), element('figcaption', { textContent: name }));
   const button = element('button', { type: 'button', className: 'crop', title: 'zoom to this place' },
-    element('div', {}, figure('image', c.image), figure('reference', c.reference), figure('LDR-FLIP', c.flip)),
+    element('div', {}, figure(imageName, c.image), figure(referenceName, c.reference), figure('LDR-FLIP', c.flip)),
     `(${c.x}, ${c.y}), ${c.width}×${c.height} pixels, mean FLIP ${number(c.mean)}`);
   button.onclick = () => {
     const canvas = document.querySelector('.pane canvas'), { reduced } = view();

@@ -3,62 +3,16 @@
 // Helpers of tests fail by panicking, as tests do.
 #![allow(clippy::unwrap_used)]
 
-use caustica_formats::image::{ExrLayer, ExrOptions, write_exr, write_png};
-use caustica_tools::compare::{CompareArgs, Status, VarianceOf, run};
+mod folder;
+mod junit;
+mod noise;
+mod update;
+
+use caustica_formats::image::write_png;
+use caustica_tools::compare::{CompareArgs, Status, VarianceOf};
+use folder::{Folder, RGB, error, json, text};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
-
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// An EXR of one colour, 20 × 10 unless `size` says otherwise.
-    fn exr(&self, name: &str, channels: &[&str], value: f32) -> PathBuf {
-        self.sized(name, channels, value, (20, 10))
-    }
-
-    fn sized(&self, name: &str, channels: &[&str], value: f32, (w, h): (usize, usize)) -> PathBuf {
-        let data = vec![value; w * h * channels.len()];
-        self.write(name, channels, &data, (w, h))
-    }
-
-    fn write(&self, name: &str, channels: &[&str], data: &[f32], (w, h): (usize, usize)) -> PathBuf {
-        let path = self.path(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        let layer = ExrLayer { name: "", channels, data };
-        write_exr(&path, w, h, &[layer], &[], ExrOptions::default()).unwrap();
-        path
-    }
-}
-
-const RGB: [&str; 3] = ["R", "G", "B"];
-
-fn text(args: &CompareArgs) -> (Status, String) {
-    let mut out = Vec::new();
-    let status = run(args, &mut out);
-    (status, String::from_utf8(out).unwrap())
-}
-
-fn json(args: CompareArgs) -> (Status, Value) {
-    let (status, text) = text(&CompareArgs { json: Some(None), ..args });
-    (status, serde_json::from_str(&text).unwrap())
-}
-
-/// The error of a run that could not compare.
-fn error(args: CompareArgs) -> String {
-    let (status, report) = json(args);
-    assert_eq!(status, Status::CouldNotCompare, "{report}");
-    assert_eq!(report["status"], 2);
-    report["failures"][0]["error"].as_str().unwrap().to_string()
-}
+use std::path::Path;
 
 #[test]
 fn thresholds_decide_the_status() {

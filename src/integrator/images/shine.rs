@@ -1,0 +1,76 @@
+//! What the lamps send to a film position through specular surfaces alone.
+
+use super::super::Task;
+use crate::bsdf::{DeltaLobe, Transport};
+use crate::math::{Color, Ray};
+use crate::sampling::Sampler;
+use crate::transport::Vertex;
+use crate::transport::walk::{self, Lamps, Next};
+
+/// How often a path follows all ways on instead of choosing one.
+const SPLITS: u32 = 8;
+
+/// A camera path so far.
+struct Way {
+    ray: Ray,
+    throughput: Color,
+    /// Rays, the next one included.
+    depth: u32,
+    /// It met a surface.
+    seen: bool,
+}
+
+/// Radiance of lamps that have a surface, along a camera ray and whatever it becomes in mirrors and glass. Paths split
+/// instead of choosing by chance, so that reflections in glass are not missed. Counts rays.
+pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, rays: &mut u64) -> Color {
+    let Task { scene, settings, .. } = task;
+    let transparent = settings.hide_emitters && task.view.hidden_lamps_are_transparent;
+    let mut light = Color::ZERO;
+    let mut splits = SPLITS;
+    let mut ways = vec![Way { ray, throughput: Color::ONE, depth: 1, seen: false }];
+    while let Some(mut way) = ways.pop() {
+        if way.depth > settings.max_depth.0 {
+            continue;
+        }
+        *rays += 1;
+        let hit = scene.geometry.closest(&way.ray);
+        let lamps = if transparent && !way.seen { Lamps::Transparent } else { Lamps::Solid };
+        let s = match walk::arrive(scene, &mut way.ray, hit.as_ref(), lamps) {
+            Next::Escape => continue,
+            Next::Behind => {
+                ways.push(way);
+                continue;
+            }
+            Next::Surface(s) => s,
+        };
+        if way.seen || !settings.hide_emitters {
+            light += way.throughput * scene.emitted(&s, -way.ray.d);
+        }
+        let vertex = Vertex::new(scene, &s, -way.ray.d);
+        let through = vertex.closure.transparency();
+        let deltas = vertex.closure.deltas(vertex.wi, Transport::Radiance);
+        let straight = (through > 0.0).then_some((-vertex.wi, Color::splat(through), through));
+        // Like camera paths, by the power that a lobe carries rather than by its radiance.
+        let share = |l: &DeltaLobe| (l.weight * (l.eta * l.eta)).max_element() * (1.0 - through);
+        let lobes = deltas.iter().map(|l| (l.wo, l.weight * (1.0 - through), share(l)));
+        let on: Vec<_> = straight.into_iter().chain(lobes).filter(|(_, _, share)| *share > 0.0).collect();
+        let total: f32 = on.iter().map(|(_, _, share)| share).sum();
+        let mut pick = sampler.random() * total;
+        let split = on.len() < 2 || splits > 0;
+        splits -= u32::from(split && on.len() > 1);
+        for (wo, weight, share) in on {
+            let chosen = split || (0.0..share).contains(&pick);
+            pick -= share;
+            if chosen {
+                let throughput = way.throughput * weight * if split { 1.0 } else { total / share };
+                ways.push(Way {
+                    ray: s.leave(s.frame.to_world(wo)),
+                    throughput,
+                    depth: way.depth + 1,
+                    seen: true,
+                });
+            }
+        }
+    }
+    light
+}

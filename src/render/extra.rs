@@ -1,0 +1,57 @@
+//! The extra samples of pixels that see lamps smaller than a pixel, see [`images`](crate::integrator::images).
+
+use crate::film::{Layer, Radiance};
+use crate::integrator::Task;
+use crate::integrator::images::{PixelImages, shine};
+use crate::math::Vec2;
+use crate::sampling::{Sampler, mix};
+
+/// Tells the numbers of extra samples from those of the others.
+const EXTRA: u64 = 0x05ee_ab1e_1a39_5eed;
+
+/// A pixel that sees images, and how it is sampled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pixel<'a> {
+    pub task: Task<'a>,
+    pub images: PixelImages<'a>,
+    /// Column and row on the full film.
+    pub at: [usize; 2],
+    pub pass: u32,
+    /// Samples of a pass: of the filter, and of the images.
+    pub counts: [u32; 2],
+}
+
+impl Pixel<'_> {
+    /// Of a sample at a film position (pixels): its weight of the filter, and the share of what it sees in mirrors and
+    /// glass that belongs to the samples of the filter; the rest belongs to those of the images.
+    pub fn weight(&self, place: Vec2) -> (f32, f32) {
+        let centre = Vec2::new(self.at[0] as f32 + 0.5, self.at[1] as f32 + 0.5);
+        let (density, weight) = self.task.view.filter.density(place - centre);
+        let (density, images) =
+            (density * self.counts[0] as f32, self.images.density(place) * self.counts[1] as f32);
+        (weight, if density > 0.0 { density / (density + images) } else { 0.0 })
+    }
+
+    /// The extra samples, each with its weight. Counts rays.
+    pub fn samples(&self, rays: &mut u64) -> Vec<(Radiance, f32)> {
+        let film = &self.task.view.film;
+        let size = Vec2::new(film.width as f32, film.height as f32);
+        let [x, y] = self.at.map(|v| v as u64);
+        let key = mix(self.task.settings.seed ^ mix(EXTRA ^ y << 32 ^ x));
+        let more = self.counts[1];
+        let sample = |number| {
+            let index = self.pass.wrapping_mul(more).wrapping_add(number);
+            let mut sampler = Sampler::new(key, index).stratified(2);
+            let u = sampler.next_2d();
+            let place = self.images.sample(sampler.next_2d().x, u);
+            // Either kind is worth f/(n p + m q): of n samples of the filter f, which is their density p times a weight,
+            // and m of the images, of density q.
+            let (weight, share) = self.weight(place);
+            let ray = self.task.view.sensor.ray(place / size, Vec2::ZERO);
+            let mut out = Radiance::default();
+            out.add(Layer::Emission, shine(self.task, ray, &mut sampler, rays));
+            (out, weight * share)
+        };
+        (0..more).map(sample).collect()
+    }
+}
