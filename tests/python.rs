@@ -61,8 +61,14 @@ fn prepared() -> Environment {
             return Environment::Missing(install.to_owned());
         }
     }
+    // Where pip finds maturin.
+    let own = python.parent().map(Path::to_path_buf);
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    let path = std::env::join_paths(own.into_iter().chain(std::env::split_paths(&others)))
+        .expect("the path of the workspace can stand in PATH");
     let pip = |arguments: &[String]| {
         let mut pip = Command::new(&python);
+        pip.env("PATH", &path);
         pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(arguments);
         // Compiled as this test is, so that it shares what is compiled already.
         pip.env("CARGO_TARGET_DIR", root().join("target")).env("MATURIN_PEP517_ARGS", "--profile dev");

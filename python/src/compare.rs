@@ -2,28 +2,35 @@
 
 use std::path::PathBuf;
 
-use caustica_tools::compare::{CompareArgs, judge};
+use caustica_tools::compare::{CompareArgs, Picture, judge};
 use caustica_tools::pixels::Pixels;
 use numpy::{PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::arrays::picture;
 use crate::error::exception;
 use crate::pool::pool;
 
-/// A picture in memory, of shape (height, width, 3), or `None` for the file of that name.
-type Given<'py> = Option<PyReadonlyArray3<'py, f32>>;
+/// A picture.
+#[derive(FromPyObject)]
+pub enum Given<'py> {
+    /// The bytes of a file.
+    Bytes(Bound<'py, PyBytes>),
+    /// Radiance, of shape (height, width, 3).
+    Pixels(PyReadonlyArray3<'py, f32>),
+}
 
-/// Compares two pictures: the numbers as JSON, and the FLIP map of shape (height, width).
+/// Compares two pictures, `None` for the file of that name: the numbers as JSON, and the FLIP map of shape (height, width).
 #[pyfunction]
 #[pyo3(signature = (image_name, image, reference_name, reference, *, layer, reference_layer, mask, variance, spp,
     reference_spp, exposure, ppd, psnr_peak, hdr))]
 pub fn compare<'py>(
     py: Python<'py>,
     image_name: PathBuf,
-    image: Given<'py>,
+    image: Option<Given<'py>>,
     reference_name: PathBuf,
-    reference: Given<'py>,
+    reference: Option<Given<'py>>,
     layer: Option<String>,
     reference_layer: Option<String>,
     mask: Option<PathBuf>,
@@ -48,12 +55,20 @@ pub fn compare<'py>(
         no_hdr: !hdr,
         ..CompareArgs::new(image_name, reference_name)
     };
-    let (image, reference) = (image.map(|a| pixels(&a)), reference.map(|a| pixels(&a)));
+    let (image, reference) = (given(image), given(reference));
     let pool = pool()?;
-    let judged = py.detach(|| pool.install(|| judge(&args, image.as_ref(), reference.as_ref())));
+    let judged = py.detach(|| pool.install(|| judge(&args, image, reference)));
     let judged = judged.map_err(|e| exception(py, "Error", e.to_string(), &[], None))?;
     let size = [judged.flip.width, judged.flip.height];
     Ok((judged.json, picture(py, judged.flip.values, size, 1)?))
+}
+
+fn given(picture: Option<Given<'_>>) -> Picture {
+    match picture {
+        None => Picture::File,
+        Some(Given::Bytes(bytes)) => Picture::Bytes(bytes.as_bytes().to_vec()),
+        Some(Given::Pixels(array)) => Picture::Pixels(pixels(&array)),
+    }
 }
 
 fn pixels(array: &PyReadonlyArray3<'_, f32>) -> Pixels {

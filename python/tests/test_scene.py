@@ -92,6 +92,7 @@ SCENES = sorted(
 )
 
 
+@pytest.mark.filterwarnings("ignore::caustica.SceneWarning")
 @pytest.mark.parametrize("path", SCENES)
 def test_every_value_of_every_scene_can_be_read_and_given_back(path: str) -> None:
     scene = caustica.load(ROOT / path)
@@ -154,14 +155,13 @@ def test_a_picture_of_one_number_is_a_roughness(room: Path, tmp_path: Path) -> N
 
 def test_vertices_move_the_mesh(room: Path) -> None:
     scene = caustica.load(room)
-    # One sample a pixel in the same place: the quad is seen along the same rays.
     settings: dict[str, int | str] = {"integrator": "path", "passes": 1, "layers": "depth"}
     depth = caustica.render(scene, **settings)["depth"]  # type: ignore[arg-type]
     positions = np.array(scene["quad.vertex_positions"])
     scene["quad.vertex_positions"] = positions + [0, 0, -2]
     farther = caustica.render(scene, **settings)["depth"]  # type: ignore[arg-type]
-    # From 5 to 7 along the axis.
-    assert farther[4, 10] == pytest.approx(depth[4, 10] * 7 / 5, rel=1e-5)
+    # From 5 to 7 along the axis. Within this pixel, distances differ by 0.5 %.
+    assert farther[4, 10] == pytest.approx(depth[4, 10] * 7 / 5, rel=0.005)
     assert np.array_equal(scene["quad.vertex_positions"], (positions + [0, 0, -2]).astype(np.float32))
 
 

@@ -79,13 +79,13 @@ class Comparison:
         )
 
 
-def _picture(picture: Picture, layer: str | None, name: str) -> tuple[str, Floats | None]:
+def _picture(picture: Picture, name: str) -> tuple[str, bytes | Floats | None]:
+    """What messages call it, and the picture itself where it is in memory."""
     if isinstance(picture, (str, os.PathLike)):
         return os.fspath(picture), None
     if isinstance(picture, Image):
-        array = picture.numpy() if layer is None else picture[layer]
-    else:
-        array = np.asarray(picture)
+        return f"<{name}>", picture._exr()
+    array = np.asarray(picture)
     if array.ndim == 2:
         array = array[:, :, np.newaxis]
     if array.ndim != 3 or array.shape[2] not in (1, 3, 4):
@@ -117,17 +117,15 @@ def compare(
 
     :param layer: compare this layer instead of the picture
     :param reference_layer: the layer of the reference, if it has another name
-    :param spp: samples a pixel of the image, for the z-test; an `Image` knows them
+    :param spp: samples a pixel of the image, for the z-test, where the picture does not say
     :param reference_spp: samples a pixel of the reference
     :param exposure: stops of both pictures for LDR-FLIP
     :param ppd: pixels per degree for FLIP
     :param psnr_peak: signal of PSNR
     :param hdr: also compute HDR-FLIP, the slowest metric
     """
-    image_name, image_array = _picture(image, layer, "image")
-    reference_name, reference_array = _picture(reference, reference_layer or layer, "reference")
-    if spp is None and isinstance(image, Image):
-        spp = image.samples
+    image_name, image_array = _picture(image, "image")
+    reference_name, reference_array = _picture(reference, "reference")
     numbers, flip_map = _native.compare(
         image_name,
         image_array,

@@ -154,6 +154,10 @@ class Image:
         """The bytes of a PNG, brightened by `exposure` stops."""
         return self._native.encode("png", False, exposure)
 
+    def _exr(self) -> bytes:
+        """The bytes of an EXR with all that `compare` may use."""
+        return self._native.encode("exr", False, 0.0)
+
     def _repr_png_(self) -> bytes:
         return self.png()
 

@@ -14,9 +14,9 @@ DEFAULT_PPD: float
 def settings() -> list[tuple[str, str, str, str]]: ...
 def compare(
     image_name: str,
-    image: npt.NDArray[np.float32] | None,
+    image: bytes | npt.NDArray[np.float32] | None,
     reference_name: str,
-    reference: npt.NDArray[np.float32] | None,
+    reference: bytes | npt.NDArray[np.float32] | None,
     *,
     layer: str | None,
     reference_layer: str | None,

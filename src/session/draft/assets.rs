@@ -86,6 +86,8 @@ pub fn set_mesh_array(
     let wrong =
         |columns: usize| ValueError::shape(key, format!("an array of shape ({count}, {columns})"), array);
     let rows = || array.as_rows::<3>().filter(|rows| rows.len() == count).ok_or_else(|| wrong(3));
+    // Of no vertex: without normals a mesh is flat, and it need not have texture coordinates.
+    let none = array.data.is_empty() && array.shape.first() == Some(&0);
     let single = |row: &[f64; 3]| row.map(|v| v as f32);
     match part {
         ".vertex_positions" => {
@@ -94,6 +96,8 @@ pub fn set_mesh_array(
                 mesh.normals.clear();
             }
         }
+        ".vertex_normals" if none => (mesh.normals, mesh.computed_normals) = (Vec::new(), false),
+        ".vertex_texcoords" if none => mesh.uvs = Vec::new(),
         ".vertex_normals" => {
             mesh.normals = rows()?.iter().map(single).collect();
             mesh.computed_normals = false;

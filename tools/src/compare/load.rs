@@ -24,30 +24,34 @@ pub(super) struct Opened {
     pub image: Image,
 }
 
+impl Opened {
+    /// The bytes of a picture that errors call `name`.
+    ///
+    /// # Errors
+    /// They are not a picture.
+    pub fn of_bytes(bytes: Vec<u8>, name: &Path) -> Result<Self, CompareError> {
+        let read = image::read(&bytes);
+        let image = read.map_err(|source| CompareError::Read { path: name.to_path_buf(), source })?;
+        Ok(Self { bytes, image })
+    }
+
+    /// A picture of radiance that no file holds.
+    pub fn of_pixels(pixels: &Pixels) -> Self {
+        let channels = ["R", "G", "B"].map(str::to_owned).to_vec();
+        let data = pixels.rgb.as_flattened().to_vec();
+        let (width, height, encoding) = (pixels.width, pixels.height, Encoding::Linear);
+        Self { bytes: Vec::new(), image: Image { width, height, channels, data, encoding } }
+    }
+}
+
 /// Reads a picture with all its channels.
 ///
 /// # Errors
 /// The file cannot be read, or is not a picture.
 pub(super) fn open(path: &Path) -> Result<Opened, CompareError> {
-    let at = || path.to_path_buf();
-    let bytes = std::fs::read(path).map_err(|source| CompareError::Io { path: at(), source })?;
-    let image = image::read(&bytes).map_err(|source| CompareError::Read { path: at(), source })?;
-    Ok(Opened { bytes, image })
-}
-
-impl Opened {
-    /// A picture of radiance in memory, with the names of channels that `layer` of a file would have.
-    pub(super) fn in_memory(pixels: &Pixels, layer: Option<&str>) -> Self {
-        let name = |channel: &str| layer.map_or_else(|| channel.to_owned(), |l| format!("{l}.{channel}"));
-        let image = Image {
-            width: pixels.width,
-            height: pixels.height,
-            channels: ["R", "G", "B"].map(name).to_vec(),
-            data: pixels.rgb.iter().flatten().copied().collect(),
-            encoding: Encoding::Linear,
-        };
-        Self { bytes: Vec::new(), image }
-    }
+    let bytes = std::fs::read(path);
+    let bytes = bytes.map_err(|source| CompareError::Io { path: path.to_path_buf(), source })?;
+    Opened::of_bytes(bytes, path)
 }
 
 /// Reads a picture as linear RGB: the channels `R G B`, else `Y` as gray, else the only channel. With `layer`

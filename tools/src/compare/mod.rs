@@ -1,7 +1,6 @@
 //! Pictures against references: every metric, thresholds, and the verdict, for two files or two folders.
 //!
-//! [`run()`] is the whole command; [`judge`] compares pictures in memory, and [`load()`] and [`Mask`] read them the way
-//! the command does.
+//! [`run()`] is the whole command; [`load()`] and [`Mask`] read pictures the way it does.
 
 mod args;
 mod check;
@@ -28,7 +27,7 @@ pub(crate) use comparison::{CompareOptions, compare};
 pub use error::CompareError;
 pub use load::{Loaded, load};
 pub use mask::Mask;
-pub use pictures::{Judged, judge};
+pub use pictures::{Judged, Picture, judge};
 pub use report::Status;
 pub use run::run;
 pub(crate) use variance::{VarianceKind, beside as variance_beside};

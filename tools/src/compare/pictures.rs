@@ -1,12 +1,23 @@
-//! Pictures in memory.
+//! Two pictures, each in a file or in memory.
 
 use super::args::CompareArgs;
 use super::error::CompareError;
 use super::load::{Opened, open};
-use super::pairs::Pair;
 use super::run::compare_opened;
 use crate::flip::FlipMap;
 use crate::pixels::Pixels;
+use std::path::Path;
+
+/// Where a picture is.
+#[derive(Clone, Debug)]
+pub enum Picture {
+    /// In the file that the arguments name.
+    File,
+    /// The bytes of such a file.
+    Bytes(Vec<u8>),
+    /// Radiance.
+    Pixels(Pixels),
+}
 
 /// What a comparison found.
 #[derive(Debug)]
@@ -17,27 +28,20 @@ pub struct Judged {
     pub flip: FlipMap,
 }
 
-/// Compares two pictures as [`run`](super::run()) compares the files that `args` names: pictures of radiance in memory, or
-/// those files where there are none. A mask and a variance beside the reference count either way.
+/// Compares two pictures as [`run`](super::run()) compares the files that `args` names. A mask and a variance beside
+/// the reference count as there; what is in memory is called by the name of its file in messages.
 ///
 /// # Errors
-/// A file cannot be read, a value is not finite, the pictures have different sizes, or a mask or a variance cannot be
+/// A picture cannot be read or holds values that are not finite, the sizes differ, or a mask or a variance cannot be
 /// used.
-pub fn judge(
-    args: &CompareArgs,
-    image: Option<&Pixels>,
-    reference: Option<&Pixels>,
-) -> Result<Judged, CompareError> {
-    let name = args.image.display().to_string();
-    let pair = Pair { name, image: args.image.clone(), reference: args.reference.clone() };
-    let layer = args.layer.as_deref();
-    let opened = |pixels: Option<&Pixels>, file, layer| match pixels {
-        Some(pixels) => Ok(Opened::in_memory(pixels, layer)),
-        None => open(file),
+pub fn judge(args: &CompareArgs, image: Picture, reference: Picture) -> Result<Judged, CompareError> {
+    let opened = |picture: Picture, path: &Path| match picture {
+        Picture::File => open(path),
+        Picture::Bytes(bytes) => Opened::of_bytes(bytes, path),
+        Picture::Pixels(pixels) => Ok(Opened::of_pixels(&pixels)),
     };
-    let image = opened(image, &args.image, layer)?;
-    let reference = opened(reference, &args.reference, args.reference_layer.as_deref().or(layer))?;
-    let (compared, _) = compare_opened(args, &pair, &image, &reference)?;
+    let pictures = [opened(image, &args.image)?, opened(reference, &args.reference)?];
+    let compared = compare_opened(args, pictures)?;
     let json =
         serde_json::to_string(&compared.comparison).expect("a comparison holds only numbers and strings");
     Ok(Judged { json, flip: compared.ldr })

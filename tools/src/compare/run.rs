@@ -43,6 +43,13 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write) -> Status {
     }
 }
 
+/// Compares two pictures as if they were the files that the arguments name.
+pub(super) fn compare_opened(args: &CompareArgs, pictures: [Opened; 2]) -> Result<Compared, CompareError> {
+    let (image, reference) = (args.image.clone(), args.reference.clone());
+    let pair = Pair { name: name_of(&image), image, reference };
+    Run { args, folder: false, report: Report::default(), page: None }.opened(&pair, pictures, None)
+}
+
 fn name_of(file: &Path) -> String {
     file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned()
 }
@@ -128,9 +135,41 @@ impl Run<'_> {
     }
 
     fn pair(&mut self, pair: &Pair, accepted: Option<&Accepted>) -> Result<Comparison, CompareError> {
+        let files = [open(&pair.image)?, open(&pair.reference)?];
+        Ok(self.opened(pair, files, accepted)?.comparison)
+    }
+
+    /// Compares the files of a pair.
+    fn opened(
+        &mut self,
+        pair: &Pair,
+        [image_file, reference_file]: [Opened; 2],
+        accepted: Option<&Accepted>,
+    ) -> Result<Compared, CompareError> {
         let args = self.args;
-        let (image_file, reference_file) = (open(&pair.image)?, open(&pair.reference)?);
-        let (compared, [image, reference]) = compare_opened(args, pair, &image_file, &reference_file)?;
+        let layer = args.layer.as_deref();
+        let reference_layer = args.reference_layer.as_deref().or(layer);
+        let mut image = rgb_of(&image_file.image, &pair.image, layer)?;
+        let mut reference = rgb_of(&reference_file.image, &pair.reference, reference_layer)?;
+        same_size(&image.pixels, &pair.image, &reference.pixels, &pair.reference)?;
+        let mut notes = Vec::new();
+        let options = self.options(&image, &reference, &mut notes);
+        let mask = match &args.mask {
+            Some(path) => Some(Mask::read(path, &pair.reference, &reference.pixels)?),
+            None => Mask::beside(&pair.reference, &reference.pixels)?,
+        };
+        if let Some(mask) = mask {
+            mask.apply(&mut image.pixels);
+            mask.apply(&mut reference.pixels);
+            let (left_out, all) = (mask.left_out(), image.pixels.rgb.len());
+            notes.push(format!("{left_out} of {all} pixels are masked out: they are black in both pictures"));
+        }
+        let noise = self.noise(pair, &image_file, &reference_file, &mut notes)?;
+        let mut compared = compare(&image.pixels, &reference.pixels, noise.as_ref(), &options);
+        compared.comparison.name = pair.name.clone();
+        compared.comparison.image = pair.image.display().to_string();
+        compared.comparison.reference = pair.reference.display().to_string();
+        compared.comparison.notes = notes;
         if let Some(path) = &args.error_map {
             error_map::write(&map_path(path, self.folder, &pair.name), &compared.ldr)?;
         }
@@ -138,124 +177,86 @@ impl Run<'_> {
             let candidate = Candidate {
                 pair,
                 bytes: &image_file.bytes,
-                image: &image,
-                reference: &reference,
+                image: &image.pixels,
+                reference: &reference.pixels,
                 compared: &compared,
             };
             let update = accepted.replace(&candidate, &args.update_pages)?;
             self.report.updates.push(update);
         }
         if let Some(page) = &mut self.page {
-            page.add(&compared, &image, &reference);
+            page.add(&compared, &image.pixels, &reference.pixels);
         }
-        Ok(compared.comparison)
+        Ok(compared)
     }
-}
 
-/// Compares two pictures, which messages and notes call as `pair` does, and gives what was compared: the pictures
-/// without what is masked out.
-pub(super) fn compare_opened(
-    args: &CompareArgs,
-    pair: &Pair,
-    image_file: &Opened,
-    reference_file: &Opened,
-) -> Result<(Compared, [Pixels; 2]), CompareError> {
-    let layer = args.layer.as_deref();
-    let reference_layer = args.reference_layer.as_deref().or(layer);
-    let mut image = rgb_of(&image_file.image, &pair.image, layer)?;
-    let mut reference = rgb_of(&reference_file.image, &pair.reference, reference_layer)?;
-    same_size(&image.pixels, &pair.image, &reference.pixels, &pair.reference)?;
-    let mut notes = Vec::new();
-    let options = options(args, &image, &reference, &mut notes);
-    let mask = match &args.mask {
-        Some(path) => Some(Mask::read(path, &pair.reference, &reference.pixels)?),
-        None => Mask::beside(&pair.reference, &reference.pixels)?,
-    };
-    if let Some(mask) = mask {
-        mask.apply(&mut image.pixels);
-        mask.apply(&mut reference.pixels);
-        let (left_out, all) = (mask.left_out(), image.pixels.rgb.len());
-        notes.push(format!("{left_out} of {all} pixels are masked out: they are black in both pictures"));
+    fn options(&self, image: &Loaded, reference: &Loaded, notes: &mut Vec<String>) -> CompareOptions {
+        let mut options = self.args.options();
+        let both = image.display && reference.display;
+        if both && options.thresholds.hdr_flip.is_none() && options.hdr.is_some() {
+            options.hdr = None;
+            notes.push("no HDR-FLIP: both pictures hold display values".into());
+        } else if image.display != reference.display {
+            notes.push("one picture holds radiance, the other display values from 0 to 1".into());
+        }
+        options
     }
-    let noise = noise(args, pair, image_file, reference_file, &mut notes)?;
-    let mut compared = compare(&image.pixels, &reference.pixels, noise.as_ref(), &options);
-    compared.comparison.name = pair.name.clone();
-    compared.comparison.image = pair.image.display().to_string();
-    compared.comparison.reference = pair.reference.display().to_string();
-    compared.comparison.notes = notes;
-    Ok((compared, [image.pixels, reference.pixels]))
-}
 
-fn options(
-    args: &CompareArgs,
-    image: &Loaded,
-    reference: &Loaded,
-    notes: &mut Vec<String>,
-) -> CompareOptions {
-    let mut options = args.options();
-    let both = image.display && reference.display;
-    if both && options.thresholds.hdr_flip.is_none() && options.hdr.is_some() {
-        options.hdr = None;
-        notes.push("no HDR-FLIP: both pictures hold display values".into());
-    } else if image.display != reference.display {
-        notes.push("one picture holds radiance, the other display values from 0 to 1".into());
-    }
-    options
-}
-
-/// What is known of the noise of both pictures. If too little is known for a z-test there is a note, or an error
-/// if the test was asked for.
-fn noise(
-    args: &CompareArgs,
-    pair: &Pair,
-    image: &Opened,
-    reference: &Opened,
-    notes: &mut Vec<String>,
-) -> Result<Option<Noise>, CompareError> {
-    let kind = args.variance_of.map(VarianceKind::from);
-    let found = || {
-        let given = |file| Given { file, kind };
-        // The layers tell the noise of the whole picture only.
-        let whole = [args.layer.is_none(), args.layer.is_none() && args.reference_layer.is_none()];
-        let of_image =
-            variance::find(&pair.image, &image.image, given(args.image_variance.as_deref()), whole[0])?;
-        let of_reference =
-            variance::find(&pair.reference, &reference.image, given(args.variance.as_deref()), whole[1])?;
-        Ok([of_image, of_reference])
-    };
-    let [of_image, of_reference] = match found() {
-        // Layers that say nothing do no harm where no test was asked for.
-        Err(error @ CompareError::NotVariance { .. }) if !args.z_test => {
-            notes.push(format!("no z-test: {error}"));
+    /// What is known of the noise of both pictures. If too little is known for a z-test there is a note, or an error
+    /// if the test was asked for.
+    fn noise(
+        &self,
+        pair: &Pair,
+        image: &Opened,
+        reference: &Opened,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<Noise>, CompareError> {
+        let args = self.args;
+        let kind = args.variance_of.map(VarianceKind::from);
+        let found = || {
+            let given = |file| Given { file, kind };
+            // The layers tell the noise of the whole picture only.
+            let whole = [args.layer.is_none(), args.layer.is_none() && args.reference_layer.is_none()];
+            let of_image =
+                variance::find(&pair.image, &image.image, given(args.image_variance.as_deref()), whole[0])?;
+            let of_reference =
+                variance::find(&pair.reference, &reference.image, given(args.variance.as_deref()), whole[1])?;
+            Ok([of_image, of_reference])
+        };
+        let [of_image, of_reference] = match found() {
+            // Layers that say nothing do no harm where no test was asked for.
+            Err(error @ CompareError::NotVariance { .. }) if !args.z_test => {
+                notes.push(format!("no z-test: {error}"));
+                return Ok(None);
+            }
+            found => found?,
+        };
+        let image = Known { variance: of_image, samples: args.spp.or_else(|| variance::samples(image)) };
+        let samples = args.reference_spp.or_else(|| variance::samples(reference));
+        let reference = Known { variance: of_reference, samples };
+        let Some(difference) = noise::of_difference(&image, &reference) else {
+            let source = image.variance.or(reference.variance);
+            let error = source.map_or_else(
+                || CompareError::NoVariance { reference: pair.reference.clone(), image: pair.image.clone() },
+                |source| CompareError::NoSamples { from: source.from },
+            );
+            return match error {
+                error if args.z_test => Err(error),
+                CompareError::NoVariance { .. } => Ok(None),
+                error => {
+                    notes.push(format!("no z-test: {error}"));
+                    Ok(None)
+                }
+            };
+        };
+        // Nobody expects an image of unknown noise to agree with its reference to within the reference's.
+        if difference.image_is_exact && !args.z_test {
+            notes.push("no z-test: nothing is known of the noise of the image; --spp and --reference-spp, the samples a pixel of both pictures, or a variance of its own would tell it".into());
             return Ok(None);
         }
-        found => found?,
-    };
-    let image = Known { variance: of_image, samples: args.spp.or_else(|| variance::samples(image)) };
-    let samples = args.reference_spp.or_else(|| variance::samples(reference));
-    let reference = Known { variance: of_reference, samples };
-    let Some(difference) = noise::of_difference(&image, &reference) else {
-        let source = image.variance.or(reference.variance);
-        let error = source.map_or_else(
-            || CompareError::NoVariance { reference: pair.reference.clone(), image: pair.image.clone() },
-            |source| CompareError::NoSamples { from: source.from },
-        );
-        return match error {
-            error if args.z_test => Err(error),
-            CompareError::NoVariance { .. } => Ok(None),
-            error => {
-                notes.push(format!("no z-test: {error}"));
-                Ok(None)
-            }
-        };
-    };
-    // Nobody expects an image of unknown noise to agree with its reference to within the reference's.
-    if difference.image_is_exact && !args.z_test {
-        notes.push("no z-test: nothing is known of the noise of the image; --spp and --reference-spp, the samples a pixel of both pictures, or a variance of its own would tell it".into());
-        return Ok(None);
+        notes.push(difference.note);
+        Ok(Some(difference.noise))
     }
-    notes.push(difference.note);
-    Ok(Some(difference.noise))
 }
 
 /// The file of a pair's error map: the path itself, or `folder/name.png`.
