@@ -135,13 +135,15 @@ impl Pixels {
     /// Adds one mean to each pixel.
     pub(super) fn add_means(&mut self, means: &[StoredMean]) {
         let blocks = self.light.par_chunks_mut(BLOCK).with_min_len(TOGETHER);
-        blocks.zip(means.par_chunks(ROW)).for_each(|(mut sums, means)| {
-            let mut values = [[0.0; ROW]; STRIDE];
+        let rows = || vec![[0.0; ROW]; STRIDE];
+        blocks.zip(means.par_chunks(ROW)).for_each_init(rows, |rows, (mut sums, means)| {
             for (i, mean) in means.iter().enumerate() {
                 let numbers = mean.numbers();
-                values.iter_mut().zip(numbers).for_each(|(row, number)| row[i] = number);
+                rows.iter_mut().zip(numbers).for_each(|(row, number)| row[i] = number);
             }
-            sums.add(values.as_flattened());
+            // Of the block before.
+            rows.iter_mut().for_each(|row| row[means.len()..].fill(0.0));
+            sums.add(rows.as_flattened());
         });
     }
 

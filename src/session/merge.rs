@@ -49,8 +49,15 @@ pub(super) fn disjoint(a: (&Path, [u32; 2]), b: (&Path, [u32; 2])) -> Result<(),
 #[derive(Debug, Default)]
 pub struct Merge {
     sums: Option<Pixels>,
-    /// Of each part, with the name that it is called by.
+    /// The part that begins first, with the name that it is called by.
+    lowest: Option<(PathBuf, Head)>,
+    /// Passes of each.
     parts: Vec<(PathBuf, Head)>,
+}
+
+/// What a checkpoint says of its passes. Of thousands, the rest would take more memory than the sums.
+pub(super) fn passes_of(head: &Head) -> Head {
+    Head { identity: Vec::new(), about: String::new(), ..*head }
 }
 
 /// Passes of a render that were made in parts.
@@ -84,8 +91,8 @@ impl Merge {
         if count != Some(pixels.len()) || aovs != Some(pixels.numbers_of_aovs()) {
             return Err(problem(CheckpointError::Invalid("its sums do not fit its picture")));
         }
-        if let Some((first, other)) = self.parts.first() {
-            agree([first, name], [other, &head])?;
+        if let Some((lowest, other)) = &self.lowest {
+            agree([lowest, name], [other, &head])?;
         }
         let range = [head.first, head.end()];
         self.parts
@@ -103,7 +110,10 @@ impl Merge {
                 sums.merge(end, &pixels, head.end());
             }
         }
-        self.parts.push((name.to_path_buf(), head));
+        self.parts.push((name.to_path_buf(), passes_of(&head)));
+        if self.lowest.as_ref().is_none_or(|(_, lowest)| head.first < lowest.first) {
+            self.lowest = Some((name.to_path_buf(), head));
+        }
         if let Some(sums) = &mut self.sums {
             sums.complete_until(missing(ranges(&self.parts), u32::MAX).first().map_or(0, |gap| gap[0]));
         }
@@ -118,15 +128,13 @@ impl Merge {
     /// [`Error::NoParts`]; [`Error::Missing`] for passes that no part holds, unless `allow_missing`; [`Error::Beyond`]
     /// where a part holds more than `passes`.
     pub fn finish(self, passes: Option<u32>, allow_missing: bool) -> Result<Merged, Error> {
-        let Self { sums, parts } = self;
+        let Self { sums, lowest, parts } = self;
         let gaps = gaps(&parts, passes, allow_missing)?;
-        let (Some(pixels), Some((_, first))) = (sums, parts.iter().min_by_key(|(_, head)| head.first)) else {
-            return Err(Error::NoParts);
-        };
+        let (Some(pixels), Some((file, first))) = (sums, lowest) else { return Err(Error::NoParts) };
         let count = parts.iter().map(|(_, head)| head.passes).sum();
         let end = parts.iter().map(|(_, head)| head.end()).max().unwrap_or(0);
-        let info = info_of(first).map_err(|source| Error::Part { file: parts[0].0.clone(), source })?;
-        let head = Head { passes: count, until: 0, whole: whole(&parts, passes), ..first.clone() };
+        let info = info_of(&first).map_err(|source| Error::Part { file, source })?;
+        let head = Head { passes: count, until: 0, whole: whole(&parts, passes), ..first };
         Ok(Merged { info, head, end, pixels, missing: gaps })
     }
 }

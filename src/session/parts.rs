@@ -8,7 +8,7 @@ use caustica_formats::memory::available;
 use super::Session;
 use super::error::Error;
 use super::layers::Layers;
-use super::merge::{Merge, Merged, agree, check_layers, disjoint, gaps, info_of, whole};
+use super::merge::{Merge, Merged, agree, check_layers, disjoint, gaps, info_of, passes_of, whole};
 use super::passes::missing;
 use super::picture::PictureInfo;
 use crate::film::{Aov, BinnedSums, STRIDE};
@@ -38,7 +38,10 @@ pub fn files_of_parts(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
 /// Checkpoints of one render, in the order of their passes.
 #[derive(Debug)]
 pub struct Parts {
+    /// With what is said of their passes.
     files: Vec<(PathBuf, Head)>,
+    /// The part that begins first.
+    lowest: (PathBuf, Head),
     info: PictureInfo,
 }
 
@@ -48,20 +51,26 @@ impl Parts {
     /// # Errors
     /// [`Error::NoParts`], [`Error::Part`], [`Error::Unlike`] or [`Error::Overlap`], with the first problem.
     pub fn read(files: &[PathBuf]) -> Result<Self, Error> {
-        let mut parts =
-            files.iter().map(|file| Ok((file.clone(), head(file)?))).collect::<Result<Vec<_>, Error>>()?;
-        parts.sort_by_key(|(_, head)| (head.first, head.passes));
-        let Some((first, head)) = parts.first() else { return Err(Error::NoParts) };
-        let problem = |source| Error::Part { file: first.clone(), source };
-        let info = info_of(head).map_err(problem)?;
-        for (file, other) in &parts[1..] {
-            agree([first, file], [head, other])?;
+        let mut parts = Vec::new();
+        let mut lowest: Option<(PathBuf, Head)> = None;
+        for file in files {
+            let head = head(file)?;
+            if let Some((lowest, other)) = &lowest {
+                agree([lowest, file], [other, &head])?;
+            }
+            parts.push((file.clone(), passes_of(&head)));
+            if lowest.as_ref().is_none_or(|(_, lowest)| head.first < lowest.first) {
+                lowest = Some((file.clone(), head));
+            }
         }
+        let Some((first, head)) = lowest else { return Err(Error::NoParts) };
+        let info = info_of(&head).map_err(|source| Error::Part { file: first.clone(), source })?;
+        parts.sort_by_key(|(_, head)| (head.first, head.passes));
         for pair in parts.windows(2) {
             let [a, b] = [&pair[0], &pair[1]].map(|(file, head)| (file.as_path(), [head.first, head.end()]));
             disjoint(a, b)?;
         }
-        Ok(Self { files: parts, info })
+        Ok(Self { files: parts, lowest: (first, head), info })
     }
 
     /// What the picture is.
@@ -97,11 +106,9 @@ impl Parts {
     /// # Errors
     /// [`Error::Part`] with what differs.
     pub fn check_session(&self, session: &Session) -> Result<(), Error> {
+        let (file, head) = &self.lowest;
         let now = super::checkpoint::head(session);
-        self.files.iter().try_for_each(|(file, head)| {
-            let problem = |source| Error::Part { file: file.clone(), source };
-            head.check(&now.identity).map_err(problem)
-        })
+        head.check(&now.identity).map_err(|source| Error::Part { file: file.clone(), source })
     }
 
     /// Finds out before the sums are read what would fail after it.
