@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use caustica::film::Pixels;
-use caustica::render::{Budget, Checkpoint, Sums, render as render_passes};
+use caustica::render::{Budget, Checkpoint, Head, Sums, render as render_passes};
 
 use crate::support::{Stage, box_camera, lamp, render, scene, settings, sphere, walls};
 
@@ -51,9 +51,9 @@ fn a_resumed_render_is_the_whole_render() {
     for changes in MODES {
         let whole = passes(&scene, changes, fresh(), 8);
         let first = passes(&scene, changes, fresh(), 4);
-        let saved = Checkpoint::encode(&[], 4, &first);
+        let saved = Checkpoint::encode(&Head { passes: 4, ..Head::default() }, &first);
         let loaded = Checkpoint::decode(&saved).unwrap();
-        let sums = Sums { pixels: loaded.pixels, passes: loaded.passes };
+        let sums = Sums { pixels: loaded.pixels, first: 0, passes: loaded.head.passes };
         let resumed = passes(&scene, changes, sums, 8);
         assert!(whole == resumed, "{changes:?}");
     }

@@ -1,6 +1,5 @@
 //! The estimator of indirect light that a pilot chooses.
 
-use caustica::film::STRIDE;
 use caustica::integrator::photon_map::decided;
 
 use crate::support::{Stage, box_camera, diffuse, lamp, outcome, rectangle, scene, settings, sphere, walls};
@@ -11,9 +10,9 @@ const SIDE: usize = 48;
 fn rendered(scene: &Stage, changes: &[(&str, &str)], seed: &str) -> (Vec<f64>, f64) {
     let changes = [changes, &[("seed", seed)]].concat();
     let done = outcome(scene, &changes, 24, &mut |_| {});
-    let sum = |pixel: &[f64; STRIDE]| pixel[..12].iter().sum::<f64>();
+    let sum = |pixel: usize| done.pixels.numbers(pixel)[..12].iter().sum::<f64>();
     let work = done.statistics.rays + done.statistics.lookups + done.statistics.photons_stored;
-    (done.pixels.as_slice().iter().map(sum).collect(), work as f64)
+    ((0..done.pixels.len()).map(sum).collect(), work as f64)
 }
 
 /// Mean relative variance of single pixels and of squares of 4 × 4, told from two renders, times the work of one.

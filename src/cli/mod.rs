@@ -7,15 +7,18 @@ mod failure;
 mod generate;
 mod inspect;
 mod interrupt;
+mod merge;
+mod picture;
 mod render;
 mod report;
 mod scene;
+mod submit;
 mod summary;
 mod version;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
 
 /// Photon-mapping renderer for Mitsuba and pbrt scenes.
@@ -30,6 +33,10 @@ struct Arguments {
 enum Command {
     /// Render a scene to EXR and PNG
     Render(Box<render::RenderArgs>),
+    /// Make the picture of a render from its parts
+    Merge(Box<merge::MergeArgs>),
+    /// Render on many machines: write the jobs for a scheduler
+    Submit(Box<submit::SubmitArgs>),
     /// Write a scene in another language, or in the newest version of its own
     Convert(Box<convert::ConvertArgs>),
     /// Show what a scene holds and what rendering it takes
@@ -50,7 +57,8 @@ const FAILED: u8 = 1;
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
     // clap prints usage errors itself and exits with 2.
-    let arguments = Arguments::parse();
+    let matches = Arguments::command().get_matches();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let interrupt = match interrupt::Interrupt::begin() {
         Ok(interrupt) => interrupt,
         Err(problem) => {
@@ -60,6 +68,11 @@ pub fn main() -> ExitCode {
     };
     let result: Result<u8, Failure> = match arguments.command {
         Command::Render(args) => render::run(&args, &interrupt),
+        Command::Merge(args) => merge::run(&args),
+        Command::Submit(args) => {
+            let given = matches.subcommand().map(|(_, matches)| scene::SceneArgs::given(matches));
+            submit::run(&args, &given.unwrap_or_default())
+        }
         Command::Convert(args) => convert::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => Ok(compare::run(&args)),

@@ -1,5 +1,6 @@
 //! `caustica render`.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -8,12 +9,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::failure::Failure;
 use super::interrupt::Interrupt;
+use super::picture::PictureArgs;
 use super::scene::SceneArgs;
 use super::summary::Cost;
 use super::{report, summary};
 use crate::math::kernel::KernelKind;
-use crate::render::{Budget, Outcome, Progress, Stop, Sums};
-use crate::session::{Error, KNOWN_LAYERS, Layers, Output, Saver, Session};
+use crate::render::{Budget, MOST_PASSES, Outcome, Progress, Stop, Sums};
+use crate::session::{Output, Saver, Session};
 use crate::settings::{SETTINGS, Settings};
 
 /// Arguments of `render`.
@@ -21,22 +23,8 @@ use crate::settings::{SETTINGS, Settings};
 pub struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Picture to write: .exr, .png, .hdr or .pfm [default: SCENE.exr here]
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// Also write a PNG [default name: that of the output]
-    #[arg(long, value_name = "FILE", num_args = 0..=1)]
-    png: Option<Option<PathBuf>>,
-    /// Stops of exposure for the PNG
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
-    exposure: f64,
-    /// Store 16-bit floats
-    #[arg(long)]
-    half: bool,
-    #[arg(long, value_name = "LIST",
-        help = format!("Layers of the EXR: {}, all or none [default: emission,direct,caustic,indirect and what the \
-            scene asks for]", KNOWN_LAYERS.join(", ")))]
-    layers: Option<String>,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// End after this many seconds of rendering
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     time: Option<Duration>,
@@ -49,6 +37,9 @@ pub struct RenderArgs {
     /// Save the state of the render here after every pass
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
+    /// Render the passes A to B - 1 only, counted from 0, for `caustica merge`; a picture of them is written with -o
+    #[arg(long, value_name = "A..B", value_parser = range, requires = "checkpoint", conflicts_with = "target_error")]
+    pass_range: Option<Range<u32>>,
     /// Go on from the checkpoint [default checkpoint: OUTPUT.checkpoint]
     #[arg(long)]
     resume: bool,
@@ -69,8 +60,14 @@ pub struct RenderArgs {
 /// More would only wait for each other, and every one takes memory before the first ray.
 const MAX_THREADS: i64 = 1024;
 
-fn stops(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|e: &f64| e.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
+fn range(text: &str) -> Result<Range<u32>, String> {
+    let wrong = || "expected A..B, such as 64..128 for the passes 64 to 127".to_owned();
+    let (first, end) = text.split_once("..").ok_or_else(wrong)?;
+    match (first.parse::<u32>(), end.parse::<u32>()) {
+        (Ok(_), Ok(end)) if end > MOST_PASSES => Err(format!("a render has {MOST_PASSES} passes at most")),
+        (Ok(first), Ok(end)) if first < end => Ok(first..end),
+        _ => Err(wrong()),
+    }
 }
 
 fn error(text: &str) -> Result<f64, String> {
@@ -100,13 +97,14 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
         rayon::ThreadPoolBuilder::new().num_threads(n as usize).build_global().map_err(|e| e.to_string())?;
     }
     // Found before the scene is read, which may take long.
-    let layers = args.layers.as_deref().map(str::parse::<Layers>).transpose().map_err(Error::from)?;
+    let layers = args.picture.layers()?;
+    args.check_range()?;
     let started = Instant::now();
     let session = args.scene.open(args.quiet, layers)?;
     let load = (started.elapsed().as_secs_f64(), report::cpu_seconds());
     session.check_memory()?;
     let output = args.output(&session);
-    let saver = Saver::new(args.checkpoint_path(&output), &session);
+    let saver = args.saver(&session, &output);
     let saving = args.checkpoint.is_some() || args.resume;
     let checkpoint = saving.then_some(saver.path.as_path());
     let others: Vec<&Path> = args.stats.as_deref().into_iter().chain(checkpoint).collect();
@@ -120,11 +118,13 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let outcome = args.render(&session, sums, saving.then_some(&mut saver), interrupt);
     let cost = Cost::new(load, report::cpu_seconds());
     // A picture from before is worth more than a part of the first pass.
-    let kept = outcome.statistics.passes == 0 && output.files.iter().any(|file| file.exists());
+    let before = || args.pass_range.is_some() || output.files.iter().any(|file| file.exists());
+    let kept = outcome.statistics.passes == 0 && before();
     // The picture first: it is what nobody wants to lose.
     let picture = if kept { Ok(()) } else { output.write(&session.picture(&outcome)) };
     for file in output.files.iter().filter(|_| kept) {
-        report::line(&format!("interrupted in the first pass: nothing was written to {}", file.display()));
+        let why = if outcome.stop == Stop::Interrupted { "interrupted" } else { "time is up" };
+        report::line(&format!("{why} in the first pass: nothing was written to {}", file.display()));
     }
     let whole = outcome.statistics.passes > 0 && !outcome.statistics.first_pass_cut;
     let last = whole && (saving || outcome.stop == Stop::Interrupted);
@@ -145,31 +145,45 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
 }
 
 impl RenderArgs {
+    /// Of a range there is a picture where one is asked for: parts of a render may share a folder.
     fn output(&self, session: &Session) -> Output {
-        let main = self.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", session.name())));
-        let mut files = vec![main.clone()];
-        match &self.png {
-            Some(Some(file)) => files.push(file.clone()),
-            Some(None) => files.push(main.with_extension("png")),
-            None => {}
+        if self.pass_range.is_some() && !self.picture.is_asked() {
+            return Output::new(session, Vec::new());
         }
-        let own = Output::new(session, files);
-        Output { half: self.half, exposure: self.exposure + own.exposure, ..own }
+        self.picture.output(&session.info())
     }
 
-    fn checkpoint_path(&self, output: &Output) -> PathBuf {
-        self.checkpoint.clone().unwrap_or_else(|| Saver::default_path(&output.files[0]))
+    /// Makes sure that the passes of the range are among all passes.
+    fn check_range(&self) -> Result<(), Failure> {
+        match (&self.pass_range, self.scene.passes()) {
+            (Some(Range { start, end }), Some(passes)) if *end > passes => Err(Failure::Usage(format!(
+                "invalid value `{start}..{end}` for `--pass-range`: the whole render has {passes} passes"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    fn saver(&self, session: &Session, output: &Output) -> Saver {
+        let beside = || output.files.first().map(|file| Saver::default_path(file));
+        let path = self.checkpoint.clone().or_else(beside).unwrap_or_default();
+        let saver = Saver::new(path, session).of_whole(self.scene.passes().unwrap_or(0));
+        match &self.pass_range {
+            Some(Range { start, end }) => saver.of_range(*start, *end),
+            None => saver,
+        }
     }
 
     /// What the render goes on from.
     fn begin(&self, session: &Session, saver: &Saver) -> Result<Sums, Failure> {
         let saved = if self.resume { saver.resume()? } else { None };
-        if self.resume && saved.is_none() {
+        // A task of many is started with --resume in any case.
+        if self.resume && saved.is_none() && self.pass_range.is_none() {
             let path = saver.path.display();
             report::line(&format!("warning: there is no checkpoint `{path}`; beginning with pass 1"));
         }
-        let sums = saved.unwrap_or_else(|| Sums::none(session.view.film.pixel_count()));
-        let done = sums.passes;
+        let first = self.pass_range.as_ref().map_or(0, |range| range.start);
+        let sums = saved.unwrap_or_else(|| Sums::none_from(first, session.view.film.pixel_count()));
+        let done = sums.first + sums.passes;
         if let Some(asked) = self.scene.passes().filter(|asked| *asked < done && !self.quiet) {
             report::line(&format!("warning: the checkpoint holds {done} passes; {asked} were asked for"));
         }
@@ -191,7 +205,8 @@ impl RenderArgs {
     fn tell_lost_layers(&self, session: &Session, output: &Output) {
         let stored =
             output.files.iter().any(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")));
-        if !stored && !session.view.aovs.is_empty() && !self.quiet {
+        let written = !output.files.is_empty();
+        if written && !stored && !session.view.aovs.is_empty() && !self.quiet {
             let scene = session.path().display();
             report::line(&format!(
                 "warning: {scene}: the layers that it asks for are stored in .exr files only"
@@ -212,15 +227,24 @@ impl RenderArgs {
             passes: (!limited || self.scene.passes().is_some()).then_some(session.settings.passes),
             time: self.time,
             error: self.target_error,
+            whole: false,
             interrupt: Some(interrupt.flag()),
         };
+        let budget = match &self.pass_range {
+            Some(range) => Budget { passes: Some(range.len() as u32), ..budget },
+            None => budget,
+        };
         let bar = self.progress_bar(&budget);
-        let outcome = session.resume(sums, budget, &mut |p| {
+        let mut progress = |p: &Progress<'_>| {
             show(&bar, p, &budget);
             if let Some(Err(problem)) = saver.as_mut().map(|saver| saver.after_pass(p.pixels, p.passes)) {
                 report::line(&format!("warning: {problem}; rendering goes on, and this is tried again"));
             }
-        });
+        };
+        let outcome = match &self.pass_range {
+            Some(range) => session.resume_range(sums, range.end, budget, &mut progress),
+            None => session.resume(sums, budget, &mut progress),
+        };
         bar.finish_and_clear();
         outcome
     }
@@ -288,12 +312,10 @@ fn show(bar: &ProgressBar, p: &Progress<'_>, budget: &Budget<'_>) {
         Some(_) => bar.set_position(p.elapsed.as_millis() as u64),
         None => bar.set_position(u64::from(p.passes)),
     }
-    // The error estimate reads every pixel: show it at powers of two.
+    // The error estimate reads every pixel: show it at powers of two. It is not known of later passes alone.
     if p.passes.is_power_of_two() && p.passes > 1 {
-        bar.set_message(format!(
-            "pass {}, error {:.2} %",
-            p.passes,
-            100.0 * p.pixels.relative_error(p.passes)
-        ));
+        let error = p.pixels.relative_error(p.passes);
+        let error = if error.is_finite() { format!(", error {:.2} %", 100.0 * error) } else { String::new() };
+        bar.set_message(format!("pass {}{error}", p.passes));
     }
 }

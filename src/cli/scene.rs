@@ -4,12 +4,16 @@ use std::path::{Path, PathBuf};
 
 use caustica_formats::diagnostic::nearest;
 use caustica_formats::ir::{Crop, Filter, SpectrumRule};
-use clap::{Args, ValueEnum};
+use clap::parser::ValueSource;
+use clap::{ArgAction, ArgMatches, Args, Command, ValueEnum};
 
 use super::failure::Failure;
 use super::report;
 use crate::scene::compile::MAX_PIXELS;
 use crate::session::{Error, Inspection, Layers, Options, Session};
+
+/// The option for folders, whose names are relative to the working folder.
+const ALLOW_PATH: &str = "allow_path";
 
 /// Scene file, parameters, camera, film and settings, for every subcommand that opens a scene.
 #[derive(Debug, Args)]
@@ -101,7 +105,10 @@ pub fn pair(text: &str) -> Result<(String, String), String> {
 }
 
 /// A whole number from 1; 1e3 is one.
-fn whole(text: &str) -> Result<u32, String> {
+///
+/// # Errors
+/// What was expected, in words.
+pub fn whole(text: &str) -> Result<u32, String> {
     let value = text.parse::<f64>().map_err(|_| "expected a whole number from 1".to_owned())?;
     if value > f64::from(u32::MAX) {
         return Err(format!("too large: at most {}", u32::MAX));
@@ -151,6 +158,33 @@ impl SceneArgs {
     /// The passes asked for, if any.
     pub fn passes(&self) -> Option<u32> {
         self.spp.or(self.passes)
+    }
+
+    /// The options among `matches` that were given, but for the scene itself, as another program can be given them in
+    /// any folder.
+    pub fn given(matches: &ArgMatches) -> Vec<String> {
+        let mut options = Vec::new();
+        for argument in Self::augment_args(Command::new("scene")).get_arguments() {
+            let id = argument.get_id().as_str();
+            let name = match (argument.get_long(), argument.get_short()) {
+                (Some(long), _) => format!("--{long}="),
+                (None, Some(short)) => format!("-{short}"),
+                (None, None) => continue,
+            };
+            if matches.value_source(id) != Some(ValueSource::CommandLine) {
+                continue;
+            }
+            if matches!(argument.get_action(), ArgAction::SetTrue) {
+                options.push(name.trim_end_matches('=').to_owned());
+                continue;
+            }
+            for value in matches.get_raw(id).into_iter().flatten() {
+                let folder = (id == ALLOW_PATH).then(|| std::path::absolute(value).ok()).flatten();
+                let value = folder.as_ref().map_or(value, |folder| folder.as_os_str());
+                options.push(format!("{name}{}", value.to_string_lossy()));
+            }
+        }
+        options
     }
 
     /// Reads and compiles the scene, whose picture gets these `layers` where they were asked for. Warnings are printed

@@ -46,6 +46,8 @@ pub fn table(outcome: &Outcome, load_seconds: f64) -> String {
         let error = 100.0 * outcome.pixels.relative_error(s.passes);
         let text = if error.is_finite() {
             format!("{error:.3} % of the mean")
+        } else if outcome.pixels.mean_luminance(s.passes) > 0.0 {
+            "not known of these passes alone".to_owned()
         } else {
             "none: all is black".to_owned()
         };
@@ -90,6 +92,7 @@ fn ended(outcome: &Outcome) -> &'static str {
         Stop::Time if s.first_pass_cut => {
             "time is up: the only pass has fewer light paths than asked for, and there is no checkpoint"
         }
+        Stop::Time if s.passes == 0 => "time is up before the first pass was done",
         Stop::Time => "time is up",
         Stop::Error => "target error reached",
         Stop::Interrupted if s.passes == 0 => {

@@ -3,9 +3,11 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 /// What such a picture shows. Unless said otherwise, lengths and directions are those of the author's world, and
 /// where a ray meets nothing every number is 0, as in Mitsuba.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Aov {
     /// Diffuse reflectance, as Mitsuba's BSDFs tell it.
     Albedo,

@@ -11,16 +11,23 @@
 //! how that falls from one doubling to the next says how V does: where it falls as n⁻ˢ, so does V, and
 //! V(n) = Δₘ/(2ˢ − 1). Independent passes have s = 1 and V(n) = Δₘ, also when later passes are noisier
 //! than earlier ones, as those of progressive photon mapping are: E(A − B)²/4 is (V_A + V_B)/4 then.
+//!
+//! Of passes that begin with another than the first, the sums of luminance up to each power of two are kept, so that
+//! parts of a render which are merged give the estimate of one run. A part from pass A to pass B keeps one for each
+//! power of two between them, which are log₂(B/A) + 1 at most.
 
-use super::stored::{STRIDE, luminance_sum};
+use std::collections::BTreeMap;
+
+use super::binned::BinnedSums;
 
 /// What each doubling of the passes took from the mean variance of a pixel's luminance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Doublings {
-    /// Sums of luminance when the number of passes last was a power of two.
-    luminance: Vec<f64>,
     /// Δ₁ (from 1 to 2 passes), Δ₂, …
     steps: Vec<f64>,
+    /// Sums of luminance over those of the passes that come before a power of two. Once the step that ends at a power
+    /// is known, what comes before the power is no longer kept.
+    marks: BTreeMap<u32, BinnedSums>,
 }
 
 /// Slowest and fastest fall of the variance. Stratified passes are no worse than independent ones, and of
@@ -29,27 +36,70 @@ const SLOPES: [f64; 2] = [1.0, 2.0];
 
 impl Doublings {
     /// The numbers that make one again, for files.
-    pub fn parts(&self) -> (&[f64], &[f64]) {
-        (&self.luminance, &self.steps)
+    pub fn parts(&self) -> (&[f64], &BTreeMap<u32, BinnedSums>) {
+        (&self.steps, &self.marks)
     }
 
     /// From what [`Doublings::parts`] gave.
-    pub fn from_parts(luminance: Vec<f64>, steps: Vec<f64>) -> Self {
-        Self { luminance, steps }
+    pub fn from_parts(steps: Vec<f64>, marks: BTreeMap<u32, BinnedSums>) -> Self {
+        Self { steps, marks }
     }
 
-    pub(super) fn pass_done(&mut self, sums: &[[f64; STRIDE]], passes: u32) {
-        if !passes.is_power_of_two() {
-            return;
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        self.marks.values().map(BinnedSums::bytes).sum()
+    }
+
+    /// `luminance` holds the sums over the passes from the first to a power of two, of so many pixels.
+    pub(super) fn pass_done(&mut self, [first, end]: [u32; 2], pixels: usize, luminance: BinnedSums) {
+        self.mark(end, luminance);
+        self.close(if first == 0 { end } else { 0 }, pixels);
+    }
+
+    /// `luminance` holds the sums over all passes before `power`.
+    pub(super) fn mark(&mut self, power: u32, luminance: BinnedSums) {
+        self.marks.insert(power, luminance);
+    }
+
+    /// Adds what was found of other passes. `ends` are those of the passes of both; `totals` give the sums of luminance
+    /// over all of them.
+    pub(super) fn merge(&mut self, ends: [u32; 2], totals: [&dyn Fn() -> BinnedSums; 2], other: &Self) {
+        // What is known already to the part that begins with pass 0.
+        let closed = [&*self, other].map(|of| of.steps.len()).into_iter().max().unwrap_or(0);
+        let first = 1u32 << closed.min(31);
+        self.marks.retain(|power, _| *power >= first);
+        let last = ends[0].max(ends[1]);
+        for power in (0..u32::BITS).map(|e| 1u32 << e).filter(|power| (first..=last).contains(power)) {
+            let theirs = match other.marks.get(&power) {
+                None if power >= ends[1] => Some(totals[1]()),
+                mark => mark.cloned(),
+            };
+            if power >= ends[0] {
+                self.marks.entry(power).or_insert_with(totals[0]);
+            }
+            match (self.marks.get_mut(&power), theirs) {
+                (Some(ours), Some(theirs)) => ours.merge(&theirs),
+                (None, Some(theirs)) => drop(self.marks.insert(power, theirs)),
+                (_, None) => {}
+            }
         }
-        let now: Vec<f64> = sums.iter().map(|s| luminance_sum(s)).collect();
-        if passes > 1 {
-            let half = f64::from(passes / 2);
-            let square = |(now, before): (&f64, &f64)| ((now - 2.0 * before) / half).powi(2) / 4.0;
-            let sum: f64 = now.iter().zip(&self.luminance).map(square).sum();
-            self.steps.push(sum / now.len().max(1) as f64);
+        if self.steps.is_empty() {
+            self.steps.clone_from(&other.steps);
         }
-        self.luminance = now;
+    }
+
+    /// Finds the steps up to `passes`, all of which are known.
+    pub(super) fn close(&mut self, passes: u32, pixels: usize) {
+        loop {
+            let half = 1u32 << self.steps.len().min(30);
+            let whole = 2 * half;
+            let Some(now) = self.marks.get(&whole).filter(|_| whole <= passes) else { return };
+            let Some(before) = self.marks.get(&half) else { return };
+            let square = |i: usize| ((now.get(i) - 2.0 * before.get(i)) / f64::from(half)).powi(2) / 4.0;
+            let sum: f64 = (0..pixels).map(square).sum();
+            self.steps.push(sum / pixels.max(1) as f64);
+            self.marks.remove(&half);
+        }
     }
 
     /// Mean over the picture of the variance of a pixel's luminance after `passes`; infinite before two.

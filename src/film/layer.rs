@@ -1,9 +1,11 @@
 //! The layers of a picture, and one camera sample divided among them.
 
+use serde::{Deserialize, Serialize};
+
 use crate::math::Color;
 
 /// The parts a picture is made of; they sum to the beauty.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Layer {
     /// Lamps and environment seen directly or through specular surfaces.
     Emission,

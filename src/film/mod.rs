@@ -1,9 +1,12 @@
 //! The film: what is stored per pixel, and reconstruction filters.
 
 mod aov;
+mod binned;
 mod doublings;
 pub mod filter;
 mod layer;
+mod packed;
+mod pass;
 mod pixels;
 mod rejected;
 mod response;
@@ -11,10 +14,12 @@ mod splats;
 mod stored;
 
 pub use aov::{AOVS, Aov, Visible};
+pub use binned::{Binned, BinnedSums, MOST_ADDITIONS};
 pub use doublings::Doublings;
 pub use filter::Filter;
 pub use layer::{LAYERS, Layer, Radiance};
-pub use pixels::{Mean, Pixels};
+pub use pass::{Mean, PassSums, StoredMean};
+pub use pixels::{Common, Pixels};
 pub use rejected::{Rejected, RejectedLayer};
 pub use response::Response;
 pub use splats::{SplatList, Splats};

@@ -1,76 +1,123 @@
-//! The sums of a picture over its passes, and what one pass adds to a pixel.
+//! The sums of a picture over its passes.
+
+use std::fmt;
+
+use rayon::prelude::*;
 
 use super::aov::Aov;
+use super::binned::{BinnedSums, ROW};
 use super::doublings::Doublings;
-use super::layer::{LAYERS, Layer, Radiance};
-use super::rejected::Rejected;
-use super::stored::{ALPHA, SQUARE, STRIDE, luminance_sum};
-use crate::math::Color;
-use crate::spectrum::to_rgb;
+use super::layer::{LAYERS, Layer};
+use super::pass::{PassSums, StoredMean};
+use super::stored::{ALPHA, BLOCK, LUMINANCE, SQUARE, STRIDE, place};
 
-/// Sums over passes. f64: after 10⁴ passes f32 sums would drop the small additions.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Pixels {
-    /// Per pixel: layers × RGB, then alpha, then the square of the sample's luminance.
-    sums: Vec<[f64; STRIDE]>,
+/// Blocks of pixels that are added to together: a unit of parallel work.
+const TOGETHER: usize = 64;
+
+/// What all passes of a picture have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Common {
     /// Camera samples that every pass took of a pixel.
     pub samples_a_pass: u32,
+    /// Search radii of the global and of the caustic map in pass 0; 0 without a map.
+    pub first_radii: [f32; 2],
+}
+
+/// Sums of luminance, those of the last block that stand for no pixel included: they are 0.
+fn luminance(light: &BinnedSums) -> BinnedSums {
+    let mut sums = BinnedSums::default();
+    for block in (0..light.len()).step_by(BLOCK) {
+        let first = block + place(0, LUMINANCE);
+        sums.extend(light, first..first + ROW);
+    }
+    sums
+}
+
+impl fmt::Display for Common {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [global, caustic] = self.first_radii;
+        write!(f, "{} samples a pixel, first radii {global} and {caustic}", self.samples_a_pass)
+    }
+}
+
+/// Sums over passes, which do not depend on the order of the passes, see [`super::binned`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pixels {
+    /// Pixels.
+    count: usize,
+    /// Per pixel: layers × RGB, then alpha, then the luminance of each pass and its square; [`place`] says where. The
+    /// last block may have more pixels than there are.
+    light: BinnedSums,
+    /// What all passes have in common.
+    pub common: Common,
     doublings: Doublings,
     /// Sums of the pictures of surfaces, pixel by pixel; empty where none is asked for.
-    aovs: Vec<f64>,
+    aovs: BinnedSums,
 }
 
 impl Pixels {
     /// Empty sums of `count` pixels.
     pub fn new(count: usize) -> Self {
         Self {
-            sums: vec![[0.0; STRIDE]; count],
-            samples_a_pass: 1,
+            count,
+            light: BinnedSums::new(Self::sums_of_light(count)),
+            common: Common { samples_a_pass: 1, first_radii: [0.0; 2] },
             doublings: Doublings::default(),
-            aovs: Vec::new(),
+            aovs: BinnedSums::default(),
         }
+    }
+
+    /// Sums of light of so many pixels, in [`Pixels::sums`].
+    pub fn sums_of_light(count: usize) -> usize {
+        count.div_ceil(ROW).saturating_mul(BLOCK)
+    }
+
+    /// Of `count` pixels, from their sums of light and of AOVs, and what the noise is estimated from.
+    pub fn from_parts(
+        count: usize,
+        [light, aovs]: [BinnedSums; 2],
+        doublings: Doublings,
+        common: Common,
+    ) -> Self {
+        Self { count, light, common, doublings, aovs }
     }
 
     /// Makes room for so many sums of AOVs a pixel, unless it is there already.
     pub fn hold_aovs(&mut self, numbers: usize) {
-        self.aovs.resize(self.sums.len() * numbers, 0.0);
+        self.aovs.resize(self.len() * numbers);
     }
 
-    /// The sums of AOVs, pixel by pixel.
-    pub fn aovs(&self) -> &[f64] {
-        &self.aovs
-    }
-
-    /// All sums, to add to: those of light, and those of AOVs.
-    pub fn parts_mut(&mut self) -> (&mut [[f64; STRIDE]], &mut [f64]) {
-        (&mut self.sums, &mut self.aovs)
+    /// Sums of AOVs of all pixels, of which [`Pixels::sums`] has the second.
+    pub fn numbers_of_aovs(&self) -> usize {
+        self.aovs.len()
     }
 
     /// The channels of one of the AOVs of `list` after `passes`; empty when it is not among them.
     pub fn aov(&self, pixel: usize, aov: Aov, list: &[Aov], passes: u32) -> Vec<f64> {
         let Some(place) = aov.place_in(list) else { return Vec::new() };
         let first = pixel * Aov::numbers_of(list);
-        aov.finish(&self.aovs[first + place.start..first + place.end], passes, self.samples_a_pass)
+        let sums: Vec<f64> = place.map(|i| self.aovs.get(first + i)).collect();
+        aov.finish(&sums, passes, self.common.samples_a_pass)
     }
 
     /// Pixels.
     pub fn len(&self) -> usize {
-        self.sums.len()
+        self.count
     }
 
     /// Whether there are no pixels.
     pub fn is_empty(&self) -> bool {
-        self.sums.is_empty()
+        self.count == 0
     }
 
-    /// The sums, row by row: layers × RGB, then alpha, then the square of the luminance.
-    pub fn as_slice(&self) -> &[[f64; STRIDE]] {
-        &self.sums
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        self.light.bytes() + self.aovs.bytes() + self.doublings.bytes()
     }
 
-    /// The same, to add to.
-    pub fn as_mut_slice(&mut self) -> &mut [[f64; STRIDE]] {
-        &mut self.sums
+    /// The sums of light and of AOVs, for files.
+    pub fn sums(&self) -> [&BinnedSums; 2] {
+        [&self.light, &self.aovs]
     }
 
     /// What the noise is estimated from.
@@ -78,34 +125,83 @@ impl Pixels {
         &self.doublings
     }
 
-    /// Puts back what a file kept.
-    pub fn set_doublings(&mut self, doublings: Doublings) {
-        self.doublings = doublings;
+    /// Adds a pass.
+    pub fn add(&mut self, pass: &PassSums) {
+        self.add_means(&pass.means);
+        let aovs = self.aovs.par_chunks_mut(TOGETHER * ROW);
+        aovs.zip(pass.aovs.par_chunks(TOGETHER * ROW)).for_each(|(mut sums, values)| sums.add(values));
     }
 
-    /// To be called after every pass, in order: what [`Self::relative_error`] is made of.
-    pub fn pass_done(&mut self, passes: u32) {
-        self.doublings.pass_done(&self.sums, passes);
+    /// Adds one mean to each pixel.
+    pub(super) fn add_means(&mut self, means: &[StoredMean]) {
+        let blocks = self.light.par_chunks_mut(BLOCK).with_min_len(TOGETHER);
+        let rows = || vec![[0.0; ROW]; STRIDE];
+        blocks.zip(means.par_chunks(ROW)).for_each_init(rows, |rows, (mut sums, means)| {
+            for (i, mean) in means.iter().enumerate() {
+                let numbers = mean.numbers();
+                rows.iter_mut().zip(numbers).for_each(|(row, number)| row[i] = number);
+            }
+            // Of the block before.
+            rows.iter_mut().for_each(|row| row[means.len()..].fill(0.0));
+            sums.add(rows.as_flattened());
+        });
+    }
+
+    /// To be called when the passes from `first` to `end`, which is not among them, are in the sums, and after each of
+    /// them, in order: what [`Self::relative_error`] is made of.
+    pub fn pass_done(&mut self, first: u32, end: u32) {
+        if end.is_power_of_two() {
+            let luminance = luminance(&self.light);
+            self.doublings.pass_done([first, end], self.count, luminance);
+        }
+    }
+
+    /// Adds the sums of other passes. None of theirs is at or after `other_end`, none of ours at or after `end`.
+    pub fn merge(&mut self, end: u32, other: &Self, other_end: u32) {
+        let (ours, theirs) = (&self.light, &other.light);
+        let totals = [ours, theirs].map(|light| move || luminance(light));
+        self.doublings.merge([end, other_end], [&totals[0], &totals[1]], &other.doublings);
+        self.light.merge(&other.light);
+        self.aovs.merge(&other.aovs);
+    }
+
+    /// To be called with sums that end with pass `end` and come from a file, which does not keep what follows from them.
+    pub fn mark_end(&mut self, end: u32) {
+        if end.is_power_of_two() {
+            self.doublings.mark(end, luminance(&self.light));
+        }
+    }
+
+    /// To be called when all of the first `passes` passes are in the sums.
+    pub fn complete_until(&mut self, passes: u32) {
+        self.doublings.close(passes, self.count);
     }
 
     /// Mean of a layer after `passes`.
     pub fn layer(&self, pixel: usize, layer: Layer, passes: u32) -> [f64; 3] {
         let at = 3 * layer as usize;
-        let s = &self.sums[pixel];
-        [s[at], s[at + 1], s[at + 2]].map(|v| v / f64::from(passes.max(1)))
+        [at, at + 1, at + 2].map(|at| self.sum(pixel, at) / f64::from(passes.max(1)))
+    }
+
+    /// All sums of light of a pixel: layers × RGB, then alpha, then the luminance of each pass and its square.
+    pub fn numbers(&self, pixel: usize) -> [f64; STRIDE] {
+        std::array::from_fn(|at| self.sum(pixel, at))
+    }
+
+    fn sum(&self, pixel: usize, at: usize) -> f64 {
+        self.light.get(place(pixel, at))
     }
 
     /// Mean of the sum of all layers.
     pub fn beauty(&self, pixel: usize, passes: u32) -> [f64; 3] {
-        let s = &self.sums[pixel];
         std::array::from_fn(|c| {
-            (0..LAYERS.len()).map(|l| s[3 * l + c]).sum::<f64>() / f64::from(passes.max(1))
+            (0..LAYERS.len()).map(|l| self.sum(pixel, 3 * l + c)).sum::<f64>() / f64::from(passes.max(1))
         })
     }
 
     /// Mean coverage after `passes`.
     pub fn alpha(&self, pixel: usize, passes: u32) -> f64 {
-        self.sums[pixel][ALPHA] / f64::from(passes.max(1))
+        self.sum(pixel, ALPHA) / f64::from(passes.max(1))
     }
 
     /// Variance of the mean luminance were the passes independent: the sample variance over passes divided
@@ -116,66 +212,21 @@ impl Pixels {
         if passes < 2 {
             return f64::INFINITY;
         }
-        let mean = luminance_sum(&self.sums[pixel]) / n;
-        ((self.sums[pixel][SQUARE] / n - mean * mean) / (n - 1.0)).max(0.0)
+        let mean = self.sum(pixel, LUMINANCE) / n;
+        ((self.sum(pixel, SQUARE) / n - mean * mean) / (n - 1.0)).max(0.0)
     }
 
     /// Standard error of a pixel's luminance after `passes`, root mean square over the picture, relative to
-    /// the picture's mean. Honest for stratified passes, see [`Doublings`].
+    /// the picture's mean. Honest for stratified passes, see [`Doublings`]. Infinite where all is black, and where the
+    /// sums do not begin with the first two passes.
     pub fn relative_error(&self, passes: u32) -> f64 {
-        let sum: f64 = self.sums.iter().map(|s| luminance_sum(s)).sum();
-        let mean = sum / self.sums.len().max(1) as f64 / f64::from(passes.max(1));
+        let mean = self.mean_luminance(passes);
         if mean > 0.0 { self.doublings.variance(passes).sqrt() / mean } else { f64::INFINITY }
     }
-}
 
-/// What a pass brings to a pixel: the mean of its samples.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mean([f64; SQUARE]);
-
-impl Mean {
-    /// Adds one sample, `weight` being its filter's over the number of samples, or counts it in `rejected` and adds
-    /// nothing when it is not finite.
-    #[inline]
-    pub fn add(&mut self, sample: &Radiance, weight: f32, rejected: &mut Rejected) {
-        let layers = sample.layers.map(|layer| layer * weight);
-        let total: Color = layers.iter().copied().sum();
-        if !total.is_finite() {
-            return reject(&layers, rejected);
-        }
-        for (l, layer) in layers.iter().enumerate() {
-            for (c, value) in to_rgb(*layer).into_iter().enumerate() {
-                self.0[3 * l + c] += f64::from(value);
-            }
-        }
-        self.0[ALPHA] += f64::from(sample.alpha * weight);
-    }
-
-    /// Times a number.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
-        Self(self.0.map(|value| value * factor))
-    }
-
-    /// Adds it to a pixel's sums.
-    #[inline]
-    pub fn add_to(&self, sums: &mut [f64; STRIDE]) {
-        for (sum, value) in sums.iter_mut().zip(&self.0) {
-            *sum += value;
-        }
-        sums[SQUARE] += luminance_sum(&self.0).powi(2);
-    }
-}
-
-#[cold]
-fn reject(layers: &[Color; LAYERS.len()], rejected: &mut Rejected) {
-    let layer = |bad: &dyn Fn(&Color) -> bool| LAYERS.iter().find(|(l, _)| bad(&layers[*l as usize]));
-    if let Some((l, _)) = layer(&|l| l.is_nan()) {
-        rejected.sample(*l, true);
-    } else {
-        // Finite layers may still have a sum beyond f32: the largest counts.
-        let largest = layers.iter().map(|l| l.max_element()).fold(0.0, f32::max);
-        let found = layer(&|l| !l.is_finite()).or_else(|| layer(&|l| l.max_element() == largest));
-        rejected.sample(found.map_or(Layer::Emission, |(l, _)| *l), false);
+    /// Mean over the picture of the luminance after `passes`.
+    pub fn mean_luminance(&self, passes: u32) -> f64 {
+        let sum: f64 = (0..self.len()).map(|pixel| self.sum(pixel, LUMINANCE)).sum();
+        sum / self.len().max(1) as f64 / f64::from(passes.max(1))
     }
 }

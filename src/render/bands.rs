@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::aovs::{Eye, Start};
 use super::extra::Pixel;
-use crate::film::{Aov, Mean, Pixels, Radiance, Rejected, STRIDE};
+use crate::film::{Aov, Mean, PassSums, Radiance, Rejected, StoredMean};
 use crate::integrator::images::Images;
 use crate::integrator::{CameraSample, Integrator, Scratch, Task};
 use crate::math::Vec2;
@@ -18,28 +18,6 @@ const BLOCK: usize = 8;
 
 /// Columns that are sampled together: enough to keep bundles of rays full when most paths have ended.
 const SQUARE: usize = 32;
-
-/// The sums before a pass.
-#[derive(Default)]
-pub(super) struct Before {
-    pub light: Vec<[f64; STRIDE]>,
-    pub aovs: Vec<f64>,
-}
-
-impl Before {
-    /// Makes room for the sums of `pixels`.
-    pub fn resize(&mut self, pixels: &Pixels) {
-        self.light.resize(pixels.len(), [0.0; STRIDE]);
-        self.aovs.resize(pixels.aovs().len(), 0.0);
-    }
-
-    /// Puts them back.
-    pub fn restore(&self, pixels: &mut Pixels) {
-        let (light, aovs) = pixels.parts_mut();
-        light.copy_from_slice(&self.light);
-        aovs.copy_from_slice(&self.aovs);
-    }
-}
 
 /// What all bands of a pass share.
 pub(super) struct Bands<'a, I: Integrator> {
@@ -74,34 +52,22 @@ struct Square {
 }
 
 impl<I: Integrator> Bands<'_, I> {
-    /// Samples every pixel, and says of every band what it took, and whether all of it was sampled before a halt.
-    /// What the sums were goes into `before`.
-    pub fn sample(&self, pixels: &mut Pixels, before: &mut Before) -> Vec<(Scratch, Rejected, bool)> {
+    /// Samples every pixel into `sums`, and says of every band what it took, and whether all of it was sampled before a
+    /// halt.
+    pub fn sample(&self, sums: &mut PassSums) -> Vec<(Scratch, Rejected, bool)> {
         let band = self.view.film.crop[2] as usize * BLOCK;
         let numbers = Aov::numbers_of(&self.view.aovs);
-        let (light, aovs) = pixels.parts_mut();
-        let bands: Vec<_> = light
-            .chunks_mut(band)
-            .zip(before.light.chunks_mut(band))
-            .zip(chunks(aovs, band * numbers).zip(chunks(&mut before.aovs, band * numbers)))
-            .collect();
-        bands
-            .into_par_iter()
-            .enumerate()
-            .map(|(b, ((light, light_before), (aovs, aovs_before)))| {
-                light_before.copy_from_slice(light);
-                aovs_before.copy_from_slice(aovs);
-                self.band(b, light, aovs)
-            })
-            .collect()
+        let bands: Vec<_> = sums.means.chunks_mut(band).zip(chunks(&mut sums.aovs, band * numbers)).collect();
+        bands.into_par_iter().enumerate().map(|(b, (means, aovs))| self.band(b, means, aovs)).collect()
     }
 
-    /// Adds the samples of band `b` to its sums.
-    fn band(&self, b: usize, sums: &mut [[f64; STRIDE]], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
+    /// Samples band `b`.
+    fn band(&self, b: usize, means: &mut [StoredMean], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
         let [_, _, width, height] = self.view.film.crop.map(|v| v as usize);
         let each = self.each as usize;
         let mut scratch = Scratch::default();
         let mut rejected = Rejected::default();
+        aovs.fill(0.0);
         let rows = (height - b * BLOCK).min(BLOCK);
         let capacity = BLOCK * SQUARE;
         let mut square = Square {
@@ -131,7 +97,7 @@ impl<I: Integrator> Bands<'_, I> {
                     self.view.response.apply(&mut out);
                     mean.add(&out, weight / each as f32, &mut rejected);
                 }
-                mean.add_to(&mut sums[at]);
+                means[at] = mean.stored(1.0);
             }
             drop(extra);
             if let Some(eye) = &self.eye {

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::aovs::Eye;
-use super::bands::{Bands, Before};
-use crate::film::{Aov, Pixels, Rejected};
+use super::bands::Bands;
+use crate::film::{Aov, Common, MOST_ADDITIONS, PassSums, Pixels, Rejected};
 use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task, VolumePathTracer};
 use crate::math::Vec2;
 use crate::photon::trace::Halt;
@@ -14,15 +14,22 @@ use crate::settings::IntegratorKind;
 /// When to end; whichever comes first. The default is never.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Budget<'a> {
-    /// Passes in all, resumed ones included.
+    /// Passes in all, resumed ones included; [`MOST_PASSES`] at most.
     pub passes: Option<u32>,
-    /// Wall-clock time. The first pass is always made, with fewer light paths if there is no time for all.
+    /// Wall-clock time. The first pass is always made, with fewer light paths if there is no time for all; unless
+    /// `whole` says otherwise.
     pub time: Option<Duration>,
+    /// Make whole passes only, and none where the time is up before. Passes other than the first of a render are always
+    /// whole.
+    pub whole: bool,
     /// Relative standard error of the picture, see `Pixels::relative_error`.
     pub error: Option<f64>,
     /// Set from outside (Ctrl-C) to end at once. The running pass is undone, unless it is the first.
     pub interrupt: Option<&'a AtomicBool>,
 }
+
+/// Passes of a render: more are not begun. A pass adds no more than a mean to each sum, and some light by splats.
+pub const MOST_PASSES: u32 = MOST_ADDITIONS / 2;
 
 impl Budget<'_> {
     /// This many passes, resumed ones included.
@@ -65,6 +72,8 @@ pub struct Progress<'a> {
 /// What was done and how long it took.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Statistics {
+    /// The first pass in the picture, from 0.
+    pub first_pass: u32,
     /// Passes in the picture, resumed ones included.
     pub passes: u32,
     /// Those of them that were resumed; counts and times are of the others.
@@ -127,18 +136,26 @@ pub struct Outcome {
 pub struct Sums {
     /// For every rendered pixel, row by row.
     pub pixels: Pixels,
-    /// How many passes are in them, from the first.
+    /// The first pass in them, from 0.
+    pub first: u32,
+    /// How many passes are in them.
     pub passes: u32,
 }
 
 impl Sums {
     /// Of no passes, for so many pixels.
     pub fn none(pixels: usize) -> Self {
-        Self { pixels: Pixels::new(pixels), passes: 0 }
+        Self::none_from(0, pixels)
+    }
+
+    /// The same, for passes from `first` on.
+    pub fn none_from(first: u32, pixels: usize) -> Self {
+        Self { pixels: Pixels::new(pixels), first, passes: 0 }
     }
 }
 
-/// Renders passes on top of `sums`, in order, and calls `progress` after each.
+/// Renders passes on top of `sums`, in order, and calls `progress` after each. What a pass is depends on its number
+/// only, not on those before it.
 pub fn render(
     task: Task<'_>,
     budget: Budget<'_>,
@@ -158,7 +175,8 @@ pub fn render(
         }
         IntegratorKind::PhotonMap => {
             let later = budget.halt(start, overdue);
-            let first = if sums.passes == 0 { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
+            let cut = may_be_cut(&budget, &sums);
+            let first = if cut { budget.halt(start, |t| t.mul_f64(FIRST_TRACE)) } else { later };
             let integrator = PhotonMapper::halting(task, [first, later]);
             run(task, &integrator, budget, sums, start, progress)
         }
@@ -178,6 +196,11 @@ fn overdue(time: Duration) -> Duration {
 /// the camera.
 const FIRST_TRACE: f64 = 0.6;
 
+/// Whether the next pass is made however late it is, with fewer light paths if need be.
+fn may_be_cut(budget: &Budget<'_>, sums: &Sums) -> bool {
+    !budget.whole && sums.first == 0 && sums.passes == 0
+}
+
 fn run<I: Integrator>(
     task: Task<'_>,
     integrator: &I,
@@ -186,19 +209,22 @@ fn run<I: Integrator>(
     start: Instant,
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Outcome {
-    let Sums { mut pixels, passes: done } = sums;
+    let mut cuttable = may_be_cut(&budget, &sums);
+    let Sums { mut pixels, first, passes: done } = sums;
     pixels.hold_aovs(Aov::numbers_of(&task.view.aovs));
-    let mut stats = prepared(task, &pixels, start);
-    [stats.first_radius, stats.first_caustic_radius] = integrator.first_radii();
-    pixels.samples_a_pass = integrator.samples_a_pass();
+    let first_radii = integrator.first_radii();
+    pixels.common = Common { samples_a_pass: integrator.samples_a_pass(), first_radii };
+    // What the running pass adds, so that a pass which is cut adds nothing.
+    let mut sums = PassSums::new(pixels.len(), pixels.numbers_of_aovs());
+    let mut stats = prepared(task, start);
+    [stats.first_radius, stats.first_caustic_radius] = first_radii;
     let halt = budget.halt(start, overdue);
-    // The sums before the running pass, so that it can be undone.
-    let mut before = Before::default();
+    let most = budget.passes.unwrap_or(MOST_PASSES).min(MOST_PASSES.saturating_sub(first));
     let mut passes = done;
     let mut longest = Duration::ZERO;
     let stop = loop {
         let elapsed = start.elapsed();
-        if budget.passes.is_some_and(|n| passes >= n) {
+        if passes >= most {
             break Stop::Passes;
         }
         if halt.stopped() {
@@ -213,57 +239,71 @@ fn run<I: Integrator>(
             break Stop::Error;
         }
         let begun = Instant::now();
-        before.resize(&pixels);
-        let (shared, pass) = integrator.begin_pass(passes);
+        let (shared, pass) = integrator.begin_pass(first + passes);
         count(&mut stats, &pass);
-        if pass.cut && passes > 0 {
+        if pass.cut && !cuttable {
             break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
         }
         let camera = Instant::now();
-        let bands = Bands {
-            task,
-            view: task.view,
-            eye: Eye::new(task.scene, task.view),
-            images: integrator.images(),
-            integrator,
-            shared: &shared,
-            seed: task.settings.seed,
-            pass: passes,
-            each: integrator.samples_a_pass(),
-            pixel: Vec2::new(1.0 / task.view.film.width as f32, 1.0 / task.view.film.height as f32),
-            has_aperture: task.view.sensor.has_aperture(),
-            // The first samples of a picture are made however late it is.
-            halt: if passes > 0 { halt } else { Halt { deadline: None, ..halt } },
-        };
-        let whole = count_camera(&mut stats, &bands.sample(&mut pixels, &mut before));
+        // The first samples of a picture are made however late it is.
+        let halt_camera = if cuttable { Halt { deadline: None, ..halt } } else { halt };
+        let bands = bands(task, integrator, &shared, first + passes, halt_camera);
+        let whole = count_camera(&mut stats, &bands.sample(&mut sums));
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
+        // Of the first pass of all even a part is a picture.
+        if whole || cuttable {
+            pixels.add(&sums);
+        }
         if !whole {
-            if passes > 0 {
-                before.restore(&mut pixels);
-            }
             break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
         }
         passes += 1;
-        pixels.pass_done(passes);
+        pixels.pass_done(first, first + passes);
         if pass.cut {
             stats.first_pass_cut = true;
             break Stop::Time;
         }
+        cuttable = false;
         // The mean length follows passes that grow cheaper as the radius shrinks.
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         progress(&Progress { pixels: &pixels, passes, elapsed: start.elapsed(), pass });
     };
-    (stats.passes, stats.resumed_passes, stats.seconds) = (passes, done, start.elapsed().as_secs_f64());
+    stats.film_bytes = (pixels.bytes() + sums.bytes()) as u64;
+    (stats.first_pass, stats.passes, stats.resumed_passes) = (first, passes, done);
+    stats.seconds = start.elapsed().as_secs_f64();
     Outcome { pixels, statistics: stats, stop }
 }
 
+/// The camera samples of a pass.
+fn bands<'a, I: Integrator>(
+    task: Task<'a>,
+    integrator: &'a I,
+    shared: &'a I::Pass,
+    pass: u32,
+    halt: Halt<'a>,
+) -> Bands<'a, I> {
+    let film = &task.view.film;
+    Bands {
+        task,
+        view: task.view,
+        eye: Eye::new(task.scene, task.view),
+        images: integrator.images(),
+        integrator,
+        shared,
+        seed: task.settings.seed,
+        pass,
+        each: integrator.samples_a_pass(),
+        pixel: Vec2::new(1.0 / film.width as f32, 1.0 / film.height as f32),
+        has_aperture: task.view.sensor.has_aperture(),
+        halt,
+    }
+}
+
 /// What is known before the first pass.
-fn prepared(task: Task<'_>, pixels: &Pixels, start: Instant) -> Statistics {
-    let film = size_of_val(pixels.as_slice()) + size_of_val(pixels.aovs());
+fn prepared(task: Task<'_>, start: Instant) -> Statistics {
     Statistics {
         prepare_seconds: start.elapsed().as_secs_f64(),
-        film_bytes: film as u64,
         scene_bytes: (task.scene.geometry.bytes() + task.scene.textures.bytes()) as u64,
         ..Statistics::default()
     }

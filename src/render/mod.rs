@@ -6,5 +6,5 @@ mod checkpoint;
 mod driver;
 mod extra;
 
-pub use checkpoint::{Checkpoint, CheckpointError};
-pub use driver::{Budget, Outcome, Progress, Statistics, Stop, Sums, render};
+pub use checkpoint::{Checkpoint, CheckpointError, Head};
+pub use driver::{Budget, MOST_PASSES, Outcome, Progress, Statistics, Stop, Sums, render};

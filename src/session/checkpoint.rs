@@ -8,7 +8,7 @@ use caustica_formats::image::{atomic_replace, atomic_write};
 
 use super::{Error, Session};
 use crate::film::{Aov, FilmSize, Filter, Pixels};
-use crate::render::{Checkpoint, CheckpointError, Sums};
+use crate::render::{Checkpoint, CheckpointError, Head, Sums};
 
 /// Seconds between flushes to the disk. Between them a checkpoint survives the death of the program,
 /// but not that of the machine.
@@ -19,7 +19,8 @@ const FLUSH_INTERVAL: Duration = Duration::from_secs(10);
 pub struct Saver {
     /// The file.
     pub path: PathBuf,
-    identity: Vec<(String, String)>,
+    /// But for the number of passes.
+    head: Head,
     /// Pixels that a checkpoint must have.
     pixels: usize,
     /// Sums of AOVs that it must have.
@@ -34,14 +35,28 @@ impl Saver {
     pub fn new(path: PathBuf, session: &Session) -> Self {
         let pixels = session.view.film.pixel_count();
         let aovs = pixels * Aov::numbers_of(&session.view.aovs);
-        Self { path, identity: identity(session), pixels, aovs, flushed: Instant::now(), failed: false }
+        Self { path, head: head(session), pixels, aovs, flushed: Instant::now(), failed: false }
+    }
+
+    /// The checkpoint is one of the passes `first..until` only.
+    #[must_use]
+    pub fn of_range(mut self, first: u32, until: u32) -> Self {
+        (self.head.first, self.head.until) = (first, until);
+        self
+    }
+
+    /// So many passes are to make the whole render: a merge notices when the last of them are missing.
+    #[must_use]
+    pub fn of_whole(mut self, passes: u32) -> Self {
+        self.head.whole = passes;
+        self
     }
 
     /// The saved sums; `None` when there is no checkpoint yet.
     ///
     /// # Errors
-    /// [`Error::Resume`] when the checkpoint cannot be read, or is that of another scene, other settings or
-    /// another version of the program.
+    /// [`Error::Resume`] when the checkpoint cannot be read, is that of another scene, other settings or
+    /// another version of the program, or holds other passes.
     pub fn resume(&self) -> Result<Option<Sums>, Error> {
         let problem = |source: CheckpointError| Error::Resume { file: self.path.clone(), source };
         let saved = match Checkpoint::read(&self.path) {
@@ -49,14 +64,19 @@ impl Saver {
             Err(CheckpointError::Io(e)) => return Err(problem(CheckpointError::Io(plain(e)))),
             read => read.map_err(problem)?,
         };
-        saved.check(&self.identity).map_err(problem)?;
+        saved.head.check(&self.head.identity).map_err(problem)?;
         if saved.pixels.len() != self.pixels {
             return Err(problem(CheckpointError::Invalid("it has another number of pixels")));
         }
-        if saved.pixels.aovs().len() != self.aovs {
+        if saved.pixels.numbers_of_aovs() != self.aovs {
             return Err(problem(CheckpointError::Invalid("it has other layers (--layers)")));
         }
-        Ok(Some(Sums { pixels: saved.pixels, passes: saved.passes }))
+        let (held, first, until) = ([saved.head.first, saved.head.end()], self.head.first, self.head.until);
+        if held[0] != first || (until > 0 && held[1] > until) {
+            let wanted = if until > 0 { format!("{first}..{until}") } else { "those from 0 on".to_owned() };
+            return Err(problem(CheckpointError::OtherPasses { held, wanted }));
+        }
+        Ok(Some(Sums { pixels: saved.pixels, first, passes: saved.head.passes }))
     }
 
     /// To be called after each pass, so that a killed render loses one at most. A failure is no reason to
@@ -82,7 +102,7 @@ impl Saver {
     /// # Errors
     /// [`Error::Checkpoint`] when the file cannot be written; the one before is still there.
     pub fn save(&self, pixels: &Pixels, passes: u32, flush: bool) -> Result<(), Error> {
-        let bytes = Checkpoint::encode(&self.identity, passes, pixels);
+        let bytes = Checkpoint::encode(&Head { passes, ..self.head.clone() }, pixels);
         let write = if flush { atomic_write(&self.path, &bytes) } else { atomic_replace(&self.path, &bytes) };
         write.map_err(|source| Error::Checkpoint { file: self.path.clone(), source })
     }
@@ -91,6 +111,12 @@ impl Saver {
     pub fn default_path(output: &Path) -> PathBuf {
         output.with_extension("checkpoint")
     }
+}
+
+/// Of a checkpoint of the session, but for the passes.
+pub(super) fn head(session: &Session) -> Head {
+    let about = serde_json::to_string(&session.info()).expect("texts and numbers are JSON");
+    Head { identity: identity(session), about, ..Head::default() }
 }
 
 /// What makes two renders the same render: all but the number of passes.

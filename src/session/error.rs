@@ -7,6 +7,7 @@ use caustica_formats::ir::Crop;
 use thiserror::Error as ThisError;
 
 use super::layers::LayerError;
+use super::passes::listed;
 use super::units::megabytes;
 use crate::render::CheckpointError;
 use crate::settings::SettingError;
@@ -99,6 +100,67 @@ pub enum Error {
         /// The system's words.
         source: std::io::Error,
     },
+    /// A render has no whole pass that could be merged with others.
+    #[error("no pass is whole: there is nothing to merge")]
+    NotWhole,
+    /// No checkpoint was given to merge, or there are none in a folder.
+    #[error("there is no checkpoint (.ckpt) to merge")]
+    NoParts,
+    /// A checkpoint cannot be merged with others.
+    #[error("cannot merge `{}`: {source}", file.display())]
+    Part {
+        /// The checkpoint.
+        file: PathBuf,
+        /// What is wrong with it.
+        source: CheckpointError,
+    },
+    /// Two checkpoints are of different renders.
+    #[error("`{}` and `{}` are parts of different renders: {name} is `{}` and `{}`",
+        files[0].display(), files[1].display(), values[0], values[1])]
+    Unlike {
+        /// The checkpoints.
+        files: Box<[PathBuf; 2]>,
+        /// What differs: a setting, the scene's hash, the film, the program's version.
+        name: String,
+        /// Its value in each.
+        values: Box<[String; 2]>,
+    },
+    /// Some passes are in two checkpoints.
+    #[error("`{}` and `{}` both hold passes {}..{}",
+        files[0].display(), files[1].display(), passes[0], passes[1])]
+    Overlap {
+        /// The checkpoints.
+        files: Box<[PathBuf; 2]>,
+        /// The first such pass and the one after the last.
+        passes: [u32; 2],
+    },
+    /// Some passes are in no checkpoint.
+    #[error(
+        "passes {} of 0..{whole} are missing{}; --allow-missing merges what is there",
+        listed(missing),
+        unfinished(begun)
+    )]
+    Missing {
+        /// The first of each range and the one after the last.
+        missing: Vec<[u32; 2]>,
+        /// Passes of the whole render.
+        whole: u32,
+        /// Checkpoints that end before the passes which they were to hold.
+        begun: Vec<PathBuf>,
+    },
+    /// More passes are there than were said to be.
+    #[error("`{}` holds passes {}..{}, and the whole render is said to have {whole}", file.display(), passes[0], passes[1])]
+    Beyond {
+        /// The checkpoint.
+        file: PathBuf,
+        /// The first one and the one after the last.
+        passes: [u32; 2],
+        /// Passes of the whole render.
+        whole: u32,
+    },
+    /// A layer was asked for that the parts were rendered without.
+    #[error("the parts were rendered without the layer `{0}`: name it with --layers when they are rendered")]
+    NotRendered(String),
     /// A picture cannot be encoded or written, in the words for each file.
     #[error("{0}")]
     Picture(String),
@@ -117,6 +179,8 @@ impl Error {
                 | Self::UnknownFormat { .. }
                 | Self::IsInput(_)
                 | Self::NamedTwice(_)
+                | Self::Beyond { .. }
+                | Self::NotRendered(_)
         ) || matches!(self, Self::Scene(failure) if failure.is_request())
     }
 }
@@ -125,6 +189,16 @@ fn sensors(count: usize) -> String {
     match count {
         1 => "0, as the scene has one sensor".to_owned(),
         n => format!("a number from 0 to {}, as the scene has {n} sensors", n - 1),
+    }
+}
+
+/// Words for checkpoints that can be completed.
+fn unfinished(files: &[PathBuf]) -> String {
+    let files: Vec<String> = files.iter().map(|file| format!("`{}`", file.display())).collect();
+    match files.len() {
+        0 => String::new(),
+        1 => format!(" ({} is unfinished: --resume completes it)", files[0]),
+        _ => format!(" ({} are unfinished: --resume completes them)", files.join(", ")),
     }
 }
 

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use caustica_formats::diagnostic::nearest;
 use caustica_formats::ir::{self, AovKind, CoordinateSystem};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::film::{AOVS, Aov, LAYERS, Layer};
@@ -53,7 +54,7 @@ fn advice(name: &str) -> String {
 }
 
 /// What a layer holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Content {
     /// A part of the picture.
     Part(Layer),
@@ -68,14 +69,14 @@ pub enum Content {
 }
 
 /// One layer.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LayerRequest {
     /// Before the point in the names of its channels; nothing where they have whole names.
     pub name: String,
     /// What it holds.
     pub content: Content,
     /// The names of its channels, after the point.
-    pub channels: &'static [&'static str],
+    pub channels: Vec<String>,
 }
 
 impl LayerRequest {
@@ -86,6 +87,7 @@ impl LayerRequest {
             Content::Variance | Content::Samples => &["Y"],
             Content::Surface(aov) => aov.channels(),
         };
+        let channels = channels.iter().map(|&channel| channel.to_owned()).collect();
         Self { name: name.into(), content, channels }
     }
 
@@ -103,7 +105,7 @@ impl LayerRequest {
 }
 
 /// Which layers to store: each once, in the order asked for.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Layers(Vec<LayerRequest>);
 
 impl Layers {
@@ -181,7 +183,7 @@ fn of_mitsuba(aov: &ir::Aov) -> LayerRequest {
     });
     let layer = LayerRequest::new(&aov.name, content);
     // What compositors look for is Z; a Mitsuba scene gets Mitsuba's name.
-    if aov.kind == AovKind::Depth { LayerRequest { channels: &["T"], ..layer } } else { layer }
+    if aov.kind == AovKind::Depth { LayerRequest { channels: vec!["T".to_owned()], ..layer } } else { layer }
 }
 
 impl FromStr for Layers {

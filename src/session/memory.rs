@@ -3,15 +3,15 @@
 use caustica_formats::memory::available;
 
 use super::{Error, Session};
-use crate::film::{Aov, STRIDE};
+use crate::film::{Aov, BinnedSums, STRIDE};
 use crate::integrator::PhotonMapper;
 use crate::photon::Stored;
 use crate::photon::volume::VolumePhoton;
 use crate::settings::{Count, IntegratorKind};
 
-/// Bytes a pixel for each of its sums: the sums twice (a cut pass is taken back), and a checkpoint or a picture
-/// with all its layers being written.
-const SUM: usize = 3 * size_of::<f64>();
+/// Bytes a pixel for each of its sums: the sum, what the running pass adds to it, and a checkpoint or a picture with all
+/// its layers being written.
+const SUM: usize = BinnedSums::BYTES + size_of::<f64>() + BinnedSums::PACKED;
 
 /// Bytes of a photon while its map is built: as it was traced, its key in the sort and its place in the order, cells of
 /// the grid, and the columns of one part.

@@ -10,6 +10,8 @@
 //! - [`Session::render`] makes passes until a [`Budget`] is used up and calls back after each.
 //! - [`Session::picture`] gives pixels; [`Output::write`] puts them into files.
 //! - [`Saver`] writes checkpoints; [`Session::resume`] goes on from one.
+//! - [`Session::render_range`] makes some of the passes of a render, on another machine perhaps, [`Session::part`] is
+//!   what it has to send, and [`Merge`] makes the picture of all parts, which is that of one run to the last bit.
 
 mod checkpoint;
 mod describe;
@@ -21,14 +23,18 @@ mod layers;
 mod lock;
 mod media;
 mod memory;
+mod merge;
 mod options;
 mod output;
+mod parts;
+mod passes;
 mod picture;
 mod place;
 mod plan;
 pub mod units;
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use caustica_formats::confined::Confined;
@@ -37,7 +43,7 @@ use caustica_formats::files::Files;
 use caustica_formats::{Failure, Read, ir, read_scene};
 
 use crate::integrator::Task;
-use crate::render::{Budget, Outcome, Progress, Sums, render};
+use crate::render::{Budget, Checkpoint, Head, Outcome, Progress, Sums, render};
 use crate::scene::compile::{Compiled, compile};
 use crate::scene::{Facts, Scene, View};
 use crate::settings::Settings;
@@ -51,9 +57,12 @@ pub use inspection::Inspection;
 pub use layers::{Content, KNOWN as KNOWN_LAYERS, LayerError, LayerRequest, Layers};
 pub use lock::Lock;
 pub use memory::Memory;
+pub use merge::{Merge, Merged};
 pub use options::Options;
 pub use output::Output;
-pub use picture::Picture;
+pub use parts::{Parts, files_of_parts};
+pub use passes::listed as listed_passes;
+pub use picture::{Picture, PictureInfo};
 pub use place::check_place;
 pub use plan::Plan;
 
@@ -220,10 +229,54 @@ impl Session {
         render(self.task(), budget, sums, progress)
     }
 
-    /// The picture that a render of this session has made.
-    pub fn picture<'a>(&'a self, outcome: &'a Outcome) -> Picture<'a> {
+    /// Renders the passes of a range, whole ones only. The sums of ranges that make up 0..n, merged in any order, are
+    /// those of one run of n passes: [`Session::part`], [`Merge`]. The budget may end it before the end of the range.
+    pub fn render_range(
+        &self,
+        range: Range<u32>,
+        budget: Budget<'_>,
+        progress: &mut dyn FnMut(&Progress<'_>),
+    ) -> Outcome {
+        let sums = Sums::none_from(range.start, self.view.film.pixel_count());
+        self.resume_range(sums, range.end, budget, progress)
+    }
+
+    /// Goes on with a range that ends before pass `end`.
+    pub fn resume_range(
+        &self,
+        sums: Sums,
+        end: u32,
+        budget: Budget<'_>,
+        progress: &mut dyn FnMut(&Progress<'_>),
+    ) -> Outcome {
+        let count = end.saturating_sub(sums.first);
+        let passes = Some(budget.passes.map_or(count, |n| n.min(count)));
+        self.resume(sums, Budget { passes, whole: true, ..budget }, progress)
+    }
+
+    /// What a render has made, as the bytes of a checkpoint.
+    ///
+    /// # Errors
+    /// [`Error::NotWhole`] when its first pass was cut.
+    pub fn part(&self, outcome: &Outcome) -> Result<Vec<u8>, Error> {
         let statistics = &outcome.statistics;
-        Picture { session: self, pixels: &outcome.pixels, passes: statistics.passes, statistics }
+        if statistics.first_pass_cut || statistics.passes == 0 {
+            return Err(Error::NotWhole);
+        }
+        let head = Head { first: statistics.first_pass, passes: statistics.passes, ..checkpoint::head(self) };
+        Ok(Checkpoint::encode(&head, &outcome.pixels))
+    }
+
+    /// The picture that a render of this session has made.
+    pub fn picture<'a>(&self, outcome: &'a Outcome) -> Picture<'a> {
+        let Outcome { pixels, statistics, .. } = outcome;
+        let passes = [statistics.first_pass, statistics.passes];
+        Picture { info: self.info(), pixels, passes, missing: Vec::new() }
+    }
+
+    /// What pictures of this session are.
+    pub fn info(&self) -> PictureInfo {
+        PictureInfo::of(self)
     }
 }
 

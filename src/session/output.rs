@@ -1,5 +1,6 @@
 //! Pictures → files.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use caustica_formats::image::{
@@ -8,8 +9,9 @@ use caustica_formats::image::{
 
 use super::layers::Content;
 use super::lock::Lock;
+use super::picture::{Picture, PictureInfo};
 use super::place::{check_distinct, check_place, keep_elsewhere, real};
-use super::{Error, Picture, Session};
+use super::{Error, Session};
 
 /// The files of a picture, and how they are encoded.
 #[derive(Clone, Debug)]
@@ -28,16 +30,14 @@ pub struct Output {
 
 impl Output {
     /// As the scene's own film asks for, into these files; what names one file twice is written once.
-    pub fn new(session: &Session, mut files: Vec<PathBuf>) -> Self {
+    pub fn new(session: &Session, files: Vec<PathBuf>) -> Self {
+        Self::of(&session.info(), files)
+    }
+
+    /// The same for a picture that is merged from parts.
+    pub fn of(info: &PictureInfo, mut files: Vec<PathBuf>) -> Self {
         files.dedup_by_key(|file| real(file));
-        let tonemap = session.film.tonemap;
-        Self {
-            files,
-            half: false,
-            exposure: tonemap.map_or(0.0, |t| t.exposure),
-            gamma: tonemap.and_then(|t| t.gamma),
-            alpha: session.wants_alpha(),
-        }
+        Self { files, half: false, exposure: info.exposure, gamma: info.gamma, alpha: info.alpha }
     }
 
     /// Finds out before the render what would fail after it: formats that do not exist or cannot hold what
@@ -47,6 +47,19 @@ impl Output {
     /// # Errors
     /// The first such problem.
     pub fn check(&self, session: &Session, others: &[&Path]) -> Result<(), Error> {
+        let layers = session.layers_asked && !session.layers.is_empty();
+        self.check_files(layers, &session.inputs, others)
+    }
+
+    /// [`Output::check`] for a picture that is merged from the files `parts`. `layers`: some were asked for.
+    ///
+    /// # Errors
+    /// The first problem.
+    pub fn check_merged(&self, layers: bool, parts: &[PathBuf], others: &[&Path]) -> Result<(), Error> {
+        self.check_files(layers, &parts.iter().map(|part| real(part)).collect(), others)
+    }
+
+    fn check_files(&self, layers: bool, inputs: &BTreeSet<PathBuf>, others: &[&Path]) -> Result<(), Error> {
         for file in &self.files {
             let extension = extension(file);
             if !matches!(extension.as_str(), "exr" | "png" | "hdr" | "pfm") {
@@ -55,17 +68,14 @@ impl Output {
         }
         if let Some(first) = self.files.first().filter(|_| !self.files.iter().any(|f| extension(f) == "exr"))
         {
-            let lost = [
-                (self.half, "half floats (--half)"),
-                (session.layers_asked && !session.layers.is_empty(), "layers (--layers)"),
-            ];
+            let lost = [(self.half, "half floats (--half)"), (layers, "layers (--layers)")];
             if let Some((_, what)) = lost.into_iter().find(|(asked, _)| *asked) {
                 return Err(Error::NeedsExr { what, file: first.clone() });
             }
         }
         let all: Vec<&Path> = self.files.iter().map(PathBuf::as_path).chain(others.iter().copied()).collect();
         all.iter().try_for_each(|file| check_place(file))?;
-        check_distinct(&all, &session.inputs)
+        check_distinct(&all, inputs)
     }
 
     /// Keeps other processes from writing the same files, and `others`, until the locks are dropped.
@@ -111,7 +121,7 @@ impl Output {
     }
 
     fn exr(&self, picture: &Picture<'_>) -> Result<Vec<u8>, ImageError> {
-        let (pixels, passes) = (picture.pixels, picture.passes);
+        let (pixels, passes) = (picture.pixels, picture.passes());
         let mut main = Vec::new();
         for (i, [r, g, b]) in picture.rgb().enumerate() {
             main.extend([r as f32, g as f32, b as f32]);
@@ -120,12 +130,14 @@ impl Output {
             }
         }
         let main_channels: &[&str] = if self.alpha { &["R", "G", "B", "A"] } else { &["R", "G", "B"] };
-        let wanted = &picture.session.layers;
+        let wanted = &picture.info.layers;
+        let names: Vec<Vec<&str>> =
+            wanted.iter().map(|layer| layer.channels.iter().map(String::as_str).collect()).collect();
         let extras: Vec<Vec<f32>> = wanted.iter().map(|layer| channels(picture, layer.content)).collect();
         let mut layers = vec![ExrLayer { name: "", channels: main_channels, data: &main }];
-        layers.extend(wanted.iter().zip(&extras).map(|(layer, data)| ExrLayer {
+        layers.extend(wanted.iter().zip(&names).zip(&extras).map(|((layer, channels), data)| ExrLayer {
             name: &layer.name,
-            channels: layer.channels,
+            channels,
             data,
         }));
         let [width, height] = picture.size();
@@ -148,7 +160,7 @@ impl Output {
 
 /// The numbers of a layer, pixel by pixel.
 fn channels(picture: &Picture<'_>, content: Content) -> Vec<f32> {
-    let (pixels, passes) = (picture.pixels, picture.passes);
+    let (pixels, passes) = (picture.pixels, picture.passes());
     let count = pixels.len();
     let alpha = |i: usize| pixels.alpha(i, passes) as f32;
     match content {
@@ -162,9 +174,9 @@ fn channels(picture: &Picture<'_>, content: Content) -> Vec<f32> {
         Content::Variance => {
             (0..count).map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect()
         }
-        Content::Samples => vec![passes as f32 * pixels.samples_a_pass as f32; count],
+        Content::Samples => vec![passes as f32 * pixels.common.samples_a_pass as f32; count],
         Content::Surface(aov) => {
-            let list = &picture.session.view.aovs;
+            let list = &picture.info.aovs;
             (0..count).flat_map(|i| pixels.aov(i, aov, list, passes)).map(|v| v as f32).collect()
         }
     }

@@ -1,28 +1,88 @@
 //! A picture in memory.
 
-use super::Session;
-use crate::film::Pixels;
-use crate::render::Statistics;
+use serde::{Deserialize, Serialize};
+
+use super::layers::Layers;
+use super::{Session, passes};
+use crate::film::{Aov, Pixels};
+
+/// What a picture is and how it is written, beside its sums. Checkpoints hold it, so that parts of a render are merged
+/// without its scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PictureInfo {
+    /// The program.
+    pub program: String,
+    /// The scene file's name without folder and extension.
+    pub scene: String,
+    /// Of the scene's files.
+    pub hash: String,
+    /// All settings but the number of passes.
+    pub settings: String,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Of an EXR, beside the picture.
+    pub layers: Layers,
+    /// What the passes have summed up of the surfaces.
+    pub aovs: Vec<Aov>,
+    /// The scene's film keeps coverage.
+    pub alpha: bool,
+    /// The scene's exposure for a PNG, in stops.
+    pub exposure: f64,
+    /// Exponent of the scene's curve for a PNG; `None` is the sRGB curve.
+    pub gamma: Option<f64>,
+}
+
+impl PictureInfo {
+    pub(super) fn of(session: &Session) -> Self {
+        let settings = session.settings.values().filter(|(name, _)| *name != "passes");
+        let settings: Vec<String> = settings.map(|(name, value)| format!("{name}={value}")).collect();
+        let tonemap = session.film.tonemap;
+        let [_, _, width, height] = session.view.film.crop;
+        Self {
+            program: format!("caustica {}", env!("CARGO_PKG_VERSION")),
+            scene: session.name(),
+            hash: session.hash.clone(),
+            settings: settings.join(" "),
+            size: [width, height],
+            layers: session.layers.clone(),
+            aovs: session.view.aovs.clone(),
+            alpha: session.wants_alpha(),
+            exposure: tonemap.map_or(0.0, |t| t.exposure),
+            gamma: tonemap.and_then(|t| t.gamma),
+        }
+    }
+}
 
 /// What a render has made of the rendered part of the film: radiance in linear Rec.709, rows from the top.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Picture<'a> {
-    pub(super) session: &'a Session,
+    pub(super) info: PictureInfo,
     pub(super) pixels: &'a Pixels,
-    pub(super) passes: u32,
-    pub(super) statistics: &'a Statistics,
+    /// The first one and how many.
+    pub(super) passes: [u32; 2],
+    /// Of those that were to be in the picture; each the first one and the one after the last.
+    pub(super) missing: Vec<[u32; 2]>,
 }
 
 impl Picture<'_> {
+    /// What it is and how it is written.
+    pub fn info(&self) -> &PictureInfo {
+        &self.info
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> [usize; 2] {
-        let [_, _, width, height] = self.session.view.film.crop;
-        [width as usize, height as usize]
+        self.info.size.map(|n| n as usize)
+    }
+
+    /// Passes in the picture.
+    pub fn passes(&self) -> u32 {
+        self.passes[1]
     }
 
     /// Camera samples of each pixel.
     fn samples(&self) -> u64 {
-        u64::from(self.passes) * u64::from(self.pixels.samples_a_pass)
+        u64::from(self.passes()) * u64::from(self.pixels.common.samples_a_pass)
     }
 
     /// Red, green and blue at column `x` from the left and row `y` from the top.
@@ -32,31 +92,38 @@ impl Picture<'_> {
     pub fn pixel(&self, x: usize, y: usize) -> [f64; 3] {
         let [width, height] = self.size();
         assert!(x < width && y < height, "there is no pixel {x}, {y} in a picture of {width} × {height}");
-        self.pixels.beauty(y * width + x, self.passes)
+        self.pixels.beauty(y * width + x, self.passes())
     }
 
     /// Red, green and blue of every pixel, row by row.
     pub fn rgb(&self) -> impl Iterator<Item = [f64; 3]> {
-        (0..self.pixels.len()).map(|i| self.pixels.beauty(i, self.passes))
+        (0..self.pixels.len()).map(|i| self.pixels.beauty(i, self.passes()))
     }
 
     /// What the picture is and how to make it again: names and values. No times: the same render gives the
     /// same bytes.
     pub fn metadata(&self) -> Vec<(String, String)> {
-        let settings = self.session.settings.values().filter(|(name, _)| *name != "passes");
-        let settings: Vec<String> = settings.map(|(name, value)| format!("{name}={value}")).collect();
+        let info = &self.info;
+        let [first, count] = self.passes;
+        let row = |name: &str, value: &str| (name.to_owned(), value.to_owned());
         let mut rows = vec![
-            ("generatedBy".to_owned(), format!("caustica {}", env!("CARGO_PKG_VERSION"))),
-            ("scene".to_owned(), self.session.name()),
-            ("sceneHash".to_owned(), self.session.hash.clone()),
-            ("passes".to_owned(), self.passes.to_string()),
-            ("samplesPerPixel".to_owned(), self.samples().to_string()),
-            ("settings".to_owned(), settings.join(" ")),
+            row("generatedBy", &info.program),
+            row("scene", &info.scene),
+            row("sceneHash", &info.hash),
+            row("passes", &count.to_string()),
+            row("samplesPerPixel", &self.samples().to_string()),
+            row("settings", &info.settings),
         ];
-        let s = self.statistics;
-        let radii = [("firstRadius", s.first_radius), ("firstCausticRadius", s.first_caustic_radius)];
+        let [global, caustic] = self.pixels.common.first_radii;
+        let radii = [("firstRadius", global), ("firstCausticRadius", caustic)];
         let radii = radii.into_iter().filter(|(_, radius)| *radius > 0.0);
-        rows.extend(radii.map(|(name, radius)| (name.to_owned(), radius.to_string())));
+        rows.extend(radii.map(|(name, radius)| row(name, &radius.to_string())));
+        // Of all passes from the first on, nothing is to be said.
+        if !self.missing.is_empty() {
+            rows.push(row("missingPasses", &passes::listed(&self.missing)));
+        } else if first > 0 {
+            rows.push(row("passRange", &passes::listed(&[[first, first + count]])));
+        }
         rows
     }
 }

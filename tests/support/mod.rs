@@ -254,7 +254,7 @@ pub fn render(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Picture {
     let mut last = [[0.0; 3]; LAYERS.len()];
     let outcome = outcome(scene, changes, passes, &mut |progress| {
         let mut sums = [[0.0; 3]; LAYERS.len()];
-        for pixel in progress.pixels.as_slice() {
+        for pixel in (0..count).map(|pixel| progress.pixels.numbers(pixel)) {
             for (l, layer) in sums.iter_mut().enumerate() {
                 (0..3).for_each(|c| layer[c] += pixel[3 * l + c]);
             }

@@ -1,0 +1,87 @@
+//! What one pass adds to a picture.
+
+use super::layer::{LAYERS, Layer, Radiance};
+use super::rejected::Rejected;
+use super::stored::{ALPHA, LUMINANCE, STRIDE, luminance_of};
+use crate::math::Color;
+use crate::spectrum::to_rgb;
+
+/// What a pass brings to a pixel: the mean of its samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mean([f64; LUMINANCE]);
+
+impl Mean {
+    /// Adds one sample, `weight` being its filter's over the number of samples, or counts it in `rejected` and adds
+    /// nothing when it is not finite.
+    #[inline]
+    pub fn add(&mut self, sample: &Radiance, weight: f32, rejected: &mut Rejected) {
+        let layers = sample.layers.map(|layer| layer * weight);
+        let total: Color = layers.iter().copied().sum();
+        if !total.is_finite() {
+            return reject(&layers, rejected);
+        }
+        for (l, layer) in layers.iter().enumerate() {
+            for (c, value) in to_rgb(*layer).into_iter().enumerate() {
+                self.0[3 * l + c] += f64::from(value);
+            }
+        }
+        self.0[ALPHA] += f64::from(sample.alpha * weight);
+    }
+
+    /// The same times a number, in single precision: its error is far below that of a sample.
+    #[inline]
+    pub fn stored(&self, factor: f64) -> StoredMean {
+        let most = f64::from(f32::MAX);
+        StoredMean(self.0.map(|value| (value * factor).clamp(-most, most) as f32))
+    }
+}
+
+/// A [`Mean`] that is kept until its pass is whole.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StoredMean([f32; LUMINANCE]);
+
+impl StoredMean {
+    /// What is added to the sums of a pixel.
+    #[inline]
+    pub(super) fn numbers(&self) -> [f64; STRIDE] {
+        let mut numbers = [0.0; STRIDE];
+        numbers.iter_mut().zip(&self.0).for_each(|(to, from)| *to = f64::from(*from));
+        let luminance = luminance_of(&numbers[..LUMINANCE]);
+        [numbers[LUMINANCE], numbers[LUMINANCE + 1]] = [luminance, luminance * luminance];
+        numbers
+    }
+}
+
+#[cold]
+fn reject(layers: &[Color; LAYERS.len()], rejected: &mut Rejected) {
+    let layer = |bad: &dyn Fn(&Color) -> bool| LAYERS.iter().find(|(l, _)| bad(&layers[*l as usize]));
+    if let Some((l, _)) = layer(&|l| l.is_nan()) {
+        rejected.sample(*l, true);
+    } else {
+        // Finite layers may still have a sum beyond f32: the largest counts.
+        let largest = layers.iter().map(|l| l.max_element()).fold(0.0, f32::max);
+        let found = layer(&|l| !l.is_finite()).or_else(|| layer(&|l| l.max_element() == largest));
+        rejected.sample(found.map_or(Layer::Emission, |(l, _)| *l), false);
+    }
+}
+
+/// What a pass brings to all pixels. It is added to their sums when it is whole: a pass that is cut changes nothing.
+#[derive(Clone, Debug, Default)]
+pub struct PassSums {
+    /// For each pixel.
+    pub means: Vec<StoredMean>,
+    /// Sums over the samples of a pixel that show its surfaces, pixel by pixel.
+    pub aovs: Vec<f64>,
+}
+
+impl PassSums {
+    /// An empty pass of so many pixels, with so many sums for their surfaces in all.
+    pub fn new(pixels: usize, aovs: usize) -> Self {
+        Self { means: vec![StoredMean::default(); pixels], aovs: vec![0.0; aovs] }
+    }
+
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.means.as_slice()) + size_of_val(self.aovs.as_slice())
+    }
+}
