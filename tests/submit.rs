@@ -99,3 +99,34 @@ fn what_cannot_be_submitted_is_refused() {
     let output = command.args(run).current_dir(folder).env("PATH", "/bin-that-is-not").output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+/// The commands of docs/many-machines.md that need nothing else, in their order: the last of the first block makes the
+/// picture, and the tasks are those that the others describe.
+#[test]
+fn the_commands_of_the_page_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scene = std::fs::read_to_string(root.join("scenes/cornell-diffuse.xml")).unwrap();
+    std::fs::write(folder.join("scene.xml"), scene.replace("512", "8")).unwrap();
+    let page = std::fs::read_to_string(root.join("docs/many-machines.md")).unwrap();
+    let blocks: Vec<&str> =
+        page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let ours = |line: &&str| line.starts_with("caustica ") || line.starts_with("mkdir ");
+    let commands: Vec<&str> = blocks.iter().flat_map(|block| block.lines().filter(ours)).collect();
+    assert_eq!(commands.len(), 7, "{commands:#?}");
+    let program = Path::new(env!("CARGO_BIN_EXE_caustica")).parent().unwrap();
+    let path = std::env::join_paths(
+        std::iter::once(program.to_path_buf())
+            .chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
+    );
+    for command in commands {
+        let mut bash = Command::new("bash");
+        let output =
+            bash.args(["-c", command]).current_dir(folder).env("PATH", path.as_ref().unwrap()).output();
+        let output = output.unwrap();
+        assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    let shown = ["scene.exr", "scene.png", "scene-passes/render.sh", "64-128.ckpt"];
+    shown.iter().for_each(|name| assert!(folder.join(name).exists(), "{name}"));
+}
