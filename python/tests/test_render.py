@@ -163,8 +163,12 @@ print(image.passes, image.stop)
 
 @pytest.mark.parametrize("where", ["inside", "outside"])
 def test_ctrl_c_returns_what_is_done(root: Path, where: str) -> None:
+    # A shell starts what runs in the background with SIGINT ignored, and Python then leaves it so.
     process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, str(root / GLASS), where], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", INTERRUPTED, str(root / GLASS), where],
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     if where == "outside":
         time.sleep(3)
