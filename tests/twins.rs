@@ -13,8 +13,16 @@ use caustica_formats::{ReadOptions, read_scene};
 use crate::support::{Picture, Stage, render};
 
 /// Scenes that pbrt cannot express completely; the first comment of each .pbrt says why.
-const DIFFERENT: &[&str] =
-    &["cornell-glass", "cornell-owner", "caustic-spot", "lamps", "plastic", "sky", "thindielectric"];
+const DIFFERENT: &[&str] = &[
+    "cornell-glass",
+    "cornell-owner",
+    "caustic-spot",
+    "lamps",
+    "plastic",
+    "sky",
+    "spot-cone",
+    "thindielectric",
+];
 
 const PASSES: u32 = 16;
 const SIDE: u32 = 48;

@@ -261,6 +261,7 @@ impl Scatter for Coating {
                 weight: self.specular * fresnel::dielectric(wi.z.abs(), self.eta).reflectance,
                 probability: coat,
                 eta: 1.0,
+                straight: false,
             });
         }
         for lobe in self.below(wi).deltas(self.inside(wi), mode).iter() {
@@ -271,6 +272,7 @@ impl Scatter for Coating {
                     weight: lobe.weight * self.passage(wi, wo),
                     probability,
                     eta: 1.0,
+                    straight: false,
                 }),
                 // Thrown back for good: it keeps its probability, so that all sum to one.
                 None => deltas.push(DeltaLobe { weight: Color::ZERO, probability, ..*lobe }),

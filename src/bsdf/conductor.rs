@@ -42,6 +42,7 @@ impl Scatter for Conductor {
                 weight: self.reflectance * self.metal.fresnel(wi.z),
                 probability: 1.0,
                 eta: 1.0,
+                straight: false,
             });
         }
         lobes

@@ -59,6 +59,7 @@ impl Scatter for Dielectric {
             weight: self.reflectance * f.reflectance,
             probability: f.reflectance,
             eta: 1.0,
+            straight: false,
         });
         let scale = match mode {
             Transport::Radiance => 1.0 / (f.eta * f.eta),
@@ -69,6 +70,7 @@ impl Scatter for Dielectric {
             weight: self.transmittance * ((1.0 - f.reflectance) * scale),
             probability: 1.0 - f.reflectance,
             eta: f.eta,
+            straight: false,
         });
         lobes
     }

@@ -89,6 +89,8 @@ pub struct DeltaLobe {
     pub probability: f32,
     /// Index of refraction behind over before the event; 1 for reflection.
     pub eta: f32,
+    /// Straight through a pane with parallel faces.
+    pub straight: bool,
 }
 
 /// Specular directions: rarely more than two.
@@ -143,4 +145,20 @@ pub struct Sample {
     pub eta: f32,
     /// Which kind of lobe it came from.
     pub event: Event,
+    /// As in [`DeltaLobe`].
+    pub straight: bool,
+}
+
+impl Sample {
+    /// Light that went on as if there were no surface.
+    #[inline(always)]
+    pub(super) fn through(wo: Vec3) -> Self {
+        Self { wo, weight: Color::ONE, pdf: 0.0, eta: 1.0, event: Event::Null, straight: false }
+    }
+
+    /// What happened, in a scene where straight light through panes is a passage or is not.
+    #[inline(always)]
+    pub fn event_where(&self, panes_pass: bool) -> Event {
+        if panes_pass && self.straight { Event::Null } else { self.event }
+    }
 }

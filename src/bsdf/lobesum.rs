@@ -218,12 +218,14 @@ impl Scatter for LobeSum {
             weight: self.specular[0] * f.reflectance,
             probability: probabilities[0],
             eta: 1.0,
+            straight: false,
         };
         let transmitted = DeltaLobe {
             wo: Vec3::new(-wi.x / f.eta, -wi.y / f.eta, f.cos_t),
             weight: self.specular[1] * ((1.0 - f.reflectance) * scale),
             probability: probabilities[1],
             eta: f.eta,
+            straight: false,
         };
         [reflected, transmitted].into_iter().filter(|l| l.probability > 0.0).for_each(|l| deltas.push(l));
         deltas

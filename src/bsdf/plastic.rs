@@ -115,6 +115,7 @@ impl Scatter for Plastic {
                 weight: self.specular * f,
                 probability: if s + d > 0.0 { s / (s + d) } else { 0.0 },
                 eta: 1.0,
+                straight: false,
             });
         }
         lobes

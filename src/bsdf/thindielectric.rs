@@ -38,12 +38,14 @@ impl Scatter for ThinDielectric {
             weight: self.0.reflectance * r,
             probability: r,
             eta: 1.0,
+            straight: false,
         });
         lobes.push(DeltaLobe {
             wo: -wi,
             weight: self.0.transmittance * (1.0 - r),
             probability: 1.0 - r,
             eta: 1.0,
+            straight: true,
         });
         lobes
     }

@@ -120,7 +120,9 @@ impl Walk<'_> {
             let light = (self.flux, self.class, self.depth);
             out.photons.extend(photon(&vertex, n, light, Smallness::default(), &mut out.rejected));
         }
-        let Some((d, next, event)) = scatter(job, &vertex, self.flux, sampler) else { return Step::Over };
+        let Some((d, next, event)) = scatter(scene, job, &vertex, self.flux, sampler) else {
+            return Step::Over;
+        };
         self.medium = scene.medium_beyond(s, d, self.medium);
         self.ray = s.leave(d);
         if event == Event::Null {

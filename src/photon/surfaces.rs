@@ -47,7 +47,7 @@ pub(super) fn follow(
         if depth.saturating_add(2) > job.max_depth {
             return first;
         }
-        let Some((d, next, event)) = scatter(job, &vertex, flux, sampler) else { return first };
+        let Some((d, next, event)) = scatter(scene, job, &vertex, flux, sampler) else { return first };
         let length = Length { segments: depth, most: job.max_depth };
         let survival = roulette::light_survival(flux, next, length);
         flux = if survival < 1.0 {
@@ -75,6 +75,7 @@ pub(super) fn holds_photons(scene: &Scene, job: &TraceJob, vertex: &Vertex<'_>) 
 /// The direction (world) in which light goes on, its flux there, and what it went through.
 #[inline(always)]
 pub(super) fn scatter(
+    scene: &Scene,
     job: &TraceJob,
     vertex: &Vertex<'_>,
     flux: Color,
@@ -87,7 +88,8 @@ pub(super) fn scatter(
         return None;
     }
     let d = vertex.surface.frame.to_world(sample.wo);
-    Some((d, flux * sample.weight * adjoint(vertex, d, sample.wo.z, sample.event), sample.event))
+    let event = sample.event_where(scene.panes_pass);
+    Some((d, flux * sample.weight * adjoint(vertex, d, sample.wo.z, event), event))
 }
 
 /// [`adjoint_correction`] of light that goes on along `wo`. Straight through, nothing is scattered.

@@ -61,6 +61,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// What materials and emitters refer to.
     pub textures: Textures,
+    /// Straight light through thin panes is a passage: it has not scattered, and shadow rays go through.
+    pub panes_pass: bool,
     /// What boundaries and lamps refer to.
     pub media: Vec<Medium>,
     /// Their names, by the author or by number.

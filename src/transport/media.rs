@@ -3,7 +3,7 @@
 //!
 //! [`Scene::medium_beyond`] says what lies behind one.
 
-use super::{shadow_ray, transparency};
+use super::shadow_ray;
 use crate::emitter::DirectSample;
 use crate::math::{Color, Ray};
 use crate::medium::{MediumId, Passage};
@@ -44,8 +44,8 @@ impl Way {
             *rays += 1;
             let hit = scene.geometry.closest(&ray);
             let at = hit.as_ref().map(|hit| scene.surface(&ray, hit));
-            let through = at.as_ref().map_or(1.0, |at| transparency(scene, at, light.dir));
-            if through == 0.0 {
+            let through = at.as_ref().map_or(Color::ONE, |at| super::passage(scene, at, light.dir));
+            if through.max_element() <= 0.0 {
                 return NOTHING;
             }
             if let Some(m) = scene.medium(medium) {

@@ -1,7 +1,7 @@
 //! What lies between a surface and a lamp.
 
 use crate::emitter::DirectSample;
-use crate::math::{Ray, Vec3};
+use crate::math::{Color, Ray, Vec3};
 use crate::scene::{Scene, Surface};
 
 /// The share of the light along the unit direction `d` that passes straight through the surface: a mask, or
@@ -9,6 +9,14 @@ use crate::scene::{Scene, Surface};
 #[inline(always)]
 pub fn transparency(scene: &Scene, s: &Surface, d: Vec3) -> f32 {
     scene.closure(s, s.frame.to_local(-d)).transparency()
+}
+
+/// The same in a scene with media, where it may be tinted: by panes, if they let light pass.
+#[inline(always)]
+pub fn passage(scene: &Scene, s: &Surface, d: Vec3) -> Color {
+    let wi = s.frame.to_local(-d);
+    let closure = scene.closure(s, wi);
+    if scene.panes_pass { closure.passage(wi) } else { Color::splat(closure.transparency()) }
 }
 
 /// The share of a direct sample's light that arrives at `s`: 1 when nothing is in the way, else 0, or with

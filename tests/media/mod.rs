@@ -3,6 +3,7 @@
 mod boundaries;
 mod closed_forms;
 mod furnace;
+mod panes;
 mod photons;
 
 use crate::support::{Estimate, Picture, assert_agree};

@@ -37,7 +37,7 @@ pub use interface::{
     RoughnessRemap, Shadowing,
 };
 pub use medium::{Coefficients, Medium, MediumEmission, MediumInterface, Phase};
-pub use query::{Nature, Query, emits, uses_textures};
+pub use query::{Nature, Query, emits, panes_pass_in_media, uses_textures};
 pub use references::{Uses, canonical, parts};
 pub use sensor::{
     ComponentFormat, Crop, Film, Filter, FilterNumber, FilterParameter, Fov, FovAxis, Lens, NamedFilter,

@@ -3,7 +3,8 @@
 
 use super::Scene;
 use super::arena::{Arena, Id};
-use super::bsdf::Bsdf;
+use super::bsdf::{Bsdf, BsdfKind};
+use super::color::SpectrumRule;
 use super::shape::Shape;
 use super::table::Part;
 use super::texture::Texture;
@@ -111,6 +112,13 @@ impl Query {
 /// Whether anything of the shape, its material or its light follows a texture.
 pub fn uses_textures(scene: &Scene, shape: &Shape) -> bool {
     Query::default().textured(&scene.bsdfs, shape)
+}
+
+/// Whether light that goes straight through a `thindielectric` counts as not scattered in a scene with media, so that
+/// shadow rays go through it. There are such panes, and the scene is not pbrt's, for which they are glass like other.
+pub fn panes_pass_in_media(scene: &Scene) -> bool {
+    let is_pane = |bsdf: &Bsdf| matches!(bsdf.kind, BsdfKind::ThinDielectric(_));
+    scene.spectrum_rule != SpectrumRule::Pbrt && scene.bsdfs.iter().any(|(_, bsdf)| is_pane(bsdf))
 }
 
 /// Whether the scene has any light outside of its shape groups.

@@ -6,6 +6,7 @@ mod layers;
 mod linear;
 mod media;
 mod random;
+mod random_media;
 mod round_trip;
 mod shared;
 mod snapshots;

@@ -15,6 +15,8 @@ use caustica_formats::{Read, ReadOptions, read_scene};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
+use crate::random_media;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {
     Mitsuba,
@@ -59,9 +61,10 @@ pub fn scene(language: Language) -> impl Strategy<Value = Scene> {
         vec((vec(shape(language), 1..3), any::<Pick>()), 0..2),
         vec(transform(), 0..3),
         vec(emitter(language), 0..4),
+        random_media::filling(language),
     );
     (things, camera(language), prop_oneof![Just(-1), 1i64..9]).prop_map(move |(things, camera, depth)| {
-        let (textures, materials, shapes, groups, instances, emitters) = things;
+        let (textures, materials, shapes, groups, instances, emitters, media) = things;
         let mut scene = empty(language).scene;
         for (i, kind) in textures.into_iter().enumerate() {
             scene.textures.push(Texture { name: Some(format!("texture {i}")), origin: Origin(None), kind });
@@ -124,6 +127,7 @@ pub fn scene(language: Language) -> impl Strategy<Value = Scene> {
         if let Some(integrator) = &mut scene.integrator {
             integrator.settings.insert("max_depth".to_owned(), setting);
         }
+        random_media::fill(&mut scene, language, media);
         scene
     })
 }
@@ -209,7 +213,7 @@ fn with_texture(kind: BsdfKind, textures: &[Id<Texture>], pick: Pick) -> BsdfKin
     }
 }
 
-fn between(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
+pub fn between(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
     // Few digits shrink to readable cases; many digits test the writing of numbers.
     prop_oneof![
         (0..=8u32).prop_map(move |i| low + (high - low) * f64::from(i) / 8.0),
@@ -217,20 +221,20 @@ fn between(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
     ]
 }
 
-fn triple(low: f64, high: f64) -> impl Strategy<Value = [f64; 3]> + Clone {
+pub fn triple(low: f64, high: f64) -> impl Strategy<Value = [f64; 3]> + Clone {
     [between(low, high), between(low, high), between(low, high)]
 }
 
-fn albedo() -> impl Strategy<Value = Color> + Clone {
+pub fn albedo() -> impl Strategy<Value = Color> + Clone {
     triple(0.0, 1.0).prop_map(Color::Rgb)
 }
 
-fn light_color() -> impl Strategy<Value = Color> + Clone {
+pub fn light_color() -> impl Strategy<Value = Color> + Clone {
     triple(0.0, 50.0).prop_map(Color::Rgb)
 }
 
 /// Without mirroring.
-fn transform() -> impl Strategy<Value = Transform> + Clone {
+pub fn transform() -> impl Strategy<Value = Transform> + Clone {
     let scale = prop_oneof![
         between(0.25, 2.0).prop_map(|s| [s; 3]),
         [between(0.25, 2.0), between(0.25, 2.0), between(0.25, 2.0)],
@@ -531,6 +535,7 @@ pub fn without_names(scene: &Scene) -> Scene {
     forget!(bsdfs);
     forget!(textures);
     forget!(groups);
+    forget!(media);
     scene
 }
 

@@ -10,6 +10,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::random::{self, Language};
+use crate::random_media;
 
 /// Files that random scenes refer to.
 fn beside() -> BTreeMap<PathBuf, Vec<u8>> {
@@ -29,7 +30,8 @@ fn beside() -> BTreeMap<PathBuf, Vec<u8>> {
         ("mesh.obj", text(obj)),
         ("picture.pfm", picture),
     ];
-    all.into_iter().map(|(name, bytes)| (PathBuf::from(name), bytes)).collect()
+    let volumes = random_media::FILES.map(|(name, channels)| (name, random_media::vol(channels)));
+    all.into_iter().chain(volumes).map(|(name, bytes)| (PathBuf::from(name), bytes)).collect()
 }
 
 /// Writes `scene` into the folder it came from, so that its files stay where they are.

@@ -106,6 +106,14 @@ impl Closure<'_> {
         }
     }
 
+    /// Share of the light along `wi` that goes straight through, panes included.
+    pub fn passage(&self, wi: Vec3) -> Color {
+        let through = self.transparency();
+        let deltas = self.deltas(wi, Transport::Radiance);
+        let panes: Color = deltas.iter().filter(|lobe| lobe.straight).map(|lobe| lobe.weight).sum();
+        Color::splat(through) + panes * (1.0 - through)
+    }
+
     /// Specular directions; weights and probabilities are those of an opaque surface.
     #[inline]
     pub fn deltas(&self, wi: Vec3, mode: Transport) -> Deltas {
@@ -146,14 +154,14 @@ impl Closure<'_> {
             Ok(d) => {
                 let through = 1.0 - d.opacity;
                 if u_lobe < through {
-                    let weight = Color::ONE;
-                    return Some(Sample { wo: -wi, weight, pdf: 0.0, eta: 1.0, event: Event::Null });
+                    return Some(Sample::through(-wi));
                 }
                 let wo = warp::cosine_hemisphere(u);
                 let pdf = wo.z * FRAC_1_PI * d.opacity;
                 let wo = Vec3::new(wo.x, wo.y, wo.z * d.side);
                 let event = Event::Smooth;
-                d.lit(wi, wo).then_some(Sample { wo, weight: d.reflectance, pdf, eta: 1.0, event })
+                let weight = d.reflectance;
+                d.lit(wi, wo).then_some(Sample { wo, weight, pdf, eta: 1.0, event, straight: false })
             }
             Err(composite) => composite.sample(wi, u_lobe, u, mode, glossy),
         }

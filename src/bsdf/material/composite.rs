@@ -263,7 +263,7 @@ impl Composite {
     #[inline(never)]
     pub fn sample(&self, wi: Vec3, mut u_lobe: f32, u: Vec2, mode: Transport, glossy: f32) -> Option<Sample> {
         if u_lobe < self.through {
-            return Some(Sample { wo: -wi, weight: Color::ONE, pdf: 0.0, eta: 1.0, event: Event::Null });
+            return Some(Sample::through(-wi));
         }
         let solid = 1.0 - self.through;
         u_lobe = (u_lobe - self.through) / solid;
@@ -274,7 +274,8 @@ impl Composite {
             if u_lobe < lobe.probability {
                 // Probability of the component against its share: 1 unless a mixture absorbs.
                 let weight = lobe.weight * (total / (solid * lobe.probability));
-                return Some(Sample { wo: lobe.wo, weight, pdf: 0.0, eta: lobe.eta, event: Event::Delta });
+                let DeltaLobe { wo, eta, straight, .. } = *lobe;
+                return Some(Sample { wo, weight, pdf: 0.0, eta, event: Event::Delta, straight });
             }
             u_lobe -= lobe.probability;
         }
@@ -291,7 +292,7 @@ impl Composite {
         let (wo, eta) = component.draw(&pose, lobe, wi, u_lobe, u)?;
         let pdf = self.pdf(wi, wo, mode, range);
         let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
-        Some(Sample { wo, weight, pdf, eta, event })
+        Some(Sample { wo, weight, pdf, eta, event, straight: false })
     }
 
     /// Draws a direction from the smooth lobes of `range` alone; the weight is theirs.

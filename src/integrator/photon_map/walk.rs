@@ -177,7 +177,9 @@ impl PhotonMapper<'_> {
             let p = share(lobe) * scale;
             if rest < p {
                 let (wo, weight, eta) = (lobe.wo, lobe.weight / p, lobe.eta);
-                return Step::Follow { wo, weight, eta, density: Density::Specular };
+                let passes = lobe.straight && self.task.scene.panes_pass;
+                let density = if passes { Density::Kept } else { Density::Specular };
+                return Step::Follow { wo, weight, eta, density };
             }
             rest -= p;
         }

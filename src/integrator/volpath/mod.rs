@@ -269,7 +269,8 @@ impl VolumePathTracer<'_> {
             return Step::Over;
         };
         walk.carried.weight *= next.weight;
-        if next.event == Event::Null {
+        let event = next.event_where(self.scene.panes_pass);
+        if event == Event::Null {
             self.pass(walk, s, t);
             return Step::On;
         }
@@ -278,7 +279,7 @@ impl VolumePathTracer<'_> {
         walk.eta *= next.eta;
         walk.medium = self.scene.medium_beyond(s, d, walk.medium);
         walk.ray = s.leave(d);
-        walk.class = walk.class.after_camera_event(next.event);
+        walk.class = walk.class.after_camera_event(event);
         (walk.pdf, walk.from) = (next.pdf, s.p);
         walk.carried.reach = 1.0;
         walk.depth += 1;

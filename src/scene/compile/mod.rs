@@ -160,11 +160,13 @@ pub fn compile(
     let textures = b.textures.finish();
     let (direct, emission) = emitter_distributions(&emitters, &textures, &shapes.sphere);
     let (media, medium_names) = b.media.finish();
+    let panes_pass = !media.is_empty() && ir::panes_pass_in_media(ir);
     let mut scene = Scene {
         geometry: shapes.geometry,
         shapes: shapes.records,
         materials: b.materials.finish(),
         textures,
+        panes_pass,
         media,
         medium_names,
         lamp_media,

@@ -7,7 +7,7 @@ use crate::math::{Color, Ray};
 use crate::medium::MediumId;
 use crate::sampling::Sampler;
 use crate::transport::media::{MOST_PASSED, Way};
-use crate::transport::{Vertex, transparency};
+use crate::transport::{Vertex, passage};
 
 impl PhotonMapper<'_> {
     /// Light from one sampled place of a lamp, scattered by `lobes` back along a path in `medium`.
@@ -63,7 +63,7 @@ impl PhotonMapper<'_> {
             if emitted.max_element() > 0.0 {
                 return left * emitted * power_heuristic(pdf, scene.pdf_direct_surface(s.p, d, &at));
             }
-            left *= transparency(scene, &at, d);
+            left *= passage(scene, &at, d);
             if left.max_element() <= 0.0 {
                 break;
             }
