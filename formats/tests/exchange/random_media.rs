@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use caustica_formats::ir::{
     Cloud, Coefficients, Color, EmitterKind, GridSamples, GridValues, Id, Medium, MediumEmission,
-    MediumInterface, Origin, Phase, Scene, Transform, Volume, VolumeData, VolumeFile, VolumeFilter,
-    VolumeFormat, VolumeGrid, WrapMode,
+    MediumInterface, Origin, Phase, Scene, Shape, ShapeKind, Transform, Volume, VolumeData, VolumeFile,
+    VolumeFilter, VolumeFormat, VolumeGrid, WrapMode,
 };
 use proptest::collection::vec;
 use proptest::option;
@@ -43,7 +43,9 @@ pub fn fill(scene: &mut Scene, language: Language, (media, picks): Filling) {
         ids[picks[number % picks.len()].wrapping_add(number * 7) % ids.len()]
     };
     let groups: Vec<_> = scene.groups.iter().map(|(id, _)| id).collect();
-    for shape in &mut scene.shapes {
+    // What is placed many times has its media where it is defined.
+    let placed = |shape: &&mut Shape| !matches!(shape.kind, ShapeKind::Instance { .. });
+    for shape in scene.shapes.iter_mut().filter(placed) {
         shape.media = interface(language, [next(), next()]);
     }
     for id in groups {
@@ -70,15 +72,11 @@ fn interface(language: Language, [interior, exterior]: [Option<Id<Medium>>; 2]) 
 
 fn medium(language: Language) -> impl Strategy<Value = Medium> {
     let parts = (contents(language), between(0.25, 8.0), phase(language));
-    parts.prop_map(|((coefficients, density, emission), scale, phase)| Medium {
-        name: None,
-        origin: Origin(None),
-        coefficients,
-        density,
-        scale,
-        emission,
-        phase,
-        orientation: None,
+    parts.prop_map(|((coefficients, density, emission), scale, phase)| {
+        // A cloud has its own factor.
+        let scale = if matches!(density, Some(Volume::Cloud(_))) { 1.0 } else { scale };
+        let (name, origin, orientation) = (None, Origin(None), None);
+        Medium { name, origin, coefficients, density, scale, emission, phase, orientation }
     })
 }
 
@@ -97,8 +95,8 @@ fn constant() -> impl Strategy<Value = Volume> + Clone {
 
 /// Of a file.
 fn stored((name, _): (&'static str, i32)) -> impl Strategy<Value = Volume> {
-    let wraps = [WrapMode::Clamp, WrapMode::Repeat, WrapMode::Mirror];
-    (transform(), any::<bool>(), any::<bool>(), proptest::sample::select(&wraps[..])).prop_map(
+    let wraps = vec![WrapMode::Clamp, WrapMode::Repeat, WrapMode::Mirror];
+    (transform(), any::<bool>(), any::<bool>(), proptest::sample::select(wraps)).prop_map(
         move |(to_world, own_box, nearest, wrap)| {
             let file = VolumeFile { path: PathBuf::from(name), format: VolumeFormat::Vol };
             Volume::Grid(VolumeGrid {

@@ -137,7 +137,8 @@ impl Writer<'_, '_> {
         let Some(baked) = self.out.baked(medium)? else {
             let what = "a medium of pbrt's procedural cloud";
             self.out.lose(medium.origin, what, "a medium that neither absorbs nor scatters");
-            return Ok(Element::plugin("medium", "homogeneous").float("sigma_t", 0.0));
+            let vacuum = Element::plugin("medium", "homogeneous").float("sigma_t", 0.0);
+            return Ok(vacuum.float("albedo", 0.0));
         };
         let what = "a medium whose coefficients vary in colour";
         let instead = "grids of extinction and albedo, between whose values it is interpolated instead";
