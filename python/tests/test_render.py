@@ -173,7 +173,10 @@ def test_ctrl_c_returns_what_is_done(root: Path, where: str) -> None:
     if where == "outside":
         time.sleep(3)
         process.send_signal(signal.SIGINT)
-    said, _ = process.communicate(timeout=120)
+    try:
+        said, _ = process.communicate(timeout=120)
+    finally:
+        process.kill()
     assert process.returncode == 0
     passes, stop = said.split()
     assert stop == "interrupted" and int(passes) >= 3
