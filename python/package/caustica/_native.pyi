@@ -7,7 +7,8 @@ import numpy.typing as npt
 from ._errors import Diagnostic
 from ._image import Progress
 
-__all__: list[str]
+__all__ = ["DEFAULT_PPD", "Image", "Merge", "Scene", "__version__", "compare", "convert", "settings"]
+
 __version__: str
 DEFAULT_PPD: float
 

@@ -80,12 +80,15 @@ def render(
     :param on_part: called with a `Progress` when a task is done; the other tasks are cancelled where it returns
         ``False``, and the picture has the passes that are done
     """
-    from distributed import as_completed
+    import distributed
 
+    # Most of what Dask has is without types.
+    cluster: Any = client
+    completed: Any = distributed.as_completed
     if passes is None:
         passes = int(scene.settings["passes"])
     if parts is None:
-        parts = 4 * max(1, sum(client.nthreads().values()))
+        parts = 4 * max(1, sum(cluster.nthreads().values()))
     if layers is not None and not isinstance(layers, str):
         layers = ",".join(layers) or "none"
     job: Job = (scene, pairs(settings), layers, threads)
@@ -93,13 +96,13 @@ def render(
     started = time.monotonic()
     # Not by the arguments: the file may have changed since the same render was made before.
     futures = {
-        client.submit(_part, pickled, first, end, pure=False, key=None): (first, end)
+        cluster.submit(_part, pickled, first, end, pure=False, key=None): (first, end)
         for first, end in ranges(passes, parts)
     }
     merge = _native.Merge()
     done = 0
     try:
-        for future, part in as_completed(futures, with_results=True):
+        for future, part in completed(futures, with_results=True):
             first, end = futures[future]
             merge.add(f"passes {first}..{end}", part)
             future.release()
@@ -107,7 +110,7 @@ def render(
             if on_part is not None and _refused(on_part(Progress(done, time.monotonic() - started, None))):
                 break
     finally:
-        client.cancel([future for future in futures if not future.done()])
+        cluster.cancel([future for future in futures if not future.done()])
     return Image(merge.finish(passes, allow_missing=done < passes))
 
 
