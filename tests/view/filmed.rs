@@ -71,6 +71,7 @@ fn loads(browser: &mut Browser) -> Result<(), Failed> {
     check("the picture is not black", black == false)?;
     browser.until(&format!("parts[0].number > {first}"))?;
     equal("the phase", browser.value("byId('phase').textContent")?, Value::from("rendering"))?;
+    browser.until("state.curve.length > 0")?;
     let rows = browser.value("byId('statistics').textContent")?;
     check(
         "statistics",
