@@ -46,7 +46,7 @@ def test_arrays_of_any_kind_are_pictures() -> None:
 
 
 def test_conversion_writes_what_the_command_line_writes(root: Path, tmp_path: Path, program: Program) -> None:
-    source = root / "scenes/cornell-glass.pbrt"
+    source = root / "scenes/cornell-owner.pbrt"
     for folder in ["ours", "theirs"]:
         (tmp_path / folder).mkdir()
     ours, theirs, report = tmp_path / "ours/a.xml", tmp_path / "theirs/a.xml", tmp_path / "losses.json"
