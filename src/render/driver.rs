@@ -69,7 +69,7 @@ pub struct Progress<'a> {
     pub elapsed: Duration,
     /// What the last pass prepared.
     pub pass: PassStats,
-    /// Of all passes so far.
+    /// Of all passes so far; the time as a whole is `elapsed`.
     pub statistics: &'a Statistics,
 }
 
@@ -255,7 +255,7 @@ fn run<I: Integrator>(
             }
             break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
         }
-        passes += 1;
+        (passes, stats.passes) = (passes + 1, passes + 1);
         pixels.pass_done(passes);
         if pass.cut {
             stats.first_pass_cut = true;
@@ -264,7 +264,6 @@ fn run<I: Integrator>(
         // The mean length follows passes that grow cheaper as the radius shrinks.
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         let elapsed = budget.elapsed(start);
-        (stats.passes, stats.seconds) = (passes, elapsed.as_secs_f64());
         progress(&Progress { pixels: &pixels, passes, elapsed, pass, statistics: &stats });
     };
     (stats.passes, stats.seconds) = (passes, budget.elapsed(start).as_secs_f64());

@@ -136,7 +136,7 @@ function describe() {
   const rows = [
     ['passes', s.passes + (info.passes ? ` of ${info.passes}` : '')],
     ['time', seconds(state.seconds) + (info.seconds ? ` of ${seconds(info.seconds)}` : '')],
-    ['a pass', made > 0 ? seconds(s.seconds / made) : '–'],
+    ['a pass', made > 0 ? seconds(state.seconds / made) : '–'],
     ['rays', `${count(s.rays)} (${rate(s.rays)})`],
   ];
   if (s.light_paths > 0) {
