@@ -3,14 +3,13 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use caustica::session::{Merged, Outcome, Output, Picture, Session};
+use caustica::session::{Merged, Outcome, Output, Picture, Session, Stop};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::picture;
 use crate::error::raised;
-use crate::render::word;
 
 /// A picture.
 #[derive(Debug)]
@@ -157,5 +156,15 @@ impl Image {
     fn output(&self, files: Vec<PathBuf>, half: bool, exposure: f64) -> Output {
         let own = Output::of(self.picture().info(), files);
         Output { half, exposure: exposure + own.exposure, ..own }
+    }
+}
+
+/// Why a render ended, in a word.
+fn word(stop: Stop) -> &'static str {
+    match stop {
+        Stop::Passes => "passes",
+        Stop::Time => "time",
+        Stop::Error => "error",
+        Stop::Interrupted => "interrupted",
     }
 }

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use caustica::session::{Budget, Error, Lock, Outcome, Progress, Saver, Session, Stop, Sums, check_place};
+use caustica::session::{Budget, Error, Lock, Outcome, Progress, Saver, Session, Sums, check_place};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeWarning, PyValueError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
@@ -178,14 +178,4 @@ fn tell(py: Python<'_>, pass: Pass, on_pass: Option<&Bound<'_, PyAny>>) -> PyRes
     // Python's own and NumPy's.
     let is_bool = ["bool", "bool_"].contains(&result.get_type().name()?.to_str()?);
     Ok(!is_bool || result.is_truthy()?)
-}
-
-/// Why a render ended, in a word.
-pub fn word(stop: Stop) -> &'static str {
-    match stop {
-        Stop::Passes => "passes",
-        Stop::Time => "time",
-        Stop::Error => "error",
-        Stop::Interrupted => "interrupted",
-    }
 }
