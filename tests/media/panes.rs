@@ -35,7 +35,7 @@ fn straight_passages_cost_no_depth() {
         let stage = scene(&[eye("0,0,-5", 0.1, 4, ""), SKY.to_owned(), slab(boundary)].concat());
         let exact = [0, 1, 2].map(|c| through[c].powi(2) * (-SIGMA[c]).exp());
         for integrator in ["path", "photonmap"] {
-            let picture = render(&stage, &[("integrator", integrator), ("max_depth", "1")], 4096);
+            let picture = render(&stage, &[("integrator", integrator), ("max_depth", "1")], 1024);
             shows(&format!("{name}, {integrator}"), &picture, exact, 0.02);
         }
     }
@@ -61,7 +61,7 @@ fn shadow_rays_and_photons_go_through() {
         ];
         for way in ways {
             let settings = [&way[..], &[("max_depth", "2"), ("photons", "20000")]].concat();
-            let picture = render(&stage, &settings, 1024);
+            let picture = render(&stage, &settings, 256);
             shows(&format!("{name}, {way:?}"), &picture, exact, 0.04);
         }
     }
@@ -98,7 +98,7 @@ fn panes_of_pbrt_cost_depth() {
     let view = "LookAt 0 0 -5 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" 0.1
         Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 4";
     let stage = pbrt_scene_seen(view, slab, Vec::new());
-    let path = |depth| render(&stage, &[("integrator", "path"), ("max_depth", depth)], 4096);
+    let path = |depth| render(&stage, &[("integrator", "path"), ("max_depth", depth)], 1024);
     // The sky that the first one reflects, and then the sky behind both.
     shows("two segments", &path("2"), [1.0 - CLEAR; 3], 0.02);
     shows("three segments", &path("3"), SIGMA.map(|s| 1.0 - CLEAR + CLEAR * CLEAR * (-s).exp()), 0.02);
