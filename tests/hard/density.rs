@@ -66,7 +66,7 @@ fn by_photons(scene: &Stage, boundary: &str) -> Picture {
         ("alpha", "0.9999999"),
         ("boundary", boundary),
     ];
-    render(scene, &settings, 64)
+    render(scene, &settings, 16)
 }
 
 /// A strip along an edge, as wide as the radius. A point at distance t·r from the edge finds the share of the

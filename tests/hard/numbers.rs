@@ -98,8 +98,14 @@ fn outcome(name: &str, text: String) -> &'static str {
     (crop[2], crop[3]) = (crop[2].min(3), crop[3].min(3));
     for integrator in ["path", "photonmap"] {
         for nee in ["true", "false"] {
-            let changes =
-                [("integrator", integrator), ("nee", nee), ("photons", "100"), ("caustic_photons", "100")];
+            let changes = [
+                ("integrator", integrator),
+                ("nee", nee),
+                ("photons", "100"),
+                ("caustic_photons", "100"),
+                // Its pilots, once for each scene.
+                ("indirect", if nee == "true" { "auto" } else { "density" }),
+            ];
             let done = rendered(&scene, &changes, 2, &mut |_| {});
             for i in 0..done.pixels.len() {
                 let value = done.pixels.beauty(i, 2);
