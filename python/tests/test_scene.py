@@ -212,6 +212,8 @@ def test_mistakes_name_the_value_and_what_it_takes(room: Path) -> None:
         ("quad.vertex_positions", np.zeros((5, 3)), r"takes an array of shape \(4, 3\)"),
         ("quad.faces", [[0, 1, 9]], "a corner is no whole number below 4"),
         ("ball.radius", np.nan, "NaN is not a finite number"),
+        ("ball.radius", -1, "`ball.radius`: -1 is not a positive radius"),
+        ("ball.radius", 0, "0 is not a positive radius"),
     ]:
         with pytest.raises(caustica.ArrayError, match=what):
             scene[key] = value

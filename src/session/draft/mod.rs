@@ -122,6 +122,10 @@ impl Draft {
         if let Some(bad) = array.data.iter().find(|v| !v.is_finite()) {
             return Err(ValueError::invalid(key, format!("{bad} is not a finite number")));
         }
+        // Readers refuse it in a file, and nothing after them looks at it again.
+        if let Some(bad) = array.data.iter().find(|v| key.ends_with(".radius") && **v <= 0.0) {
+            return Err(ValueError::invalid(key, format!("{bad} is not a positive radius")));
+        }
         let (leaf, part) = self.find(key)?;
         let leaf = match leaf.with(key, &array)? {
             Some(leaf) => leaf,
