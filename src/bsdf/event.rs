@@ -93,6 +93,14 @@ pub struct DeltaLobe {
     pub straight: bool,
 }
 
+impl DeltaLobe {
+    /// What camera paths choose it by: a refracted share counts by the power it carries, without the 1/eta² of radiance.
+    #[inline(always)]
+    pub fn power(&self) -> f32 {
+        (self.weight * (self.eta * self.eta)).max_element()
+    }
+}
+
 /// Specular directions: rarely more than two.
 #[derive(Clone, Debug, Default)]
 pub struct Deltas {

@@ -222,7 +222,7 @@ fn row_added(values: &[f64], top: &mut [i8], high: &mut [i64], low: &mut [i64]) 
     let place = top.first().copied().unwrap_or(LOWEST);
     let (most, scale) = (limit(place), scale(place));
     let other = top.iter().fold(false, |other, top| other | (*top != place));
-    // Not `>`: what is no number is no row of one size either.
+    // What is no number is no row of one size either.
     let large = values.iter().fold(false, |large, x| large | x.is_nan() | (x.abs() > most));
     if other | large {
         return mixed_row_added(values, top, high, low);

@@ -13,6 +13,8 @@ mod response;
 mod splats;
 mod stored;
 
+use crate::math::Vec2;
+
 pub use aov::{AOVS, Aov, Visible};
 pub use binned::{Binned, BinnedSums, MOST_ADDITIONS};
 pub use doublings::Doublings;
@@ -40,6 +42,11 @@ impl FilmSize {
     /// A film all of which is rendered.
     pub fn full(width: u32, height: u32) -> Self {
         Self { width, height, crop: [0, 0, width, height] }
+    }
+
+    /// Of the whole film, in pixels.
+    pub fn size(&self) -> Vec2 {
+        Vec2::new(self.width as f32, self.height as f32)
     }
 
     /// Pixels that are rendered.

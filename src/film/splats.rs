@@ -74,7 +74,7 @@ impl Splats {
     /// do not depend on the number of threads, if what `trace` puts into a list depends on the number of the
     /// chunk alone.
     pub fn collect(&mut self, chunks: u64, trace: impl Fn(u64, &mut SplatList) + Sync) {
-        let size = Vec2::new(self.film.width as f32, self.film.height as f32);
+        let size = self.film.size();
         for first in (0..chunks).step_by(HELD as usize) {
             let lists: Vec<SplatList> = (first..(first + HELD).min(chunks))
                 .into_par_iter()

@@ -22,13 +22,11 @@ const SQUARE: usize = 32;
 /// What all bands of a pass share.
 pub(super) struct Bands<'a, I: Integrator> {
     pub task: Task<'a>,
-    pub view: &'a View,
     pub eye: Option<Eye<'a>>,
     /// Of lamps that look smaller than a pixel.
     pub images: Option<&'a Images>,
     pub integrator: &'a I,
     pub shared: &'a I::Pass,
-    pub seed: u64,
     pub pass: u32,
     /// Samples of each pixel.
     pub each: u32,
@@ -55,15 +53,15 @@ impl<I: Integrator> Bands<'_, I> {
     /// Samples every pixel into `sums`, and says of every band what it took, and whether all of it was sampled before a
     /// halt.
     pub fn sample(&self, sums: &mut PassSums) -> Vec<(Scratch, Rejected, bool)> {
-        let band = self.view.film.crop[2] as usize * BLOCK;
-        let numbers = Aov::numbers_of(&self.view.aovs);
+        let band = self.task.view.film.crop[2] as usize * BLOCK;
+        let numbers = Aov::numbers_of(&self.task.view.aovs);
         let bands: Vec<_> = sums.means.chunks_mut(band).zip(chunks(&mut sums.aovs, band * numbers)).collect();
         bands.into_par_iter().enumerate().map(|(b, (means, aovs))| self.band(b, means, aovs)).collect()
     }
 
     /// Samples band `b`.
     fn band(&self, b: usize, means: &mut [StoredMean], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
-        let [_, _, width, height] = self.view.film.crop.map(|v| v as usize);
+        let [_, _, width, height] = self.task.view.film.crop.map(|v| v as usize);
         let each = self.each as usize;
         let mut scratch = Scratch::default();
         let mut rejected = Rejected::default();
@@ -89,12 +87,12 @@ impl<I: Integrator> Bands<'_, I> {
             for (owner, ((samples, weights), &at)) in pixels.enumerate() {
                 let mut mean = Mean::default();
                 for (sample, weight) in samples.iter_mut().zip(weights) {
-                    self.view.response.apply(&mut sample.out);
+                    self.task.view.response.apply(&mut sample.out);
                     mean.add(&sample.out, weight / each as f32, &mut rejected);
                 }
                 let more = extra.next_if(|(of, _)| *of == owner);
                 for (mut out, weight) in more.into_iter().flat_map(|(_, samples)| samples) {
-                    self.view.response.apply(&mut out);
+                    self.task.view.response.apply(&mut out);
                     mean.add(&out, weight / each as f32, &mut rejected);
                 }
                 means[at] = mean.stored(1.0);
@@ -112,9 +110,9 @@ impl<I: Integrator> Bands<'_, I> {
     fn look_for_images(&self, b: usize, square: &mut Square, scratch: &mut Scratch) {
         let Some(images) = self.images else { return };
         let more = images.samples(self.each);
-        let film = &self.view.film;
+        let film = &self.task.view.film;
         let [x0, y0, width, _] = film.crop.map(|v| v as usize);
-        let (full, each) = (Vec2::new(film.width as f32, film.height as f32), self.each as usize);
+        let (full, each) = (film.size(), self.each as usize);
         for (owner, &place) in square.places.iter().enumerate() {
             let number = b * BLOCK * width + place;
             let images = images.of(number);
@@ -134,7 +132,7 @@ impl<I: Integrator> Bands<'_, I> {
 
     /// Adds the samples of a square to the AOVs of the band, and counts the rays.
     fn look(&self, eye: &Eye<'_>, square: &Square, aovs: &mut [f64]) -> u64 {
-        let (each, numbers) = (self.each as usize, Aov::numbers_of(&self.view.aovs));
+        let (each, numbers) = (self.each as usize, Aov::numbers_of(&self.task.view.aovs));
         let mut rays = 0;
         let samples = square.samples.iter().zip(&square.weights).zip(&square.starts).enumerate();
         for (i, ((sample, weight), start)) in samples {
@@ -146,7 +144,7 @@ impl<I: Integrator> Bands<'_, I> {
 
     /// Camera rays of the square of band `b` that begins at `column`.
     fn draw(&self, b: usize, rows: usize, column: usize, square: &mut Square) {
-        let film = &self.view.film;
+        let film = &self.task.view.film;
         let [x0, y0, width, _] = film.crop.map(|v| v as usize);
         square.samples.clear();
         square.weights.clear();
@@ -162,13 +160,13 @@ impl<I: Integrator> Bands<'_, I> {
 
     #[inline]
     fn draw_pixel(&self, px: usize, py: usize, square: &mut Square) {
-        let View { sensor, filter, .. } = self.view;
+        let View { sensor, filter, .. } = self.task.view;
         // Keyed by the place on the full film: a crop shows the same noise.
         let pixel = (py as u64) << 32 | px as u64;
         for number in 0..self.each {
             let index = self.pass.wrapping_mul(self.each).wrapping_add(number);
-            let mut sampler =
-                Sampler::new(mix(self.seed ^ mix(pixel)), index).stratified(I::STRATIFIED_PAIRS);
+            let mut sampler = Sampler::new(mix(self.task.settings.seed ^ mix(pixel)), index)
+                .stratified(I::STRATIFIED_PAIRS);
             let (offset, weight) = filter.sample(sampler.next_2d());
             let place = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * self.pixel;
             let aperture = if self.has_aperture { sampler.next_2d() } else { Vec2::ZERO };

@@ -298,12 +298,10 @@ fn bands<'a, I: Integrator>(
     let film = &task.view.film;
     Bands {
         task,
-        view: task.view,
         eye: Eye::new(task.scene, task.view),
         images: integrator.images(),
         integrator,
         shared,
-        seed: task.settings.seed,
         pass,
         each: integrator.samples_a_pass(),
         pixel: Vec2::new(1.0 / film.width as f32, 1.0 / film.height as f32),

@@ -5,6 +5,7 @@ use crate::integrator::Task;
 use crate::integrator::images::{PixelImages, shine};
 use crate::math::Vec2;
 use crate::sampling::{Sampler, mix};
+use crate::scene::View;
 
 /// Tells the numbers of extra samples from those of the others.
 const EXTRA: u64 = 0x05ee_ab1e_1a39_5eed;
@@ -34,8 +35,6 @@ impl Pixel<'_> {
 
     /// The extra samples, each with its weight. Counts rays.
     pub fn samples(&self, rays: &mut u64) -> Vec<(Radiance, f32)> {
-        let film = &self.task.view.film;
-        let size = Vec2::new(film.width as f32, film.height as f32);
         let [x, y] = self.at.map(|v| v as u64);
         let key = mix(self.task.settings.seed ^ mix(EXTRA ^ y << 32 ^ x));
         let more = self.counts[1];
@@ -47,7 +46,8 @@ impl Pixel<'_> {
             // Either kind is worth f/(n p + m q): of n samples of the filter f, which is their density p times a weight,
             // and m of the images, of density q.
             let (weight, share) = self.weight(place);
-            let ray = self.task.view.sensor.ray(place / size, Vec2::ZERO);
+            let View { sensor, film, .. } = self.task.view;
+            let ray = sensor.ray(place / film.size(), Vec2::ZERO);
             let mut out = Radiance::default();
             out.add(Layer::Emission, shine(self.task, ray, &mut sampler, rays));
             (out, weight * share)

@@ -30,7 +30,6 @@ impl View {
     /// The film position, in [0, 1]² of the whole film, of a position in [0, 1]² of the part that is rendered.
     pub fn place_in_crop(&self, at: Vec2) -> Vec2 {
         let [x0, y0, w, h] = self.film.crop.map(|v| v as f32);
-        let full = Vec2::new(self.film.width as f32, self.film.height as f32);
-        Vec2::new(x0 + at.x * w, y0 + at.y * h) / full
+        Vec2::new(x0 + at.x * w, y0 + at.y * h) / self.film.size()
     }
 }

@@ -3,7 +3,7 @@
 //! Camera samples spread evenly over a pixel hardly ever find such an image, and the few that do are fireflies.
 //! Nothing but camera rays can bring this light (every vertex between lens and lamp is specular), so the film position
 //! itself is sampled: [`search`] finds the images before the first pass, and a pixel that has some takes extra
-//! samples within boxes around them. Both kinds of samples share the light by the balance heuristic (Veach 1997,
+//! samples within parallelograms around them. Both kinds of samples share the light by the balance heuristic (Veach 1997,
 //! section 9.2), for which the density of either at a film position is known. So whatever the search finds or misses
 //! changes the noise, not the expected picture.
 
@@ -62,6 +62,8 @@ pub struct Images {
     /// For each rendered pixel, where its images begin in `images`; one more at the end.
     first: Vec<u32>,
     images: Vec<Image>,
+    /// How many pixels see some.
+    pixels: u64,
 }
 
 impl Images {
@@ -85,12 +87,13 @@ impl Images {
         let mut first = vec![0; film.pixel_count() + 1];
         seen.iter().for_each(|(pixel, _)| first[*pixel as usize + 1] += 1);
         (1..first.len()).for_each(|i| first[i] += first[i - 1]);
-        Self { first, images: seen.iter().map(|(_, i)| found[*i]).collect() }
+        let pixels = first.windows(2).filter(|ends| ends[0] < ends[1]).count() as u64;
+        Self { first, images: seen.iter().map(|(_, i)| found[*i]).collect(), pixels }
     }
 
     /// How many pixels see some.
     pub fn pixels(&self) -> u64 {
-        self.first.windows(2).filter(|ends| ends[0] < ends[1]).count() as u64
+        self.pixels
     }
 
     /// Whether no pixel has any.
@@ -102,7 +105,7 @@ impl Images {
     /// picture, since nothing but them finds these images well.
     pub fn samples(&self, each: u32) -> u32 {
         let all = (self.first.len() - 1) as u64 * u64::from(each);
-        let cheap = all / (SHARE * self.pixels().max(1));
+        let cheap = all / (SHARE * self.pixels.max(1));
         u32::try_from(cheap.clamp(1, u64::from(each) * MOST)).unwrap_or(u32::MAX)
     }
 

@@ -202,10 +202,8 @@ impl Search<'_> {
 
     /// The image around a film position, where the lamp is seen indeed.
     fn checked(&self, at: Vec2, sides: Mat2, key: u64) -> Option<Image> {
-        let film = &self.task.view.film;
         // Film positions are numbers of single precision.
-        let least =
-            Mat2::from_diagonal(Vec2::new(film.width as f32, film.height as f32) * (4.0 * f32::EPSILON));
+        let least = Mat2::from_diagonal(self.task.view.film.size() * (4.0 * f32::EPSILON));
         let image = Image::new(at, sides * MARGIN + least)?;
         self.follow(at, key)?.at_lamp.then_some(image)
     }
@@ -221,8 +219,8 @@ impl Search<'_> {
     /// none.
     fn follow(&self, at: Vec2, key: u64) -> Option<Exit> {
         let Task { scene, view, .. } = self.task;
-        let film = Vec2::new(view.film.width as f32, view.film.height as f32);
-        let mut exit = Exit { ray: view.sensor.ray(at / film, Vec2::ZERO), way: 0, at_lamp: false };
+        let mut exit =
+            Exit { ray: view.sensor.ray(at / view.film.size(), Vec2::ZERO), way: 0, at_lamp: false };
         let mut choice = CounterRng::new(key, 1);
         for _ in 0..self.longest {
             let Some(hit) = scene.geometry.closest(&exit.ray) else { break };

@@ -1,7 +1,7 @@
 //! What the lamps send to a film position through specular surfaces alone.
 
 use super::super::Task;
-use crate::bsdf::{DeltaLobe, Transport};
+use crate::bsdf::Transport;
 use crate::math::{Color, Ray};
 use crate::sampling::Sampler;
 use crate::transport::Vertex;
@@ -50,9 +50,8 @@ pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, rays: &mut u64) ->
         let through = vertex.closure.transparency();
         let deltas = vertex.closure.deltas(vertex.wi, Transport::Radiance);
         let straight = (through > 0.0).then_some((-vertex.wi, Color::splat(through), through));
-        // Like camera paths, by the power that a lobe carries rather than by its radiance.
-        let share = |l: &DeltaLobe| (l.weight * (l.eta * l.eta)).max_element() * (1.0 - through);
-        let lobes = deltas.iter().map(|l| (l.wo, l.weight * (1.0 - through), share(l)));
+        let solid = 1.0 - through;
+        let lobes = deltas.iter().map(|l| (l.wo, l.weight * solid, l.power() * solid));
         let on: Vec<_> = straight.into_iter().chain(lobes).filter(|(_, _, share)| *share > 0.0).collect();
         let total: f32 = on.iter().map(|(_, _, share)| share).sum();
         let mut pick = sampler.random() * total;

@@ -174,7 +174,7 @@ impl PhotonMapper<'_> {
 
     fn look_at(&self, maps: &Arc<Maps>, patch: Patch, size: [u32; 2]) -> (Vec<Light>, f64) {
         let view = self.task.view;
-        let full = Vec2::new(view.film.width as f32, view.film.height as f32);
+        let full = view.film.size();
         let mut samples = Vec::new();
         for i in 0..size[0] * size[1] {
             let [x, y] = [patch[0] + i % size[0], patch[1] + i / size[0]];

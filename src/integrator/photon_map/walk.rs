@@ -159,9 +159,7 @@ impl PhotonMapper<'_> {
         // `smooth_albedo` of a masked surface is that of the whole; events here are those of its solid part.
         let smooth = closure.smooth_albedo(wi, self.rough()).max_element() / solid;
         let glossy = closure.smooth_albedo(wi, self.glossy()).max_element() / solid;
-        // A refracted share counts by the power it carries, without the 1/eta² of radiance.
-        let share = |l: &DeltaLobe| (l.weight * (l.eta * l.eta)).max_element();
-        let total = smooth + glossy + deltas.iter().map(share).sum::<f32>();
+        let total = smooth + glossy + deltas.iter().map(DeltaLobe::power).sum::<f32>();
         if total <= 0.0 {
             return Step::End;
         }
@@ -174,7 +172,7 @@ impl PhotonMapper<'_> {
         }
         rest -= smooth * scale;
         for lobe in deltas.iter() {
-            let p = share(lobe) * scale;
+            let p = lobe.power() * scale;
             if rest < p {
                 let (wo, weight, eta) = (lobe.wo, lobe.weight / p, lobe.eta);
                 let passes = lobe.straight && self.task.scene.panes_pass;
