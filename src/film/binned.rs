@@ -25,16 +25,19 @@ use rayon::prelude::*;
 use crate::math::simd::widest;
 
 /// log₂ B.
-const DIGIT: i32 = 40;
+const DIGIT: i64 = 40;
 
 /// The unit of the digit at place 0 is 2 to the minus this: the border of two digits is far from what pictures hold.
-const SHIFT: i32 = 20;
+const SHIFT: i64 = 20;
 
 /// Top digits of numbers lie from here: what is below half the next one, 2⁻⁹⁸¹, is 0.
-pub(super) const LOWEST: i8 = -23;
+const LOWEST: i64 = -23;
 
 /// The same for the largest numbers.
-pub(super) const HIGHEST: i8 = 26;
+const HIGHEST: i64 = 26;
+
+/// Places of top digits, which are counted from the lowest one: memory that is all 0 holds sums of nothing.
+pub(super) const PLACES: u8 = (HIGHEST - LOWEST) as u8 + 1;
 
 /// So many numbers may be added to a sum.
 pub const MOST_ADDITIONS: u32 = 1 << 23;
@@ -50,30 +53,33 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// 2ᵉ, infinite above the greatest exponent.
 #[inline(always)]
-fn power(e: i32) -> f64 {
+fn power(e: i64) -> f64 {
     f64::from_bits(((1023 + e).min(2047) as u64) << 52)
 }
 
 /// The greatest number whose top digit is at this place.
 #[inline(always)]
-fn limit(top: i8) -> f64 {
-    power(DIGIT * (i32::from(top) + 1) - SHIFT - 1)
+fn limit(top: i64) -> f64 {
+    power(DIGIT * (top + 1) - SHIFT - 1)
 }
 
 /// What makes 1 of the unit of the digit below `top`.
 #[inline(always)]
-fn scale(top: i8) -> f64 {
-    power(SHIFT - DIGIT * (i32::from(top) - 1))
+fn scale(top: i64) -> f64 {
+    power(SHIFT - DIGIT * (top - 1))
 }
 
-/// The place of the highest digit of a number that is finite and not 0.
-#[inline]
-fn top(x: f64) -> i8 {
-    let bits = x.abs().to_bits();
+/// The place of the highest digit of a finite number; the lowest place for 0.
+#[inline(always)]
+fn top(x: f64) -> i64 {
+    /// What makes the exponent of any number positive: so many digits.
+    const ABOVE: i64 = 30;
+    let bits = x.abs().to_bits() as i64;
     // The least e with |x| ≤ 2ᵉ.
-    let e = (bits >> 52) as i32 - 1023 + i32::from(bits << 12 != 0);
-    let place = (e + SHIFT + DIGIT).div_euclid(DIGIT) - 1;
-    (place as i8).clamp(LOWEST, HIGHEST)
+    let e = (bits >> 52) - 1023 + i64::from(bits << 12 != 0);
+    // A fortieth, exact up to 2¹⁵.
+    let place = ((e + SHIFT + (ABOVE + 1) * DIGIT) * 52_429) >> 21;
+    (place - ABOVE - 1).clamp(LOWEST, HIGHEST)
 }
 
 /// The two digits of a number from the higher one on, of which `scale` is that of the place; it must not be below the
@@ -93,7 +99,7 @@ fn digits(x: f64, scale: f64) -> [i64; 2] {
 pub struct BinnedSums {
     pub(super) high: Vec<i64>,
     pub(super) low: Vec<i64>,
-    pub(super) top: Vec<i8>,
+    pub(super) top: Vec<u8>,
 }
 
 /// Some of them, to add to.
@@ -101,7 +107,7 @@ pub struct BinnedSums {
 pub struct Binned<'a> {
     high: &'a mut [i64],
     low: &'a mut [i64],
-    top: &'a mut [i8],
+    top: &'a mut [u8],
 }
 
 impl BinnedSums {
@@ -110,14 +116,14 @@ impl BinnedSums {
 
     /// So many sums of nothing.
     pub fn new(count: usize) -> Self {
-        Self { high: vec![0; count], low: vec![0; count], top: vec![LOWEST; count] }
+        Self { high: vec![0; count], low: vec![0; count], top: vec![0; count] }
     }
 
     /// Makes it so many sums.
     pub fn resize(&mut self, count: usize) {
         self.high.resize(count, 0);
         self.low.resize(count, 0);
-        self.top.resize(count, LOWEST);
+        self.top.resize(count, 0);
     }
 
     /// Sums.
@@ -136,10 +142,17 @@ impl BinnedSums {
     }
 
     /// A sum.
+    #[inline]
     pub fn get(&self, at: usize) -> f64 {
-        let unit = power(DIGIT * (i32::from(self.top[at]) - 1) - SHIFT);
+        let unit = power(DIGIT * (i64::from(self.top[at]) + LOWEST - 1) - SHIFT);
         let [high, low] = [self.high[at], self.low[at]].map(|digit| digit as f64);
         (high * power(DIGIT) + low) * unit
+    }
+
+    /// Adds some of the sums, from `first` on, to as many numbers.
+    #[inline]
+    pub(super) fn add_to(&self, first: usize, numbers: &mut [f64]) {
+        numbers.iter_mut().enumerate().for_each(|(i, number)| *number += self.get(first + i));
     }
 
     /// Adds copies of some of the sums of another row.
@@ -164,6 +177,11 @@ impl BinnedSums {
         });
     }
 
+    /// All of them.
+    pub fn all(&mut self) -> Binned<'_> {
+        Binned { high: &mut self.high, low: &mut self.low, top: &mut self.top }
+    }
+
     /// In chunks of so many sums.
     pub fn par_chunks_mut(&mut self, size: usize) -> impl IndexedParallelIterator<Item = Binned<'_>> {
         let size = size.max(1);
@@ -173,6 +191,29 @@ impl BinnedSums {
 }
 
 impl Binned<'_> {
+    /// In chunks of so many sums.
+    pub fn chunks(self, size: usize) -> impl Iterator<Item = Self> {
+        let size = size.max(1);
+        let digits = self.high.chunks_mut(size).zip(self.low.chunks_mut(size));
+        digits.zip(self.top.chunks_mut(size)).map(|((high, low), top)| Binned { high, low, top })
+    }
+
+    /// Sums.
+    pub fn len(&self) -> usize {
+        self.top.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.top.is_empty()
+    }
+
+    /// Some of them.
+    pub fn part(&mut self, range: Range<usize>) -> Binned<'_> {
+        let [high, low] = [&mut *self.high, &mut *self.low].map(|digits| &mut digits[range.clone()]);
+        Binned { high, low, top: &mut self.top[range] }
+    }
+
     /// Adds a number to each of as many sums; what is not finite is left out.
     pub fn add(&mut self, values: &[f64]) {
         let Self { high, low, top } = self;
@@ -184,11 +225,11 @@ impl Binned<'_> {
 
     /// Adds a sum, of which `top` is the place of the first of the two digits.
     #[inline]
-    fn merge_one(&mut self, at: usize, top: i8, digits: [i64; 2]) {
+    fn merge_one(&mut self, at: usize, top: u8, digits: [i64; 2]) {
         let (high, low) = (&mut self.high[at], &mut self.low[at]);
-        if top > self.top[at] {
-            lift(top, &mut self.top[at], high, low);
-        }
+        let new = self.top[at].max(top);
+        [*high, *low] = lifted(i64::from(new - self.top[at]), [*high, *low]);
+        self.top[at] = new;
         // What a damaged file holds may overflow, and is only wrong then.
         match self.top[at] - top {
             0 => (*high, *low) = (high.wrapping_add(digits[0]), low.wrapping_add(digits[1])),
@@ -198,29 +239,30 @@ impl Binned<'_> {
     }
 }
 
-/// Moves the digits of a sum to a higher place.
-fn lift(to: i8, top: &mut i8, high: &mut i64, low: &mut i64) {
-    *low = if to == *top + 1 { *high } else { 0 };
-    *high = 0;
-    *top = to;
+/// The digits of a sum when its top is raised by so many places.
+#[inline(always)]
+fn lifted(by: i64, [high, low]: [i64; 2]) -> [i64; 2] {
+    let [stay, fall] = [0, 1].map(|places| -i64::from(by == places));
+    [high & stay, low & stay | high & fall]
 }
 
-fn add_row(values: &[f64], top: &mut [i8], high: &mut [i64], low: &mut [i64]) {
+fn add_row(values: &[f64], top: &mut [u8], high: &mut [i64], low: &mut [i64]) {
     widest!(
         row_added;
-        values: &[f64] = values, top: &mut [i8] = top, high: &mut [i64] = high, low: &mut [i64] = low => ()
+        values: &[f64] = values, top: &mut [u8] = top, high: &mut [i64] = high, low: &mut [i64] = low => ()
     );
 }
 
 /// Most rows are all 0 (a layer without light), or of one size.
 #[inline(always)]
-fn row_added(values: &[f64], top: &mut [i8], high: &mut [i64], low: &mut [i64]) {
+fn row_added(values: &[f64], top: &mut [u8], high: &mut [i64], low: &mut [i64]) {
     // Without branches for each, which seldom are of use.
     if values.iter().fold(0, |any, x| any | x.to_bits() << 1) == 0 {
         return;
     }
-    let place = top.first().copied().unwrap_or(LOWEST);
-    let (most, scale) = (limit(place), scale(place));
+    let place = top.first().copied().unwrap_or(0);
+    let of_all = LOWEST + i64::from(place);
+    let (most, scale) = (limit(of_all), scale(of_all));
     let other = top.iter().fold(false, |other, top| other | (*top != place));
     // What is no number is no row of one size either.
     let large = values.iter().fold(false, |large, x| large | x.is_nan() | (x.abs() > most));
@@ -234,19 +276,18 @@ fn row_added(values: &[f64], top: &mut [i8], high: &mut [i64], low: &mut [i64]) 
     }
 }
 
-#[inline(never)]
-fn mixed_row_added(values: &[f64], top: &mut [i8], high: &mut [i64], low: &mut [i64]) {
+/// Without branches too: all rows of a first pass are of this kind.
+#[inline(always)]
+fn mixed_row_added(values: &[f64], top: &mut [u8], high: &mut [i64], low: &mut [i64]) {
     for (((x, place), high), low) in values.iter().zip(top).zip(high).zip(low) {
-        if *x == 0.0 || !x.is_finite() {
-            continue;
-        }
-        let needed = self::top(*x);
-        if needed > *place {
-            lift(needed, place, high, low);
-        }
-        let digits = digits(*x, scale(*place));
-        *high = high.wrapping_add(digits[0]);
-        *low = low.wrapping_add(digits[1]);
+        let x = if x.is_finite() { *x } else { 0.0 };
+        let old = LOWEST + i64::from(*place);
+        let new = self::top(x).max(old);
+        let digits = digits(x, scale(new));
+        let lifted = lifted(new - old, [*high, *low]);
+        *high = lifted[0].wrapping_add(digits[0]);
+        *low = lifted[1].wrapping_add(digits[1]);
+        *place = (new - LOWEST) as u8;
     }
 }
 

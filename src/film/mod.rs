@@ -12,6 +12,7 @@ mod rejected;
 mod response;
 mod splats;
 mod stored;
+mod waiting;
 
 use crate::math::Vec2;
 
@@ -26,6 +27,7 @@ pub use rejected::{Rejected, RejectedLayer};
 pub use response::Response;
 pub use splats::{SplatList, Splats};
 pub use stored::STRIDE;
+pub use waiting::{SoFar, WAITING_BYTES, Waiting};
 
 /// Size of the picture and the part of it that is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,21 +2,16 @@
 
 use rayon::prelude::*;
 
-use super::binned::{BinnedSums, HIGHEST, LOWEST};
+use super::binned::{BinnedSums, PLACES};
 
 /// Sums that are packed together.
 const BLOCK: usize = 1 << 14;
 
-/// A byte from here on stands for sums of nothing: for one, for two, ...
+/// A byte from here on stands for sums of nothing: for one, for two, ... Others at the begin of a sum are its place.
 const NOTHING: u8 = 128;
 
 /// Sums of nothing that a byte can stand for.
 const MOST_NOTHING: usize = 128;
-
-/// Other bytes at the begin of a sum: the place of its first digit, counted from below the lowest.
-fn place(top: i8) -> u8 {
-    (top - LOWEST) as u8
-}
 
 impl BinnedSums {
     /// Most bytes of a sum in [`BinnedSums::pack`].
@@ -51,11 +46,11 @@ impl BinnedSums {
     }
 }
 
-fn packed(high: &[i64], low: &[i64], top: &[i8]) -> Vec<u8> {
+fn packed(high: &[i64], low: &[i64], top: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(high.len() * 8);
     let mut nothing = 0;
     for ((high, low), top) in high.iter().zip(low).zip(top) {
-        if *top == LOWEST && *high == 0 && *low == 0 {
+        if *top == 0 && *high == 0 && *low == 0 {
             nothing += 1;
             if nothing == MOST_NOTHING {
                 end_of_nothing(&mut nothing, &mut out);
@@ -66,7 +61,7 @@ fn packed(high: &[i64], low: &[i64], top: &[i8]) -> Vec<u8> {
         // The sign goes into the lowest bit.
         let digits = [*high, *low].map(|digit| ((digit << 1) ^ (digit >> 63)) as u64);
         let sizes = digits.map(|digit| 8 - digit.leading_zeros() as usize / 8);
-        out.extend([place(*top), (sizes[0] << 4 | sizes[1]) as u8]);
+        out.extend([*top, (sizes[0] << 4 | sizes[1]) as u8]);
         for (digit, size) in digits.iter().zip(sizes) {
             out.extend_from_slice(&digit.to_le_bytes()[..size]);
         }
@@ -108,7 +103,7 @@ fn unpacked(bytes: &[u8], count: usize) -> Option<BinnedSums> {
         let (high, low) = (digit(sizes >> 4)?, digit(sizes & 15)?);
         *sums.high.get_mut(at)? = high;
         sums.low[at] = low;
-        sums.top[at] = Some(first as i8 + LOWEST).filter(|top| *top <= HIGHEST)?;
+        sums.top[at] = Some(first).filter(|top| *top < PLACES)?;
         at += 1;
     }
     (at == count).then_some(sums)

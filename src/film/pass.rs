@@ -1,8 +1,9 @@
 //! What one pass adds to a picture.
 
+use super::binned::ROW;
 use super::layer::{LAYERS, Layer, Radiance};
 use super::rejected::Rejected;
-use super::stored::{ALPHA, LUMINANCE, STRIDE, luminance_of};
+use super::stored::{ALPHA, LUMINANCE, SQUARE, STRIDE, luminance_of};
 use crate::math::Color;
 use crate::spectrum::to_rgb;
 
@@ -32,7 +33,12 @@ impl Mean {
     #[inline]
     pub fn stored(&self, factor: f64) -> StoredMean {
         let most = f64::from(f32::MAX);
-        StoredMean(self.0.map(|value| (value * factor).clamp(-most, most) as f32))
+        let mut stored = [0.0; LUMINANCE];
+        // `map` makes no SIMD of this.
+        for (stored, value) in stored.iter_mut().zip(self.0) {
+            *stored = (value * factor).max(-most).min(most) as f32;
+        }
+        StoredMean(stored)
     }
 }
 
@@ -41,14 +47,18 @@ impl Mean {
 pub struct StoredMean([f32; LUMINANCE]);
 
 impl StoredMean {
-    /// What is added to the sums of a pixel.
+    /// What is added to the sums of pixels: a row for each number, in which each of the pixels has a place.
     #[inline]
-    pub(super) fn numbers(&self) -> [f64; STRIDE] {
-        let mut numbers = [0.0; STRIDE];
-        numbers.iter_mut().zip(&self.0).for_each(|(to, from)| *to = f64::from(*from));
-        let luminance = luminance_of(&numbers[..LUMINANCE]);
-        [numbers[LUMINANCE], numbers[LUMINANCE + 1]] = [luminance, luminance * luminance];
-        numbers
+    pub(super) fn numbers(means: &[Self], rows: &mut [[f64; ROW]; STRIDE]) {
+        // Number by number, and by column of the row, which is SIMD.
+        for (number, row) in rows[..LUMINANCE].iter_mut().enumerate() {
+            row.iter_mut().zip(means).for_each(|(to, mean)| *to = f64::from(mean.0[number]));
+        }
+        for i in 0..ROW.min(means.len()) {
+            let channel = |c: usize| (0..LAYERS.len()).fold(0.0, |sum, l| sum + rows[3 * l + c][i]);
+            let luminance = luminance_of([channel(0), channel(1), channel(2)]);
+            (rows[LUMINANCE][i], rows[SQUARE][i]) = (luminance, luminance * luminance);
+        }
     }
 }
 

@@ -5,14 +5,14 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::aov::Aov;
-use super::binned::{BinnedSums, ROW};
+use super::binned::{Binned, BinnedSums, ROW};
 use super::doublings::Doublings;
 use super::layer::{LAYERS, Layer};
 use super::pass::{PassSums, StoredMean};
-use super::stored::{ALPHA, BLOCK, LUMINANCE, SQUARE, STRIDE, place};
+use super::stored::{ALPHA, LUMINANCE, SQUARE, STRIDE, place};
 
-/// Blocks of pixels that are added to together: a unit of parallel work.
-const TOGETHER: usize = 64;
+/// Sums of one number that are added to together: a unit of parallel work.
+const TOGETHER: usize = 64 * ROW;
 
 /// What all passes of a picture have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,16 +21,6 @@ pub struct Common {
     pub samples_a_pass: u32,
     /// Search radii of the global and of the caustic map in pass 0; 0 without a map.
     pub first_radii: [f32; 2],
-}
-
-/// Sums of luminance, those of the last block that stand for no pixel included: they are 0.
-fn luminance(light: &BinnedSums) -> BinnedSums {
-    let mut sums = BinnedSums::default();
-    for block in (0..light.len()).step_by(BLOCK) {
-        let first = block + place(0, LUMINANCE);
-        sums.extend(light, first..first + ROW);
-    }
-    sums
 }
 
 impl fmt::Display for Common {
@@ -45,8 +35,7 @@ impl fmt::Display for Common {
 pub struct Pixels {
     /// Pixels.
     count: usize,
-    /// Per pixel: layers × RGB, then alpha, then the luminance of each pass and its square; [`place`] says where. The
-    /// last block may have more pixels than there are.
+    /// Per pixel: layers × RGB, then alpha, then the luminance of each pass and its square; [`place`] says where.
     light: BinnedSums,
     /// What all passes have in common.
     pub common: Common,
@@ -69,7 +58,7 @@ impl Pixels {
 
     /// Sums of light of so many pixels, in [`Pixels::sums`].
     pub fn sums_of_light(count: usize) -> usize {
-        count.div_ceil(ROW).saturating_mul(BLOCK)
+        count.saturating_mul(STRIDE)
     }
 
     /// Of `count` pixels, from their sums of light and of AOVs, and what the noise is estimated from.
@@ -125,42 +114,51 @@ impl Pixels {
         &self.doublings
     }
 
-    /// Adds a pass.
-    pub fn add(&mut self, pass: &PassSums) {
-        self.add_means(&pass.means);
-        let aovs = self.aovs.par_chunks_mut(TOGETHER * ROW);
-        aovs.zip(pass.aovs.par_chunks(TOGETHER * ROW)).for_each(|(mut sums, values)| sums.add(values));
+    /// Adds passes.
+    pub fn add(&mut self, passes: &[PassSums]) {
+        let means: Vec<&[StoredMean]> = passes.iter().map(|pass| pass.means.as_slice()).collect();
+        self.add_means(&means);
+        self.aovs.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, mut sums)| {
+            let first = chunk * TOGETHER;
+            passes.iter().for_each(|pass| sums.add(&pass.aovs[first..first + sums.len()]));
+        });
     }
 
-    /// Adds one mean to each pixel.
-    pub(super) fn add_means(&mut self, means: &[StoredMean]) {
-        let blocks = self.light.par_chunks_mut(BLOCK).with_min_len(TOGETHER);
-        let rows = || vec![[0.0; ROW]; STRIDE];
-        blocks.zip(means.par_chunks(ROW)).for_each_init(rows, |rows, (mut sums, means)| {
-            for (i, mean) in means.iter().enumerate() {
-                let numbers = mean.numbers();
-                rows.iter_mut().zip(numbers).for_each(|(row, number)| row[i] = number);
-            }
-            // Of the block before.
-            rows.iter_mut().for_each(|row| row[means.len()..].fill(0.0));
-            sums.add(rows.as_flattened());
-        });
+    /// Adds some means to each pixel, each of the lists holding one.
+    pub(super) fn add_means(&mut self, means: &[&[StoredMean]]) {
+        let mut numbers: Vec<_> =
+            self.light.all().chunks(self.count).map(|sums| sums.chunks(TOGETHER)).collect();
+        let chunk = |first| {
+            let range = first..self.count.min(first + TOGETHER);
+            let means: Vec<_> = means.iter().map(|means| &means[range.clone()]).collect();
+            (means, numbers.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>())
+        };
+        let chunks: Vec<_> = (0..self.count).step_by(TOGETHER).map(chunk).collect();
+        chunks.into_par_iter().for_each(|(means, mut sums)| add_chunk(&means, &mut sums));
+    }
+
+    /// Sums of luminance.
+    fn luminance(&self) -> BinnedSums {
+        let mut sums = BinnedSums::default();
+        sums.extend(&self.light, place(0, LUMINANCE, self.count)..place(0, LUMINANCE + 1, self.count));
+        sums
     }
 
     /// To be called when the passes from `first` to `end`, which is not among them, are in the sums, and after each of
     /// them, in order: what [`Self::relative_error`] is made of.
     pub fn pass_done(&mut self, first: u32, end: u32) {
         if end.is_power_of_two() {
-            let luminance = luminance(&self.light);
+            let luminance = self.luminance();
             self.doublings.pass_done([first, end], self.count, luminance);
         }
     }
 
     /// Adds the sums of other passes. None of theirs is at or after `other_end`, none of ours at or after `end`.
     pub fn merge(&mut self, end: u32, other: &Self, other_end: u32) {
-        let (ours, theirs) = (&self.light, &other.light);
-        let totals = [ours, theirs].map(|light| move || luminance(light));
-        self.doublings.merge([end, other_end], [&totals[0], &totals[1]], &other.doublings);
+        let mut doublings = std::mem::take(&mut self.doublings);
+        let totals = [&*self, other].map(|of| move || of.luminance());
+        doublings.merge([end, other_end], [&totals[0], &totals[1]], &other.doublings);
+        self.doublings = doublings;
         self.light.merge(&other.light);
         self.aovs.merge(&other.aovs);
     }
@@ -168,7 +166,7 @@ impl Pixels {
     /// To be called with sums that end with pass `end` and come from a file, which does not keep what follows from them.
     pub fn mark_end(&mut self, end: u32) {
         if end.is_power_of_two() {
-            self.doublings.mark(end, luminance(&self.light));
+            self.doublings.mark(end, self.luminance());
         }
     }
 
@@ -189,7 +187,7 @@ impl Pixels {
     }
 
     fn sum(&self, pixel: usize, at: usize) -> f64 {
-        self.light.get(place(pixel, at))
+        self.light.get(place(pixel, at, self.count))
     }
 
     /// Mean of the sum of all layers.
@@ -197,6 +195,19 @@ impl Pixels {
         std::array::from_fn(|c| {
             (0..LAYERS.len()).map(|l| self.sum(pixel, 3 * l + c)).sum::<f64>() / f64::from(passes.max(1))
         })
+    }
+
+    /// The same of every pixel: number by number for some pixels at a time, as the sums lie in memory.
+    pub fn beauties(&self, passes: u32) -> impl Iterator<Item = [f64; 3]> {
+        let sums_from = move |first: usize| {
+            let mut sums = [[0.0; ROW]; 3];
+            let count = ROW.min(self.count - first);
+            for number in 0..3 * LAYERS.len() {
+                self.light.add_to(place(first, number, self.count), &mut sums[number % 3][..count]);
+            }
+            (0..count).map(move |i| sums.map(|sums| sums[i] / f64::from(passes.max(1))))
+        };
+        (0..self.count).step_by(ROW).flat_map(sums_from)
     }
 
     /// Mean coverage after `passes`.
@@ -228,5 +239,20 @@ impl Pixels {
     pub fn mean_luminance(&self, passes: u32) -> f64 {
         let sum: f64 = (0..self.len()).map(|pixel| self.sum(pixel, LUMINANCE)).sum();
         sum / self.len().max(1) as f64 / f64::from(passes.max(1))
+    }
+}
+
+/// Adds means to as many pixels, of which `sums` has those of every number.
+fn add_chunk(means: &[&[StoredMean]], sums: &mut [Binned<'_>]) {
+    let mut rows = [[0.0; ROW]; STRIDE];
+    let pixels = means.first().map_or(0, |means| means.len());
+    for first in (0..pixels).step_by(ROW) {
+        let range = first..pixels.min(first + ROW);
+        for means in means {
+            StoredMean::numbers(&means[range.clone()], &mut rows);
+            for (sums, row) in sums.iter_mut().zip(&rows) {
+                sums.part(range.clone()).add(&row[..range.len()]);
+            }
+        }
     }
 }

@@ -115,7 +115,7 @@ impl Splats {
     pub fn add_to(&self, pixels: &mut Pixels, paths: u64) {
         let share = 1.0 / paths.max(1) as f64;
         let scaled: Vec<StoredMean> = self.means.iter().map(|mean| mean.stored(share)).collect();
-        pixels.add_means(&scaled);
+        pixels.add_means(&[&scaled]);
     }
 
     /// Splats that were not finite, and were left out.

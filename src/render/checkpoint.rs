@@ -68,7 +68,7 @@ pub enum CheckpointError {
     },
 }
 
-const MAGIC: &[u8; 8] = b"caustic4";
+const MAGIC: &[u8; 8] = b"caustic5";
 
 /// What all versions begin with.
 const FAMILY: usize = 7;
@@ -261,7 +261,7 @@ mod tests {
             aovs: vec![0.7; 6],
         };
         for done in 1..=12 {
-            pixels.add(&pass);
+            pixels.add(std::slice::from_ref(&pass));
             pixels.pass_done(5, 5 + done);
         }
         let identity = vec![("seed".to_owned(), "7".to_owned())];

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::aovs::Eye;
 use super::bands::Bands;
-use crate::film::{Aov, Common, MOST_ADDITIONS, PassSums, Pixels, Rejected};
+use crate::film::{Aov, Common, MOST_ADDITIONS, Pixels, Rejected, SoFar, Waiting};
 use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task, VolumePathTracer};
 use crate::math::Vec2;
 use crate::photon::trace::Halt;
@@ -68,8 +68,8 @@ pub enum Stop {
 /// State after a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Sums of all passes so far.
-    pub pixels: &'a Pixels,
+    /// Sums of all passes so far, which are made when they are looked at.
+    pub pixels: &'a SoFar<'a>,
     /// Passes in `pixels`.
     pub passes: u32,
     /// Since the render began, without pauses.
@@ -225,8 +225,8 @@ fn run<I: Integrator>(
     pixels.hold_aovs(Aov::numbers_of(&task.view.aovs));
     let first_radii = integrator.first_radii();
     pixels.common = Common { samples_a_pass: integrator.samples_a_pass(), first_radii };
-    // What the running pass adds, so that a pass which is cut adds nothing.
-    let mut sums = PassSums::new(pixels.len(), pixels.numbers_of_aovs());
+    // What the running pass adds, so that a pass which is cut adds nothing, and passes before it.
+    let mut waiting = Waiting::new(pixels.len(), pixels.numbers_of_aovs());
     let mut stats = Statistics { first_pass: first, resumed_passes: done, ..prepared(task, start) };
     [stats.first_radius, stats.first_caustic_radius] = first_radii;
     let halt = budget.halt(start, overdue);
@@ -259,17 +259,21 @@ fn run<I: Integrator>(
         // The first samples of a picture are made however late it is.
         let halt_camera = if cuttable { Halt { deadline: None, ..halt } } else { halt };
         let bands = bands(task, integrator, &shared, first + passes, halt_camera);
-        let whole = count_camera(&mut stats, &bands.sample(&mut sums));
+        let whole = count_camera(&mut stats, &bands.sample(waiting.next()));
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
         // Of the first pass of all even a part is a picture.
         if whole || cuttable {
-            pixels.add(&sums);
+            waiting.keep();
         }
         if !whole {
             break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
         }
         passes += 1;
+        // The noise is estimated at powers of two.
+        if waiting.is_full() || budget.error.is_some() || (first + passes).is_power_of_two() {
+            waiting.add_to(&mut pixels);
+        }
         pixels.pass_done(first, first + passes);
         if pass.cut {
             stats.first_pass_cut = true;
@@ -280,9 +284,12 @@ fn run<I: Integrator>(
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         let elapsed = budget.elapsed(start);
         (stats.passes, stats.seconds) = (passes, elapsed.as_secs_f64());
-        progress(&Progress { pixels: &pixels, passes, elapsed, pass, statistics: &stats });
+        waiting.show(&mut pixels, |pixels| {
+            progress(&Progress { pixels, passes, elapsed, pass, statistics: &stats });
+        });
     };
-    stats.film_bytes = (pixels.bytes() + sums.bytes()) as u64;
+    waiting.add_to(&mut pixels);
+    stats.film_bytes = (pixels.bytes() + waiting.bytes()) as u64;
     (stats.passes, stats.seconds) = (passes, budget.elapsed(start).as_secs_f64());
     Outcome { pixels, statistics: stats, stop }
 }

@@ -3,7 +3,7 @@
 use caustica_formats::memory::available;
 
 use super::{Error, Session};
-use crate::film::{Aov, BinnedSums, STRIDE};
+use crate::film::{Aov, BinnedSums, STRIDE, WAITING_BYTES};
 use crate::integrator::PhotonMapper;
 use crate::photon::Stored;
 use crate::photon::volume::VolumePhoton;
@@ -44,9 +44,9 @@ impl Session {
 
     fn film_memory(&self) -> u128 {
         let [_, _, width, height] = self.view.film.crop;
-        u128::from(width)
-            * u128::from(height)
-            * (SUM * (STRIDE + 1 + Aov::numbers_of(&self.view.aovs))) as u128
+        let pixel = SUM * (STRIDE + 1 + Aov::numbers_of(&self.view.aovs));
+        let film = u128::from(width) * u128::from(height) * pixel as u128;
+        film + film.min(WAITING_BYTES as u128)
     }
 
     /// Refuses a render that would not fit into the memory that is free now.

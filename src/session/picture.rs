@@ -99,7 +99,7 @@ impl Picture<'_> {
 
     /// Red, green and blue of every pixel, row by row.
     pub fn rgb(&self) -> impl Iterator<Item = [f64; 3]> {
-        (0..self.pixels.len()).map(|i| self.pixels.beauty(i, self.passes()))
+        self.pixels.beauties(self.passes())
     }
 
     /// The numbers of a layer for some of the pixels, counted row by row.

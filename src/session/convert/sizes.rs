@@ -71,8 +71,7 @@ fn options() -> Options {
 
 fn mean(session: &Session) -> f64 {
     let pixels = session.render(Budget::passes(PASSES), &mut |_| {}).pixels;
-    let sum: f64 =
-        (0..pixels.len()).map(|i| caustica_formats::spectrum::luminance(pixels.beauty(i, PASSES))).sum();
+    let sum: f64 = pixels.beauties(PASSES).map(caustica_formats::spectrum::luminance).sum();
     sum / pixels.len().max(1) as f64
 }
 

@@ -44,7 +44,7 @@ pub fn run(args: &ConvertArgs, renderer: Renderer) -> Result<u8, Failure> {
         let (count, sum) = values.fold((0, 0.0), |(n, sum), v| (n + 1, sum + v));
         sum / f64::from(count.max(1))
     };
-    let before = mean(&mut (0..ours.len()).map(|i| luminance(ours.beauty(i, PASSES))));
+    let before = mean(&mut ours.beauties(PASSES).map(luminance));
     // Their seeds tell how far their mean is off, rare bright paths included.
     let means: Vec<f64> = theirs
         .iter()
