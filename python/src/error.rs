@@ -5,6 +5,8 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
+use crate::words::in_python;
+
 /// An exception of `caustica._errors`, with diagnostics and a suggestion.
 pub fn exception(
     py: Python<'_>,
@@ -33,9 +35,15 @@ pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
         _ => ("Error", None),
     };
     let findings = error.findings();
-    let message = error.to_string();
+    let message = in_python(&error.to_string());
     let help = findings.iter().filter(|f| f.is_error()).find_map(|f| f.help.first());
-    exception(py, class, message, &findings, suggestion.or(help.map(String::as_str)))
+    exception(py, class, message, &findings, suggestion.or(help.map(|help| in_python(help)).as_deref()))
+}
+
+/// A `SettingError` about an argument that cannot have this value.
+pub fn refused(py: Python<'_>, argument: &str, found: &str, expected: &str) -> PyErr {
+    let message = format!("invalid value `{found}` for `{argument}`: expected {expected}");
+    exception(py, "SettingError", message, &[], None)
 }
 
 /// A list of `Diagnostic` objects.
@@ -50,12 +58,12 @@ pub fn diagnostics<'py>(py: Python<'py>, findings: &[Finding]) -> PyResult<Bound
             .collect();
         class.call1((
             finding.severity,
-            &finding.message,
+            in_python(&finding.message),
             &place.file,
             place.line,
             place.column,
             &finding.source,
-            finding.help.clone(),
+            finding.help.iter().map(|help| in_python(help)).collect::<Vec<_>>(),
             related,
             finding.unsupported,
         ))

@@ -10,6 +10,7 @@ mod merge;
 mod pool;
 mod render;
 mod scene;
+mod words;
 
 use caustica::session::{SETTINGS, Settings};
 use pyo3::prelude::*;

@@ -2,9 +2,11 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use pyo3::PyErr;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::{PyErr, Python};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::error::refused;
 
 /// The pool of this process, with its number: a fork has none of the threads.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
@@ -30,12 +32,11 @@ pub fn pool() -> Result<Arc<ThreadPool>, PyErr> {
 
 /// A pool of its own for a render: while Python hears of a pass, one of its threads waits, and Python may load,
 /// compare or render something meanwhile.
-pub fn own_pool(threads: Option<usize>) -> Result<ThreadPool, PyErr> {
-    match threads {
-        Some(n) if !(1..=MOST).contains(&n) => {
-            Err(PyValueError::new_err(format!("threads: expected a whole number from 1 to {MOST}")))
-        }
-        threads => build(threads.unwrap_or(0)),
+pub fn own_pool(py: Python<'_>, threads: Option<i64>) -> Result<ThreadPool, PyErr> {
+    let Some(asked) = threads else { return build(0) };
+    match usize::try_from(asked) {
+        Ok(threads) if (1..=MOST).contains(&threads) => build(threads),
+        _ => Err(refused(py, "threads", &asked.to_string(), &format!("a whole number from 1 to {MOST}"))),
     }
 }
 

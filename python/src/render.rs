@@ -8,11 +8,11 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use caustica::session::{Budget, Error, Lock, Outcome, Progress, Saver, Session, Sums, check_place};
-use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeWarning, PyValueError};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeWarning};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
-use crate::error::raised;
+use crate::error::{raised, refused};
 use crate::image::Image;
 use crate::pool::own_pool;
 
@@ -25,7 +25,7 @@ pub struct Request {
     /// Relative standard error.
     pub target_error: Option<f64>,
     /// `None` is one for each core.
-    pub threads: Option<usize>,
+    pub threads: Option<i64>,
     /// Saved after every pass.
     pub checkpoint: Option<PathBuf>,
     /// Goes on from the checkpoint.
@@ -57,8 +57,10 @@ pub fn render(
     request: &Request,
     on_pass: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Image> {
-    let time = request.time.map(Duration::try_from_secs_f64).transpose();
-    let time = time.map_err(|e| PyValueError::new_err(format!("time: {e}")))?;
+    let time = request.time.map(|seconds| seconds_asked(py, seconds)).transpose()?;
+    if let Some(error) = request.target_error.filter(|error| !(*error > 0.0 && error.is_finite())) {
+        return Err(refused(py, "target_error", &error.to_string(), "a positive number, such as 0.01"));
+    }
     let limited = time.is_some() || request.target_error.is_some();
     let stop = AtomicBool::new(false);
     let budget = Budget {
@@ -69,7 +71,7 @@ pub fn render(
         ..Budget::default()
     };
     let (saver, sums, _lock) = begin(&session, request).map_err(|e| raised(py, &e))?;
-    let pool = own_pool(request.threads)?;
+    let pool = own_pool(py, request.threads)?;
     let (tell, passes) = channel();
     let (answer, answers) = channel();
     let talk = Talk { passes: tell, answers: Mutex::new(answers), wanted: on_pass.is_some() };
@@ -86,6 +88,11 @@ pub fn render(
         PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &text, 2)?;
     }
     Ok(Image::rendered(session, outcome))
+}
+
+fn seconds_asked(py: Python<'_>, seconds: f64) -> PyResult<Duration> {
+    let time = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
+    time.ok_or_else(|| refused(py, "time", &seconds.to_string(), "a positive number of seconds"))
 }
 
 /// What the render goes on from, and the file it is saved in.

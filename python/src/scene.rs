@@ -127,7 +127,7 @@ impl Scene {
         passes: bool,
         time: Option<f64>,
         target_error: Option<f64>,
-        threads: Option<usize>,
+        threads: Option<i64>,
         checkpoint: Option<PathBuf>,
         resume: bool,
         pass_range: Option<(u32, u32)>,

@@ -35,7 +35,7 @@ def test_arrays_of_any_kind_are_pictures() -> None:
     same = caustica.compare(gray, np.full((8, 9, 4), 0.5, dtype=np.float16), hdr=False)
     assert (same.flip, same.rmse, same.psnr, same.hdr_flip) == (0, 0, None, None)
     assert caustica.compare(gray, gray * 2).bias == pytest.approx(-0.5)
-    with pytest.raises(ValueError, match="a picture has shape"):
+    with pytest.raises(caustica.ArrayError, match="a picture has shape"):
         caustica.compare(np.zeros(3), gray)
     with pytest.raises(caustica.Error, match="not finite"):
         caustica.compare(np.full((8, 9), np.nan), gray)
@@ -58,7 +58,7 @@ def test_conversion_writes_what_the_command_line_writes(root: Path, tmp_path: Pa
         assert (tmp_path / "ours" / file).read_bytes() == (tmp_path / "theirs" / file).read_bytes()
     assert [vars(loss) for loss in done.losses] == json.loads(report.read_text())
     assert done.losses and done.shapes > 3 and str(source) in str(done.losses[0])
-    with pytest.raises(caustica.Error, match="exists"):
+    with pytest.raises(caustica.Error, match="a.xml exists; force=True replaces it"):
         caustica.convert(source, ours)
     caustica.convert(source, ours, force=True)
     with pytest.raises(caustica.Error, match="did you mean .xml"):

@@ -89,8 +89,17 @@ def test_settings_are_checked(root: Path) -> None:
         caustica.render(scene, layers="depht")
     with pytest.raises(TypeError, match="passes and spp"):
         caustica.render(scene, passes=1, spp=2)
-    with pytest.raises(ValueError, match="time"):
-        caustica.render(scene, time=-1)
+    for budget, expected in [
+        ({"time": -1}, "invalid value `-1` for `time`: expected a positive number of seconds"),
+        ({"time": float("nan")}, "`time`"),
+        ({"target_error": -0.1}, "invalid value `-0.1` for `target_error`"),
+        ({"threads": 0}, "invalid value `0` for `threads`: expected a whole number from 1 to"),
+        ({"threads": -1}, "`threads`"),
+        ({"passes": 1 << 23}, "`passes`: expected a whole number from 1 to 4194304"),
+        ({"tme": 3}, "did you mean the argument `time`"),
+    ]:
+        with pytest.raises(caustica.SettingError, match=expected):
+            caustica.render(scene, **budget)  # type: ignore[arg-type]
     names = [row.name for row in caustica.settings()]
     assert "radius" in names and set(names) == set(scene.settings)
 
@@ -146,7 +155,7 @@ def test_on_pass_may_use_the_package(root: Path) -> None:
     # The only thread of the render waits meanwhile.
     caustica.render(scene, passes=2, threads=1, on_pass=look)
     assert seen == [0, 0]
-    with pytest.raises(ValueError, match="threads: expected a whole number from 1 to 1024"):
+    with pytest.raises(ValueError, match="`threads`: expected a whole number from 1 to 1024"):
         caustica.render(scene, passes=1, threads=0)
 
 

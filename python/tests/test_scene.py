@@ -16,8 +16,14 @@ def test_keyword_arguments_are_the_parameters_of_the_scene(room: Path) -> None:
     assert (caustica.load(room).width, caustica.load(room).height) == (24, 16)
     assert caustica.load(room, width=40).width == 40
     assert caustica.load(room, defines={"width": "12"}).width == 12
-    with pytest.raises(caustica.SceneError, match="did you mean"):
+    with pytest.raises(caustica.SceneError, match="given by a keyword argument") as parameter:
         caustica.load(room, widht=40)
+    assert parameter.value.suggestion == "did you mean `width`?"
+    with pytest.raises(caustica.SceneError, match="did you mean the argument `size`") as argument:
+        caustica.load(room, sise=(4, 4))  # type: ignore[arg-type]
+    assert argument.value.suggestion == "size"
+    with pytest.raises(caustica.SettingError, match="invalid value `3` for `sensor`"):
+        caustica.load(room, sensor=3)
 
 
 def test_options_choose_film_and_filter(room: Path) -> None:
@@ -214,10 +220,13 @@ def test_mistakes_name_the_value_and_what_it_takes(room: Path) -> None:
         ("ball.radius", np.nan, "NaN is not a finite number"),
         ("ball.radius", -1, "`ball.radius`: -1 is not a positive radius"),
         ("ball.radius", 0, "0 is not a positive radius"),
+        ("box.reflectance", "red", "`box.reflectance`: expected numbers, not 'red'"),
     ]:
         with pytest.raises(caustica.ArrayError, match=what):
             scene[key] = value
     assert caustica.render(scene, passes=1).png() == caustica.render(caustica.load(room), passes=1).png()
     scene["box.reflectance"] = 1.5
-    with pytest.raises(caustica.SceneError, match="reflectance"):
+    with pytest.raises(caustica.SceneError, match="reflectance") as refused:
         caustica.render(scene, passes=1)
+    # The line of the file has another value.
+    assert refused.value.suggestion == "changed since the file was read: `box.reflectance`"

@@ -3,7 +3,7 @@
 use super::binned::ROW;
 use super::layer::{LAYERS, Layer, Radiance};
 use super::rejected::Rejected;
-use super::stored::{ALPHA, LUMINANCE, SQUARE, STRIDE, luminance_of};
+use super::stored::{ALPHA, LUMINANCE, LUMINANCE_WEIGHTS, SQUARE, STRIDE};
 use crate::math::Color;
 use crate::spectrum::to_rgb;
 
@@ -54,11 +54,16 @@ impl StoredMean {
         for (number, row) in rows[..LUMINANCE].iter_mut().enumerate() {
             row.iter_mut().zip(means).for_each(|(to, mean)| *to = f64::from(mean.0[number]));
         }
-        for i in 0..ROW.min(means.len()) {
-            let channel = |c: usize| (0..LAYERS.len()).fold(0.0, |sum, l| sum + rows[3 * l + c][i]);
-            let luminance = luminance_of([channel(0), channel(1), channel(2)]);
-            (rows[LUMINANCE][i], rows[SQUARE][i]) = (luminance, luminance * luminance);
+        let mut luminance = [0.0; ROW];
+        for (c, weight) in LUMINANCE_WEIGHTS.into_iter().enumerate() {
+            let mut channel = [0.0; ROW];
+            for layer in 0..LAYERS.len() {
+                channel.iter_mut().zip(&rows[3 * layer + c]).for_each(|(sum, number)| *sum += number);
+            }
+            luminance.iter_mut().zip(channel).for_each(|(sum, channel)| *sum += weight * channel);
         }
+        rows[LUMINANCE] = luminance;
+        rows[SQUARE] = luminance.map(|luminance| luminance * luminance);
     }
 }
 

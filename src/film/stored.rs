@@ -18,7 +18,5 @@ pub(super) fn place(pixel: usize, number: usize, count: usize) -> usize {
     number * count + pixel
 }
 
-/// Luminance of linear sRGB.
-pub(super) fn luminance_of([r, g, b]: [f64; 3]) -> f64 {
-    0.212671 * r + 0.715160 * g + 0.072169 * b
-}
+/// Luminance of linear sRGB, by channel.
+pub(super) const LUMINANCE_WEIGHTS: [f64; 3] = [0.212671, 0.715160, 0.072169];

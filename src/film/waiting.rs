@@ -33,15 +33,15 @@ impl Waiting {
         Self { passes: vec![first], whole: 0, most, pixels, aovs }
     }
 
-    /// Where the next pass goes. It waits only once [`Waiting::keep`] is called.
-    pub fn next(&mut self) -> &mut PassSums {
+    /// Where the running pass goes. It waits only once [`Waiting::keep`] is called.
+    pub fn running(&mut self) -> &mut PassSums {
         if self.whole == self.passes.len() {
             self.passes.push(PassSums::new(self.pixels, self.aovs));
         }
         &mut self.passes[self.whole]
     }
 
-    /// The pass of [`Waiting::next`] is whole.
+    /// The pass of [`Waiting::running`] is whole.
     pub fn keep(&mut self) {
         self.whole += 1;
     }
@@ -127,7 +127,7 @@ mod tests {
             let mut pass = PassSums::new(PIXELS, 0);
             fill(&mut pass, number);
             plain.add(&[pass]);
-            fill(waiting.next(), number);
+            fill(waiting.running(), number);
             waiting.keep();
             waiting.show(&mut pixels, |so_far| {
                 if number % 3 == 1 {
@@ -140,7 +140,7 @@ mod tests {
             }
         }
         // What was begun and is not whole.
-        fill(waiting.next(), 99);
+        fill(waiting.running(), 99);
         waiting.add_to(&mut pixels);
         assert_eq!(pixels, plain);
     }

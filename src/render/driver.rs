@@ -259,7 +259,7 @@ fn run<I: Integrator>(
         // The first samples of a picture are made however late it is.
         let halt_camera = if cuttable { Halt { deadline: None, ..halt } } else { halt };
         let bands = bands(task, integrator, &shared, first + passes, halt_camera);
-        let whole = count_camera(&mut stats, &bands.sample(waiting.next()));
+        let whole = count_camera(&mut stats, &bands.sample(waiting.running()));
         drop(shared);
         stats.camera_seconds += camera.elapsed().as_secs_f64();
         // Of the first pass of all even a part is a picture.
@@ -284,6 +284,7 @@ fn run<I: Integrator>(
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         let elapsed = budget.elapsed(start);
         (stats.passes, stats.seconds) = (passes, elapsed.as_secs_f64());
+        stats.film_bytes = (pixels.bytes() + waiting.bytes()) as u64;
         waiting.show(&mut pixels, |pixels| {
             progress(&Progress { pixels, passes, elapsed, pass, statistics: &stats });
         });

@@ -6,8 +6,9 @@ use caustica_formats::ReadOptions;
 use caustica_formats::ir::{self, Crop, Filter, SpectrumRule};
 
 use super::{Error, Layers};
+use crate::render::MOST_PASSES;
 use crate::scene::compile::CompileOptions;
-use crate::settings::Settings;
+use crate::settings::{SettingError, Settings};
 
 /// How to open a scene. The default changes nothing in the scene and converts spectra as Mitsuba 3 does.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,10 +112,7 @@ impl Options {
     }
 
     pub(super) fn override_settings(&self, settings: &mut Settings) -> Result<(), Error> {
-        for (name, value) in &self.settings {
-            settings.set(name, value)?;
-        }
-        Ok(())
+        set_all(settings, &self.settings)
     }
 
     /// What of this decides how the scene's files are read, by name: the same files read otherwise are
@@ -132,4 +130,19 @@ impl Options {
             ("lenient".to_owned(), self.lenient.to_string()),
         ]
     }
+}
+
+/// Changes settings by name.
+pub(super) fn set_all(settings: &mut Settings, changes: &[(String, String)]) -> Result<(), Error> {
+    for (name, value) in changes {
+        settings.set(name, value)?;
+    }
+    if settings.passes > MOST_PASSES {
+        let expected = format!("a whole number from 1 to {MOST_PASSES}");
+        let found = settings.passes.to_string();
+        return Err(
+            SettingError::Invalid { name: "passes".to_owned(), expected, found, nearest: None }.into()
+        );
+    }
+    Ok(())
 }

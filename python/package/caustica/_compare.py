@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._errors import ArrayError
 from ._image import Floats, Image
 
 Picture = Image | str | os.PathLike[str] | npt.NDArray[Any]
@@ -89,7 +90,7 @@ def _picture(picture: Picture, name: str) -> tuple[str, bytes | Floats | None]:
     if array.ndim == 2:
         array = array[:, :, np.newaxis]
     if array.ndim != 3 or array.shape[2] not in (1, 3, 4):
-        raise ValueError(f"{name}: a picture has shape (h, w), (h, w, 1), (h, w, 3) or (h, w, 4), not {array.shape}")
+        raise ArrayError(f"{name}: a picture has shape (h, w), (h, w, 1), (h, w, 3) or (h, w, 4), not {array.shape}")
     rgb = np.broadcast_to(array[:, :, :3], (*array.shape[:2], 3))
     return f"<{name}>", np.ascontiguousarray(rgb, dtype=np.float32)
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import Diagnostic, SceneWarning
+from ._errors import ArrayError, Diagnostic, Error, SceneError, SceneWarning, SettingError
 from ._image import Image, Progress
 
 Path = str | os.PathLike[str]
@@ -85,7 +86,8 @@ class Scene:
 
     @property
     def settings(self) -> dict[str, str]:
-        """Every setting, as the scene asks for it."""
+        """The value of every setting: what the scene asks for, or its default. Those given to `render` are in
+        `Image.settings`."""
         return dict(self._native.settings())
 
     def inspect(self) -> dict[str, Any]:
@@ -121,7 +123,10 @@ class Scene:
         did. Vertices keep their number. When positions change in a Mitsuba scene, vertex normals are computed
         anew, as Mitsuba does; in a pbrt scene the author's stay.
         """
-        array = np.array(value, dtype=np.float64)
+        try:
+            array = np.array(value, dtype=np.float64)
+        except (TypeError, ValueError) as problem:
+            raise ArrayError(f"`{key}`: expected numbers, not {value!r}") from problem
         self._native.set(key, array)
         self._changes[key] = array
 
@@ -200,7 +205,24 @@ def load(
         allow_paths=[os.path.abspath(folder) for folder in allow_paths],
         spectral_to_rgb=spectral_to_rgb,
     )
-    return Scene(path, options)
+    try:
+        return Scene(path, options)
+    except SceneError as error:
+        raise _meant(error, parameters, _Options.__annotations__) from None
+
+
+def _meant(error: Error, keywords: Mapping[str, Setting], arguments: Iterable[str]) -> Error:
+    """The error, with the argument that was probably meant by a keyword of which it speaks."""
+    arguments = list(arguments)
+    known = arguments if error.suggestion is None else [*arguments, error.suggestion]
+    for name in keywords:
+        nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.7)
+        if nearest and nearest[0] in arguments and f"`{name}`" in str(error):
+            message = str(error).partition("; did you mean")[0]
+            return type(error)(
+                f"{message}\n = help: did you mean the argument `{nearest[0]}`?", error.diagnostics, nearest[0]
+            )
+    return error
 
 
 def render(
@@ -243,16 +265,19 @@ def render(
         raise TypeError("resume needs a checkpoint")
     if not isinstance(scene, Scene):
         scene = load(scene)
-    native = scene._native.render(
-        settings=pairs(settings),
-        layers=layers if layers is None or isinstance(layers, str) else ",".join(layers) or "none",
-        passes=passes is not None,
-        time=time,
-        target_error=target_error,
-        threads=threads,
-        checkpoint=None if checkpoint is None else os.fspath(checkpoint),
-        resume=resume,
-        pass_range=None,
-        on_pass=on_pass,
-    )
+    try:
+        native = scene._native.render(
+            settings=pairs(settings),
+            layers=layers if layers is None or isinstance(layers, str) else ",".join(layers) or "none",
+            passes=passes is not None,
+            time=time,
+            target_error=target_error,
+            threads=threads,
+            checkpoint=None if checkpoint is None else os.fspath(checkpoint),
+            resume=resume,
+            pass_range=None,
+            on_pass=on_pass,
+        )
+    except SettingError as error:
+        raise _meant(error, settings, render.__kwdefaults__ or ()) from None
     return Image(native)

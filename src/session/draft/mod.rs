@@ -67,7 +67,18 @@ impl Draft {
         let files = Beside { below: &self.files, made: &self.made };
         let mut hashing = Hashing::going_on(&files, &self.path, self.served.clone());
         self.changed.iter().for_each(|(key, array)| hashing.change(key, &array.data));
-        Session::compiled(self.read.clone(), hashing, &self.path, &options)
+        Session::compiled(self.read.clone(), hashing, &self.path, &options).map_err(|error| self.told(error))
+    }
+
+    /// An error of compiling, with the values that were changed: the file, to which it points, does not have them.
+    fn told(&self, error: Error) -> Error {
+        let Error::Scene(mut failure) = error else { return error };
+        if !self.changed.is_empty() {
+            let keys: Vec<String> = self.changed.keys().map(|key| format!("`{key}`")).collect();
+            let help = format!("changed since the file was read: {}", keys.join(", "));
+            failure.diagnostics.iter_mut().for_each(|problem| problem.help.push(help.clone()));
+        }
+        Error::Scene(failure)
     }
 
     /// The names of all values, those of one object together.
