@@ -6,7 +6,6 @@ use caustica::film::{Layer, Pixels, SplatList, Splats};
 use caustica::math::Ray;
 use caustica::sampling::Sampler;
 use caustica::transport::Vertex;
-use caustica::transport::walk::{Lamps, Next, next};
 
 use crate::support::{Stage, area, camera, diffuse, film, rectangle, render, scene, walls};
 
@@ -19,8 +18,9 @@ fn trace(stage: &Stage, sampler: &mut Sampler, list: &mut SplatList) {
     let (pick, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
     let aperture = sampler.next_2d();
     let Some(start) = scene.sample_emission(pick, place, direction) else { return };
-    let mut ray = Ray::new(start.emission.o, start.emission.d);
-    let Next::Surface(s) = next(scene, &mut ray, Lamps::Solid) else { return };
+    let ray = Ray::new(start.emission.o, start.emission.d);
+    let Some(hit) = scene.geometry.closest(&ray) else { return };
+    let s = scene.surface(&ray, &hit);
     let vertex = Vertex::new(scene, &s, -ray.d);
     let Some(seen) = sensor.connect(s.p, aperture) else { return };
     let o = s.origin(seen.dir);

@@ -16,17 +16,9 @@ impl Mean {
     /// nothing when it is not finite.
     #[inline]
     pub fn add(&mut self, sample: &Radiance, weight: f32, rejected: &mut Rejected) {
-        let layers = sample.layers.map(|layer| layer * weight);
-        let total: Color = layers.iter().copied().sum();
-        if !total.is_finite() {
-            return reject(&layers, rejected);
+        if let Some(numbers) = numbers_of(sample, weight, rejected) {
+            self.0.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += f64::from(number));
         }
-        for (l, layer) in layers.iter().enumerate() {
-            for (c, value) in to_rgb(*layer).into_iter().enumerate() {
-                self.0[3 * l + c] += f64::from(value);
-            }
-        }
-        self.0[ALPHA] += f64::from(sample.alpha * weight);
     }
 
     /// The same times a number, in single precision: its error is far below that of a sample.
@@ -47,6 +39,15 @@ impl Mean {
 pub struct StoredMean([f32; LUMINANCE]);
 
 impl StoredMean {
+    /// What a [`Mean`] of this sample alone is stored as.
+    #[inline]
+    pub fn of_one(sample: &Radiance, weight: f32, rejected: &mut Rejected) -> Self {
+        // A sum that begins with 0 is never −0.
+        Self(
+            numbers_of(sample, weight, rejected).map_or([0.0; LUMINANCE], |numbers| numbers.map(|x| x + 0.0)),
+        )
+    }
+
     /// What is added to the sums of pixels: a row for each number, in which each of the pixels has a place.
     #[inline]
     pub(super) fn numbers(means: &[Self], rows: &mut [[f64; ROW]; STRIDE]) {
@@ -65,6 +66,23 @@ impl StoredMean {
         rows[LUMINANCE] = luminance;
         rows[SQUARE] = luminance.map(|luminance| luminance * luminance);
     }
+}
+
+/// Layers and alpha of a sample times `weight`; `None` when they are not finite, which is counted in `rejected`.
+#[inline(always)]
+fn numbers_of(sample: &Radiance, weight: f32, rejected: &mut Rejected) -> Option<[f32; LUMINANCE]> {
+    let layers = sample.layers.map(|layer| layer * weight);
+    let total: Color = layers.iter().copied().sum();
+    if !total.is_finite() {
+        reject(&layers, rejected);
+        return None;
+    }
+    let mut numbers = [0.0; LUMINANCE];
+    for (l, layer) in layers.iter().enumerate() {
+        numbers[3 * l..3 * l + 3].copy_from_slice(&to_rgb(*layer));
+    }
+    numbers[ALPHA] = sample.alpha * weight;
+    Some(numbers)
 }
 
 #[cold]

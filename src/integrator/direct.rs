@@ -6,7 +6,6 @@ use crate::emitter::DirectSample;
 use crate::math::Color;
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Scene};
-use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Vertex, transparency, visibility};
 
 /// The power heuristic with β = 2: the weight of a sample of density `a` that another strategy finds with density `b`.
@@ -103,13 +102,14 @@ pub fn scattered_lamp(
     let mut through = 1.0;
     for _ in 0..segments {
         *rays += 1;
-        let Next::Surface(at) = walk::next(scene, &mut ray, Lamps::Solid) else {
+        let Some(hit) = scene.geometry.closest(&ray) else {
             let mut seen = Color::ZERO;
             for (radiance, direct) in scene.background(s.p, d) {
                 seen += radiance * power_heuristic(pdf, direct);
             }
             return sample.weight * seen * through;
         };
+        let at = scene.surface(&ray, &hit);
         let emitted = scene.emitted(&at, -d);
         if emitted.max_element() > 0.0 {
             let weight = power_heuristic(pdf, scene.pdf_direct_surface(s.p, d, &at));

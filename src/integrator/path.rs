@@ -10,7 +10,6 @@ use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Hit, Scene};
 use crate::transport::roulette::Length;
-use crate::transport::walk::Next;
 use crate::transport::{PathClass, Vertex, roulette};
 
 /// See the module.
@@ -159,15 +158,16 @@ impl PathTracer<'_> {
             share: 1.0,
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
-        let next = sight.meet(scene, ray, hit, carried, &mut sample.out);
-        let s = match &next {
-            Next::Escape => return false,
-            Next::Behind => {
-                walk.depth -= 1;
-                return true;
-            }
-            Next::Surface(s) => s,
+        let Some(hit) = hit else {
+            sight.add_background(scene, ray.d, carried, &mut sample.out);
+            return false;
         };
+        let s = &scene.surface(ray, hit);
+        if sight.passes(scene, ray, hit, s) {
+            walk.depth -= 1;
+            return true;
+        }
+        sight.add_surface(scene, s, ray.d, carried, &mut sample.out);
         walk.seen = true;
         if walk.depth >= self.max_depth {
             return false;

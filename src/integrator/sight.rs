@@ -4,7 +4,7 @@ use super::direct::power_heuristic;
 use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec3};
 use crate::scene::{Hit, Scene, Surface};
-use crate::transport::walk::{self, Lamps, Next};
+use crate::transport::walk::{self, Lamps};
 use crate::transport::{PathClass, Smallness};
 
 /// How a lamp at the end of the ray counts.
@@ -52,28 +52,15 @@ impl Sight {
         if !self.lamps && self.through { Lamps::Transparent } else { Lamps::Solid }
     }
 
-    /// What the ray comes to, whose closest hit is known; what shines there is added to `out`.
+    /// Whether the ray passes the surface that it meets, see [`walk::passes`].
     #[inline(always)]
-    pub fn meet(
-        &self,
-        scene: &Scene,
-        ray: &mut Ray,
-        hit: Option<&Hit>,
-        path: Carried,
-        out: &mut Radiance,
-    ) -> Next {
-        let next = walk::arrive(scene, ray, hit, self.of_lamps());
-        match &next {
-            Next::Escape => self.add_background(scene, ray.d, path, out),
-            Next::Behind => {}
-            Next::Surface(s) => self.add_surface(scene, s, ray.d, path, out),
-        }
-        next
+    pub fn passes(&self, scene: &Scene, ray: &mut Ray, hit: &Hit, s: &Surface) -> bool {
+        walk::passes(scene, ray, hit, s, self.of_lamps())
     }
 
     /// Adds what shines from infinity at the end of a ray along the unit direction `d`.
     #[inline(always)]
-    fn add_background(&self, scene: &Scene, d: Vec3, path: Carried, out: &mut Radiance) {
+    pub fn add_background(&self, scene: &Scene, d: Vec3, path: Carried, out: &mut Radiance) {
         if self.lamps {
             for (radiance, pdf) in scene.background(self.from, d).filter(|&(_, pdf)| !self.leaves(pdf)) {
                 out.add(path.class.layer(), path.throughput * radiance * self.weight(pdf));
@@ -84,7 +71,7 @@ impl Sight {
     /// Adds what the surface at the end of a ray along the unit direction `d` emits, and marks the sample
     /// as covered.
     #[inline(always)]
-    fn add_surface(&self, scene: &Scene, s: &Surface, d: Vec3, path: Carried, out: &mut Radiance) {
+    pub fn add_surface(&self, scene: &Scene, s: &Surface, d: Vec3, path: Carried, out: &mut Radiance) {
         out.alpha = 1.0;
         let emitted = scene.emitted(s, -d);
         if emitted.max_element() > 0.0 && self.lamps {

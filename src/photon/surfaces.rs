@@ -8,7 +8,6 @@ use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{LightStart, Scene};
 use crate::transport::roulette::Length;
-use crate::transport::walk::{self, Lamps, Next};
 use crate::transport::{Owner, PathClass, Smallness, Vertex, roulette};
 
 /// Follows a path from its start. Returns the first surface point; `None` if it misses the scene.
@@ -29,7 +28,8 @@ pub(super) fn follow(
     let mut smallness = Smallness::default();
     loop {
         out.rays += 1;
-        let Next::Surface(surface) = walk::next(scene, &mut ray, Lamps::Solid) else { return first };
+        let Some(hit) = scene.geometry.closest(&ray) else { return first };
+        let surface = scene.surface(&ray, &hit);
         first.get_or_insert(surface.p);
         let vertex = Vertex::new(scene, &surface, -ray.d);
         let kept = job.all || class.owner(job.next_event, job.caustic_map) == job.owner;

@@ -7,7 +7,7 @@ use super::extra::Pixel;
 use crate::film::{Aov, Mean, PassSums, Radiance, Rejected, StoredMean};
 use crate::integrator::images::Images;
 use crate::integrator::{CameraSample, Integrator, Scratch, Task};
-use crate::math::Vec2;
+use crate::math::{Ray, Vec2, Vec3};
 use crate::photon::trace::Halt;
 use crate::sampling::{Sampler, mix};
 use crate::scene::View;
@@ -85,12 +85,16 @@ impl<I: Integrator> Bands<'_, I> {
             let mut extra = square.extra.drain(..).peekable();
             let pixels = square.samples.chunks_mut(each).zip(square.weights.chunks(each)).zip(&square.places);
             for (owner, ((samples, weights), &at)) in pixels.enumerate() {
+                samples.iter_mut().for_each(|sample| self.task.view.response.apply(&mut sample.out));
+                let more = extra.next_if(|(of, _)| *of == owner);
+                if let ([only], [weight], None) = (&*samples, weights, &more) {
+                    means[at] = StoredMean::of_one(&only.out, *weight, &mut rejected);
+                    continue;
+                }
                 let mut mean = Mean::default();
-                for (sample, weight) in samples.iter_mut().zip(weights) {
-                    self.task.view.response.apply(&mut sample.out);
+                for (sample, weight) in samples.iter().zip(weights) {
                     mean.add(&sample.out, weight / each as f32, &mut rejected);
                 }
-                let more = extra.next_if(|(of, _)| *of == owner);
                 for (mut out, weight) in more.into_iter().flat_map(|(_, samples)| samples) {
                     self.task.view.response.apply(&mut out);
                     mean.add(&out, weight / each as f32, &mut rejected);
@@ -165,13 +169,17 @@ impl<I: Integrator> Bands<'_, I> {
         let pixel = (py as u64) << 32 | px as u64;
         for number in 0..self.each {
             let index = self.pass.wrapping_mul(self.each).wrapping_add(number);
-            let mut sampler = Sampler::new(mix(self.task.settings.seed ^ mix(pixel)), index)
-                .stratified(I::STRATIFIED_PAIRS);
+            let key = mix(self.task.settings.seed ^ mix(pixel));
+            let sampler = Sampler::new(key, index).stratified(I::STRATIFIED_PAIRS);
+            let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+            // Completed in its place: to copy numbers that were just written takes as long as to compute them.
+            square.samples.push(CameraSample { ray, sampler, share: 1.0, out: Radiance::default() });
+            let sample = square.samples.last_mut().expect("a sample was pushed");
+            let sampler = &mut sample.sampler;
             let (offset, weight) = filter.sample(sampler.next_2d());
             let place = (Vec2::new(px as f32 + 0.5, py as f32 + 0.5) + offset) * self.pixel;
             let aperture = if self.has_aperture { sampler.next_2d() } else { Vec2::ZERO };
-            let ray = sensor.ray(place, aperture);
-            square.samples.push(CameraSample { ray, sampler, share: 1.0, out: Radiance::default() });
+            sample.ray = sensor.ray(place, aperture);
             square.weights.push(weight);
             if self.eye.is_some() || self.images.is_some() {
                 square.starts.push(Start { place, aperture });

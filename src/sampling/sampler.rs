@@ -52,7 +52,7 @@ impl Sampler {
         }
         let place = pair as usize % BATCH;
         if place == 0 {
-            self.ready = sobol::batch(self.index, self.key, pair);
+            sobol::batch(self.index, self.key, pair, &mut self.ready);
         }
         Some(place)
     }

@@ -52,25 +52,26 @@ const SECOND: u64 = 0x5a5a_5a5a;
 /// Points computed at once by [`batch`].
 pub const BATCH: usize = 8;
 
-/// Point `index` of each of the sequences `first..first + BATCH` of `key`, in [0, 1)², as all first coordinates
-/// and all second ones. Computed one at a time, a point costs as much as tracing a ray.
-pub fn batch(index: u32, key: u64, first: u32) -> [[f32; BATCH]; 2] {
-    widest!(batch_body; index: u32 = index, key: u64 = key, first: u32 = first => [[f32; BATCH]; 2])
+/// Point `index` of each of the sequences `first..first + BATCH` of `key`, in [0, 1)², into `out` as all first
+/// coordinates and all second ones. Computed one at a time, a point costs as much as tracing a ray.
+pub fn batch(index: u32, key: u64, first: u32, out: &mut [[f32; BATCH]; 2]) {
+    widest!(
+        batch_body;
+        index: u32 = index, key: u64 = key, first: u32 = first, out: &mut [[f32; BATCH]; 2] = out => ()
+    );
 }
 
 #[inline(always)]
-fn batch_body(index: u32, key: u64, first: u32) -> [[f32; BATCH]; 2] {
+fn batch_body(index: u32, key: u64, first: u32, out: &mut [[f32; BATCH]; 2]) {
     let mut seeds = [[0u32; 3]; BATCH];
     for (s, pair) in seeds.iter_mut().zip(u64::from(first)..) {
         let seed = mix(key.wrapping_add(pair));
         *s = [seed as u32, mix(seed ^ FIRST) as u32, mix(seed ^ SECOND) as u32];
     }
-    let mut out = [[0.0; BATCH]; 2];
     for (l, &[order, a, b]) in seeds.iter().enumerate() {
         let [x, y] = scrambled(index, order, a, b);
         (out[0][l], out[1][l]) = (unit_float(x), unit_float(y));
     }
-    out
 }
 
 #[cfg(test)]
@@ -97,9 +98,12 @@ mod tests {
         // Of the first 2^m points, every elementary interval of area 2^-m contains exactly one.
         for seed in 0..20u64 {
             for m in [4u32, 6, 7] {
-                let points: Vec<[u32; 2]> = (0..1u32 << m)
-                    .map(|i| batch(i, seed, 0).map(|c| (c[3] * 16_777_216.0) as u32 * 256))
-                    .collect();
+                let point = |i: u32| {
+                    let mut points = [[0.0; BATCH]; 2];
+                    batch(i, seed, 0, &mut points);
+                    points.map(|c| (c[3] * 16_777_216.0) as u32 * 256)
+                };
+                let points: Vec<[u32; 2]> = (0..1u32 << m).map(point).collect();
                 for a in 0..=m {
                     let b = m - a;
                     let mut seen = vec![false; 1 << m];

@@ -1,6 +1,6 @@
 //! Where a ray meets a shape: position, normals, uv, and how light scatters there.
 
-use super::{Face, Hit, Kind, NO_INSTANCE, Scene, ShapeRecord};
+use super::{Face, Hit, Kind, Level, NO_INSTANCE, Scene, ShapeRecord};
 use crate::bsdf::{Closure, Material, Point};
 use crate::math::{Frame, LIFT, Ray, Vec2, Vec3};
 use crate::texture::{OnMesh, Site};
@@ -84,7 +84,10 @@ impl Scene {
         {
             let index = level.shape(hit);
             let shape = &self.shapes[index as usize];
-            return triangle_surface(&level.face(hit), shape, index, triangle as usize, hit);
+            if shape.oriented {
+                return oriented_triangle(level, shape, index, triangle as usize, hit);
+            }
+            return plain_triangle(&level.face(hit), shape, index, triangle as usize, hit);
         }
         self.other_surface(ray, hit)
     }
@@ -96,8 +99,11 @@ impl Scene {
         let index = level.shape(hit);
         let shape = &self.shapes[index as usize];
         let mut s = match level.kind(hit) {
+            Kind::Triangle(triangle) if shape.oriented => {
+                oriented_triangle(level, shape, index, triangle as usize, hit)
+            }
             Kind::Triangle(triangle) => {
-                triangle_surface(&level.face(hit), shape, index, triangle as usize, hit)
+                plain_triangle(&level.face(hit), shape, index, triangle as usize, hit)
             }
             Kind::Analytic(i) => {
                 let p = match self.geometry.instances.get(hit.instance as usize) {
@@ -171,8 +177,19 @@ impl Scene {
     }
 }
 
+/// A surface whose frame follows ∂p/∂u.
+#[inline(never)]
+fn oriented_triangle(level: &Level, shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
+    let face = level.face(hit);
+    let mut s = plain_triangle(&face, shape, index, triangle, hit);
+    s.orient(s.frame.n, triangle_partials(&face.corners(), shape, triangle));
+    s
+}
+
+/// A surface whose frame is any around its normal. It is put together where it is returned: reading back 16 bytes that
+/// were just written as four numbers stalls a processor for longer than all of this takes.
 #[inline(always)]
-fn triangle_surface(face: &Face, shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
+fn plain_triangle(face: &Face, shape: &ShapeRecord, index: u32, triangle: usize, hit: &Hit) -> Surface {
     let [v0, v1, v2] = face.corners();
     let b0 = 1.0 - hit.b1 - hit.b2;
     let mix = |a: Vec3, b: Vec3, c: Vec3| a * b0 + b * hit.b1 + c * hit.b2;
@@ -196,7 +213,7 @@ fn triangle_surface(face: &Face, shape: &ShapeRecord, index: u32, triangle: usiz
     if b0.min(hit.b1).min(hit.b2) < NEAR_EDGE {
         p = off_edges(p, &[v0, v1, v2], [b0, hit.b1, hit.b2], 0.5 * lift);
     }
-    let mut s = Surface {
+    Surface {
         p,
         ng,
         frame: Frame::from_normal(ns),
@@ -206,11 +223,7 @@ fn triangle_surface(face: &Face, shape: &ShapeRecord, index: u32, triangle: usiz
         shape: index,
         triangle: triangle as u32,
         weights: [hit.b1, hit.b2],
-    };
-    if shape.oriented {
-        s.orient(ns, triangle_partials(&face.corners(), shape, triangle));
     }
-    s
 }
 
 /// Barycentric weight below which a hit may lie on the edge opposite the corner.

@@ -126,6 +126,7 @@ pub struct Sensor {
 
 impl Sensor {
     /// Ray through film position `s` in [0,1]² (x right, y down, over the full film).
+    #[inline]
     pub fn ray(&self, s: Vec2, aperture: Vec2) -> Ray {
         let s = s + self.principal_point_offset;
         let sharp = self.projection.ray(s);

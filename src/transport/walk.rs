@@ -1,22 +1,11 @@
 //! From a ray to the next vertex of its path: the same for camera paths, light paths and pilots.
 //!
-//! A hidden lamp lets the ray go on. Masks and index-matched boundaries are surfaces like others: whether
-//! light passes straight through is drawn with their other lobes (`Event::Null`), and costs a segment.
-//! In scenes with media, [`super::media`] goes along.
+//! What the ray meets first is a surface ([`Scene::surface`]); a hidden lamp lets the ray go on ([`passes`]). Masks and
+//! index-matched boundaries are surfaces like others: whether light passes straight through is drawn with their other
+//! lobes (`Event::Null`), and costs a segment. In scenes with media, [`super::media`] goes along.
 
 use crate::math::Ray;
 use crate::scene::{Hit, Scene, Surface};
-
-/// What a ray comes to.
-#[derive(Debug)]
-pub enum Next {
-    /// It leaves the scene.
-    Escape,
-    /// It goes on behind a lamp that is not seen; that costs no segment.
-    Behind,
-    /// A surface.
-    Surface(Surface),
-}
 
 /// What lamps are to a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,21 +16,13 @@ pub enum Lamps {
     Transparent,
 }
 
-/// Traces `ray` and says what it comes to. Behind a lamp that is not there the ray has moved on.
+/// Whether the ray passes the surface `s` that it meets, which is a lamp that is not there. The ray has moved on behind
+/// it then; that costs no segment.
 #[inline(always)]
-pub fn next(scene: &Scene, ray: &mut Ray, lamps: Lamps) -> Next {
-    let hit = scene.geometry.closest(ray);
-    arrive(scene, ray, hit.as_ref(), lamps)
-}
-
-/// The same for a ray of a bundle, whose closest `hit` was found with those of the others.
-#[inline(always)]
-pub fn arrive(scene: &Scene, ray: &mut Ray, hit: Option<&Hit>, lamps: Lamps) -> Next {
-    let Some(hit) = hit else { return Next::Escape };
-    let s = scene.surface(ray, hit);
-    if lamps == Lamps::Transparent && scene.is_lamp(&s) {
+pub fn passes(scene: &Scene, ray: &mut Ray, hit: &Hit, s: &Surface, lamps: Lamps) -> bool {
+    let passes = lamps == Lamps::Transparent && scene.is_lamp(s);
+    if passes {
         *ray = Ray { tmax: ray.tmax - hit.t, ..s.leave(ray.d) };
-        return Next::Behind;
     }
-    Next::Surface(s)
+    passes
 }

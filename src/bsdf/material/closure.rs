@@ -1,22 +1,21 @@
 use std::f32::consts::FRAC_1_PI;
 
-use super::Composite;
+use super::{Composite, Prepared};
 use crate::bsdf::{Deltas, Event, Range, Sample, SmoothSample, Transport};
 use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::warp;
 
-/// A BSDF at a point: numbers only. Small: one diffuse lobe is held by value, anything else behind a
-/// pointer.
+/// A BSDF at a point: numbers only.
 #[derive(Clone, Debug)]
 pub struct Closure<'a>(pub(super) Content<'a>);
 
 #[derive(Clone, Debug)]
 pub(super) enum Content<'a> {
-    /// One diffuse lobe.
-    Diffuse(Lambertian),
     /// Made once: the material is everywhere the same.
-    Fixed(&'a Composite),
-    /// Made for this point.
+    Fixed(&'a Prepared),
+    /// One diffuse lobe, made for this point.
+    Diffuse(Lambertian),
+    /// Anything else that was made for it.
     Here(Box<Composite>),
 }
 
@@ -42,8 +41,8 @@ impl Closure<'_> {
     #[inline(always)]
     fn content(&self) -> Result<&Lambertian, &Composite> {
         match &self.0 {
-            Content::Diffuse(d) => Ok(d),
-            Content::Fixed(composite) => Err(composite),
+            Content::Fixed(Prepared::Diffuse(d)) | Content::Diffuse(d) => Ok(d),
+            Content::Fixed(Prepared::Composite(composite)) => Err(composite),
             Content::Here(composite) => Err(composite),
         }
     }

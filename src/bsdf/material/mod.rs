@@ -233,10 +233,7 @@ impl Material {
     #[inline(always)]
     pub fn closure<'a>(&'a self, point: &Point<'_>, wi: Vec3) -> Closure<'a> {
         match &self.fixed {
-            Some(sides) => match &sides[usize::from(wi.z < 0.0)] {
-                Prepared::Diffuse(d) => Closure(Content::Diffuse(*d)),
-                Prepared::Composite(composite) => Closure(Content::Fixed(composite)),
-            },
+            Some(sides) => Closure(Content::Fixed(&sides[usize::from(wi.z < 0.0)])),
             None => self.textured(point, wi),
         }
     }

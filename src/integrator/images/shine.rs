@@ -5,7 +5,7 @@ use crate::bsdf::Transport;
 use crate::math::{Color, Ray};
 use crate::sampling::Sampler;
 use crate::transport::Vertex;
-use crate::transport::walk::{self, Lamps, Next};
+use crate::transport::walk::{self, Lamps};
 
 /// How often a path follows all ways on instead of choosing one.
 const SPLITS: u32 = 8;
@@ -33,16 +33,13 @@ pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, rays: &mut u64) ->
             continue;
         }
         *rays += 1;
-        let hit = scene.geometry.closest(&way.ray);
+        let Some(hit) = scene.geometry.closest(&way.ray) else { continue };
         let lamps = if transparent && !way.seen { Lamps::Transparent } else { Lamps::Solid };
-        let s = match walk::arrive(scene, &mut way.ray, hit.as_ref(), lamps) {
-            Next::Escape => continue,
-            Next::Behind => {
-                ways.push(way);
-                continue;
-            }
-            Next::Surface(s) => s,
-        };
+        let s = scene.surface(&way.ray, &hit);
+        if walk::passes(scene, &mut way.ray, &hit, &s, lamps) {
+            ways.push(way);
+            continue;
+        }
         if way.seen || !settings.hide_emitters {
             light += way.throughput * scene.emitted(&s, -way.ray.d);
         }

@@ -20,7 +20,6 @@ use crate::sampling::Sampler;
 use crate::scene::{Hit, Surface};
 use crate::settings::Indirect;
 use crate::transport::roulette::Length;
-use crate::transport::walk::Next;
 use crate::transport::{Chain, PathClass, Vertex, roulette};
 
 /// Radii that lie between two rough surfaces at least, for the map to be read at the second: nearer, the first
@@ -178,16 +177,17 @@ impl PhotonMapper<'_> {
             share: if walk.specular && walk.at_first() { sample.share } else { 1.0 },
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
-        let length = hit.map_or(0.0, |hit| hit.t * ray.d.length());
-        let s = match sight.meet(scene, ray, hit, carried, &mut sample.out) {
-            Next::Escape => return false,
-            Next::Behind => {
-                walk.depth -= 1;
-                return true;
-            }
-            Next::Surface(s) => s,
+        let Some(hit) = hit else {
+            sight.add_background(scene, ray.d, carried, &mut sample.out);
+            return false;
         };
-        walk.reach += length;
+        let s = scene.surface(ray, hit);
+        if sight.passes(scene, ray, hit, &s) {
+            walk.depth -= 1;
+            return true;
+        }
+        sight.add_surface(scene, &s, ray.d, carried, &mut sample.out);
+        walk.reach += hit.t * ray.d.length();
         walk.seen = true;
         if walk.depth >= settings.max_depth.0 {
             return false;

@@ -9,7 +9,7 @@ use crate::math::Vec2;
 use crate::photon::radius;
 use crate::sampling::{Sampler, mix};
 use crate::transport::Vertex;
-use crate::transport::walk::{self, Lamps, Next};
+use crate::transport::walk::{self, Lamps};
 
 /// Most rays of a camera path that are followed.
 const LONGEST: u32 = 16;
@@ -64,11 +64,10 @@ impl PhotonMapper<'_> {
             *rays += 1;
             let hit = scene.geometry.closest(&ray)?;
             length += hit.t * ray.d.length();
-            let s = match walk::arrive(scene, &mut ray, Some(&hit), lamps) {
-                Next::Escape => return None,
-                Next::Behind => continue,
-                Next::Surface(s) => s,
-            };
+            let s = scene.surface(&ray, &hit);
+            if walk::passes(scene, &mut ray, &hit, &s, lamps) {
+                continue;
+            }
             lamps = Lamps::Solid;
             let vertex = Vertex::new(scene, &s, -ray.d);
             match self.step(&vertex, &mut sampler) {

@@ -9,7 +9,6 @@ use crate::film::Radiance;
 use crate::math::{Color, Vec3};
 use crate::sampling::Sampler;
 use crate::transport::roulette::Length;
-use crate::transport::walk::Next;
 use crate::transport::{Chain, PathClass, Vertex, roulette, visibility};
 
 /// What a camera path does at a surface.
@@ -72,15 +71,16 @@ impl PhotonMapper<'_> {
                 left: chain.on_the_way(),
                 share: if specular { share } else { 1.0 },
             };
-            let hit = scene.geometry.closest(&ray);
-            let s = match sight.meet(scene, &mut ray, hit.as_ref(), path, &mut out) {
-                Next::Escape => break,
-                Next::Behind => {
-                    depth -= 1;
-                    continue;
-                }
-                Next::Surface(s) => s,
+            let Some(hit) = scene.geometry.closest(&ray) else {
+                sight.add_background(scene, ray.d, path, &mut out);
+                break;
             };
+            let s = scene.surface(&ray, &hit);
+            if sight.passes(scene, &mut ray, &hit, &s) {
+                depth -= 1;
+                continue;
+            }
+            sight.add_surface(scene, &s, ray.d, path, &mut out);
             seen = true;
             if depth >= max_depth {
                 break;

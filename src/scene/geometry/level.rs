@@ -7,14 +7,16 @@ use crate::math::{Bounds, Vec3};
 use crate::shape::Analytic;
 use crate::shape::triangle::{Block, Corners, WIDTH};
 
-/// The primitives of a leaf: up to eight triangles, or up to eight other things.
+/// The primitives of a leaf: up to eight triangles, or up to eight other things. What rays that meet none of them read
+/// stands first, in five cache lines.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
 pub(super) struct Packet {
     pub(super) triangles: Block,
-    pub(super) shape: [u32; WIDTH],
-    pub(super) tag: [u32; WIDTH],
     /// Number of lanes in use if the packet holds no triangles, otherwise 0.
     pub(super) others: u32,
+    pub(super) shape: [u32; WIDTH],
+    pub(super) tag: [u32; WIDTH],
 }
 
 /// A triangle in the form that shading needs.

@@ -13,15 +13,22 @@ use crate::shape::{Analytic, Lines};
 
 impl Geometry {
     /// Nearest hit in (0, tmax).
+    #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        widest_wide!(Geometry::closest_any; geometry: &Geometry = self, ray: &Ray = ray => Option<Hit>)
+        let mut best = None;
+        self.find_closest(ray, &mut best);
+        best
+    }
+
+    /// Puts the nearest hit into `best`, which holds none: it is not copied after it was written.
+    fn find_closest(&self, ray: &Ray, best: &mut Option<Hit>) {
+        widest_wide!(Geometry::closest_any;
+            geometry: &Geometry = self, ray: &Ray = ray, best: &mut Option<Hit> = best => ())
     }
 
     #[inline(always)]
-    fn closest_any<W: Wide>(&self, ray: &Ray, isa: W::Isa) -> Option<Hit> {
-        let mut best = None;
-        self.closest_in::<W>(&self.world, ray, NO_INSTANCE, &mut best, isa);
-        best
+    fn closest_any<W: Wide>(&self, ray: &Ray, best: &mut Option<Hit>, isa: W::Isa) {
+        self.closest_in::<W>(&self.world, ray, NO_INSTANCE, best, isa);
     }
 
     #[inline(always)]
@@ -95,7 +102,10 @@ impl Geometry {
     /// [`Geometry::closest`] of `rays[i]` into `hits[i]` for all `i` of `which`.
     pub fn closest_each(&self, rays: &[Ray], which: &[usize], hits: &mut [Option<Hit>]) {
         let Some(small) = &self.world.small else {
-            which.iter().for_each(|&i| hits[i] = self.closest(&rays[i]));
+            for &i in which {
+                hits[i] = None;
+                self.find_closest(&rays[i], &mut hits[i]);
+            }
             return;
         };
         widest_bundle!(Geometry::closest_small; geometry: &Geometry = self, small: &Small = small, rays: &[Ray] = rays,

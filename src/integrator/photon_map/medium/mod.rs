@@ -19,7 +19,6 @@ use crate::photon::volume::VolumeGather;
 use crate::scene::{Hit, Surface};
 use crate::transport::media::MOST_PASSED;
 use crate::transport::roulette::Length;
-use crate::transport::walk::Next;
 use crate::transport::{PathClass, Vertex, roulette};
 use stretch::Stretch;
 
@@ -118,21 +117,19 @@ impl PhotonMapper<'_> {
             left: None,
             share: 1.0,
         };
-        let before = walk.ray;
-        let s = match sight.meet(scene, &mut walk.ray, hit, walk.path, &mut sample.out) {
-            Next::Escape => {
-                // What the media hid of the background covers it.
-                let through = walk.path.throughput.max_element().clamp(0.0, 1.0);
-                sample.out.alpha = sample.out.alpha.max(1.0 - through);
-                return Goes::Over;
-            }
-            Next::Behind => {
-                let lamp = hit.map(|hit| scene.surface(&before, hit));
-                walk.medium = lamp.map_or(walk.medium, |s| scene.medium_beyond(&s, before.d, walk.medium));
-                return Goes::On;
-            }
-            Next::Surface(s) => s,
+        let Some(hit) = hit else {
+            sight.add_background(scene, walk.ray.d, walk.path, &mut sample.out);
+            // What the media hid of the background covers it.
+            let through = walk.path.throughput.max_element().clamp(0.0, 1.0);
+            sample.out.alpha = sample.out.alpha.max(1.0 - through);
+            return Goes::Over;
         };
+        let s = scene.surface(&walk.ray, hit);
+        if sight.passes(scene, &mut walk.ray, hit, &s) {
+            walk.medium = scene.medium_beyond(&s, walk.ray.d, walk.medium);
+            return Goes::On;
+        }
+        sight.add_surface(scene, &s, walk.ray.d, walk.path, &mut sample.out);
         let vertex = Vertex::new(scene, &s, -walk.ray.d);
         if walk.depth < self.settings.max_depth.0 {
             self.glossy_light_in_media(&vertex, walk, sample, scratch);
