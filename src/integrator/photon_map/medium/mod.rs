@@ -27,6 +27,8 @@ use stretch::Stretch;
 struct Walk {
     ray: Ray,
     medium: Option<MediumId>,
+    /// Normal of the surface that the ray starts at.
+    start: Option<Vec3>,
     path: Carried,
     eta: f32,
     /// Segments, this one included; straight passages do not count.
@@ -50,6 +52,7 @@ impl PhotonMapper<'_> {
         let mut walk = Walk {
             ray: sample.ray.normalised(),
             medium: self.task.view.medium,
+            start: None,
             path: Carried { throughput: Color::ONE, class: PathClass::FROM_CAMERA },
             eta: 1.0,
             depth: 1,
@@ -81,9 +84,11 @@ impl PhotonMapper<'_> {
     ) {
         let Some(id) = walk.medium else { return };
         let MediumId(index) = id;
-        let medium = &self.task.scene.media[index as usize];
+        let scene = self.task.scene;
+        let medium = &scene.media[index as usize];
         let part = Ray { tmax: hit.map_or(walk.ray.tmax, |hit| hit.t), ..walk.ray };
-        let stretch = Stretch::new(medium, &part, &mut sample.sampler);
+        let end = hit.filter(|_| maps.volume.is_some()).map(|hit| scene.surface(&walk.ray, hit).ng);
+        let stretch = Stretch::new(medium, &part, [walk.start, end], &mut sample.sampler);
         let throughput = walk.path.throughput;
         let left = self.settings.max_depth.0 - walk.depth;
         if medium.scatters() && left > 0 {
@@ -128,6 +133,7 @@ impl PhotonMapper<'_> {
             }
             Next::Behind => {
                 let lamp = hit.map(|hit| scene.surface(&before, hit));
+                walk.start = lamp.as_ref().map(|s| s.ng);
                 walk.medium = lamp.map_or(walk.medium, |s| scene.medium_beyond(&s, before.d, walk.medium));
                 return Goes::On;
             }
@@ -162,6 +168,7 @@ impl PhotonMapper<'_> {
     ) -> Goes {
         walk.medium = self.task.scene.medium_beyond(s, d, walk.medium);
         walk.ray = s.leave(d);
+        walk.start = Some(s.ng);
         match density {
             Density::Kept => return Goes::On,
             Density::Specular => walk.pdf = 0.0,
