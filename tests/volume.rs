@@ -174,7 +174,7 @@ fn nothing_is_found_where_nothing_is() {
     check_points(&[], &segment, 0.1);
     check_beams(&[], &segment, 0.1);
     // All in one place, on a segment of no length, and beams of no length.
-    let none = Segment { length: 0.0, ..segment };
+    let none = Segment::new(segment.o, segment.d, 0.0);
     for segment in [segment, none] {
         check_points(&[photon(Vec3::ZERO); 100], &segment, 0.1);
         check_beams(&[beam(Vec3::ZERO, Vec3::X, 0.0); 100], &segment, 0.1);
@@ -223,7 +223,9 @@ fn flat_boundaries_take_no_light_and_let_none_through() {
         let mut scratch = Found::default();
         let mut sums = [0.0; 2];
         for i in -4..=4 {
-            let segment = &Segment { o: segment.o + Vec3::Y * (0.6 * i as f32), ..*segment };
+            let mut segment = *segment;
+            segment.o += Vec3::Y * (0.6 * i as f32);
+            let segment = &segment;
             let at = VolumeGather { segment, medium: 0, max_photon_depth: 9, passage: &Hazy };
             let light = [points.radiance(&at, &mut scratch), lines.radiance(&at, &mut scratch) / 0.1];
             sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += f64::from(light.lanes()[0]) / 9.0);

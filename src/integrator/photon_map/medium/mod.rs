@@ -17,7 +17,7 @@ use crate::medium::MediumId;
 use crate::photon::GatherPoint;
 use crate::photon::volume::VolumeGather;
 use crate::scene::{Hit, Surface};
-use crate::transport::media::MOST_PASSED;
+use crate::transport::media::{MOST_PASSED, within};
 use crate::transport::roulette::Length;
 use crate::transport::walk::Next;
 use crate::transport::{PathClass, Vertex, roulette};
@@ -27,8 +27,8 @@ use stretch::Stretch;
 struct Walk {
     ray: Ray,
     medium: Option<MediumId>,
-    /// Normal of the surface that the ray starts at.
-    start: Option<Vec3>,
+    /// Normal of the surface that the ray comes from, and how far behind its start that lies.
+    start: Option<(Vec3, f32)>,
     path: Carried,
     eta: f32,
     /// Segments, this one included; straight passages do not count.
@@ -86,9 +86,11 @@ impl PhotonMapper<'_> {
         let MediumId(index) = id;
         let scene = self.task.scene;
         let medium = &scene.media[index as usize];
-        let part = Ray { tmax: hit.map_or(walk.ray.tmax, |hit| hit.t), ..walk.ray };
+        let gap = walk.start.map_or(0.0, |(_, gap)| gap);
+        let part = within(&walk.ray, gap, hit.map_or(walk.ray.tmax, |hit| hit.t));
         let end = hit.filter(|_| maps.volume.is_some()).map(|hit| scene.surface(&walk.ray, hit).ng);
-        let stretch = Stretch::new(medium, &part, [walk.start, end], &mut sample.sampler);
+        let stretch =
+            Stretch::new(medium, &part, [walk.start.map(|(normal, _)| normal), end], &mut sample.sampler);
         let throughput = walk.path.throughput;
         let left = self.settings.max_depth.0 - walk.depth;
         if medium.scatters() && left > 0 {
@@ -133,7 +135,7 @@ impl PhotonMapper<'_> {
             }
             Next::Behind => {
                 let lamp = hit.map(|hit| scene.surface(&before, hit));
-                walk.start = lamp.as_ref().map(|s| s.ng);
+                walk.start = lamp.as_ref().map(|s| (s.ng, s.gap(before.d)));
                 walk.medium = lamp.map_or(walk.medium, |s| scene.medium_beyond(&s, before.d, walk.medium));
                 return Goes::On;
             }
@@ -168,7 +170,7 @@ impl PhotonMapper<'_> {
     ) -> Goes {
         walk.medium = self.task.scene.medium_beyond(s, d, walk.medium);
         walk.ray = s.leave(d);
-        walk.start = Some(s.ng);
+        walk.start = Some((s.ng, s.gap(d)));
         match density {
             Density::Kept => return Goes::On,
             Density::Specular => walk.pdf = 0.0,
