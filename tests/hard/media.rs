@@ -50,23 +50,22 @@ fn sent_back(albedo: f64) -> f64 {
     1.0 - root * next(&h, 1.0)
 }
 
-/// At a thousand mean free paths every place of the border has exact light; at a million, one of them is no longer than
-/// what rays are lifted off surfaces by.
+/// A thousand and a million mean free paths; one of the latter is no longer than what rays are lifted off surfaces by.
 #[test]
 fn a_thick_medium_sends_back_what_chandrasekhar_says() {
-    for (depth, bound) in [(1e3, 0.01), (1e6, 0.3)] {
+    for depth in [1e3, 1e6] {
         let wall = container("", &dense_fog("interior", depth / 2.0, "0.5,0.5,0.5", ""));
         let stage = stage(&[&eye("0,0,-4", 0.1, 4, ""), SKY, &wall]);
         let picture = render(&stage, PATH.1, 4096);
         let case = format!("albedo 0.5, optical depth {depth:e}, path");
         let exact = Estimate::exact(sent_back(0.5));
-        agree(&case, "1 − √(1 − ϖ)·H(1)", picture.beauty(1), exact, bound);
+        agree(&case, "1 − √(1 − ϖ)·H(1)", picture.beauty(1), exact, 0.012);
         sound(&format!("{case}, all pixels"), &picture);
         sound(&format!("albedo 0.5, optical depth {depth:e}, photon map"), &render(&stage, MAPS.1, 8));
     }
 }
 
-/// A column of cells that are empty, negative, far too dense and of optical depth ln 2: one pixel each.
+/// Cells that are empty, negative, far too dense and of optical depth ln 2: a quarter of the picture each.
 #[test]
 fn cells_that_mean_nothing_are_counted_and_replaced() {
     let cells = [0.0, -1.0, 1e30, std::f32::consts::LN_2 / 2.0];
@@ -78,14 +77,14 @@ fn cells_that_mean_nothing_are_counted_and_replaced() {
     let view = format!(
         "<sensor type='orthographic'><transform name='to_world'>
          <lookat origin='0,0,-4' target='0,0,0' up='0,1,0'/></transform>{}</sensor>",
-        crate::support::film(4, 1)
+        crate::support::film(64, 16)
     );
     let bytes = vol([4, 1, 1], 1, |[x, _, _]| vec![cells[x]]);
     let stage = scene_with_bytes(&[&view, SKY, &container("", medium)].concat(), vec![("a.vol", bytes)]);
     let warned = stage.0.warnings().contains("2 numbers of a volume are negative or above");
     assert!(warned, "{}", stage.0.warnings());
     for (name, settings) in METHODS {
-        let picture = render(&stage, settings, 4096);
+        let picture = render(&stage, settings, 16);
         let case = format!("empty, negative and huge cells, {name}");
         // A quarter of the pixels has the noise of a coin: 0.5/√4096/2.5 of the mean.
         agree(&case, "(1 + 1 + 0 + 1/2)/4", picture.beauty(1), Estimate::exact(0.625), 0.015);
@@ -141,11 +140,11 @@ fn a_lamp_on_the_border_of_fog_shines_into_it() {
         let lamp = rectangle(0.3, &turned, &area("10,10,10"));
         stage(&[&box_camera(16), &walls("0.5"), &fog, &lamp])
     };
-    let below = render(&with(0.998), PATH.1, 512).beauty(1);
+    let below = render(&with(0.998), PATH.1, 8192).beauty(1);
     for (name, settings) in METHODS {
-        let picture = render(&with(0.999), settings, if name == "path" { 512 } else { 64 });
+        let picture = render(&with(0.999), settings, if name == "path" { 8192 } else { 512 });
         let case = format!("lamp in the plane where fog ends, {name}");
-        agree(&case, "as 0.001 below", picture.beauty(1), below, 0.02);
+        agree(&case, "as 0.001 below", picture.beauty(1), below, 0.03);
     }
 }
 
@@ -166,7 +165,7 @@ fn a_hundred_thousand_boundaries_are_passed() {
             "<shape type='obj'><string name='filename' value='a.obj'/><bsdf type='null'/>{fog}</shape>"
         );
         let body = [&eye("0,0,-1", 0.1, 1, ""), SKY, &stack].concat();
-        let picture = render(&scene_with_bytes(&body, vec![("a.obj", mesh.into_bytes())]), PATH.1, 1);
+        let picture = render(&scene_with_bytes(&body, vec![("a.obj", mesh.into_bytes())]), PATH.1, 2);
         for (channel, sigma) in [1.0f64, 0.5, 0.2].into_iter().enumerate() {
             let case = format!("{n} boundaries along a ray, extinction {sigma}");
             let exact = Estimate::exact((-0.5 * sigma).exp());
@@ -207,16 +206,13 @@ fn scaled_fog_looks_the_same() {
 /// Mean free paths of a Cornell box's fog from a thousandth of its size to a thousand of them: photons and paths agree.
 #[test]
 fn mean_free_paths_from_a_thousandth_to_a_thousand_agree() {
-    for (sigma, albedo, bound) in
-        [(5e-4, "0.9", 0.01), (0.05, "0.9", 0.01), (5.0, "0.8", 0.03), (500.0, "0.5", 0.03)]
+    for (sigma, albedo, bound) in [(5e-4, 0.9, 0.01), (0.05, 0.9, 0.01), (5.0, 0.8, 0.03), (500.0, 0.5, 0.04)]
     {
-        let fog = container(
-            "<scale value='0.99'/>",
-            &dense_fog("interior", sigma, &format!("{albedo},{albedo},{albedo}"), ""),
-        );
+        let albedo = format!("{albedo},{albedo},{albedo}");
+        let fog = container("<scale value='0.99'/>", &dense_fog("interior", sigma, &albedo, ""));
         let stage = stage(&[&box_camera(16), &walls("0.7"), &lamp(0.25, "15,15,15"), &fog]);
         let path = render(&stage, PATH.1, 2048);
-        let maps = render(&stage, MAPS.1, 128);
+        let maps = render(&stage, MAPS.1, 32);
         let case = format!("box of fog, mean free path {:e} of it, photon map", 0.5 / sigma);
         agree(&case, "as path", maps.beauty(1), path.beauty(1), bound);
     }
