@@ -75,7 +75,7 @@ fn boundaries_at_a_slant_keep_their_light() {
     let turned = "<scale value='0.5'/><rotate x='1' y='2' z='0.5' angle='50'/>";
     let sky = "<emitter type='constant'><rgb name='radiance' value='1,1,1'/></emitter>";
     let stage = scene(&[eye("0,0,-4", 25.0, 12, ""), sky.to_owned(), container(turned, &fog)].concat());
-    let path = render(&stage, &[("integrator", "path")], 1024).estimate(&[Layer::Medium], 1);
+    let path = render(&stage, &[("integrator", "path")], 2048).estimate(&[Layer::Medium], 1);
     for beams in ["points", "beams"] {
         let fixed = [
             ("beams", beams),
@@ -83,8 +83,8 @@ fn boundaries_at_a_slant_keep_their_light() {
             ("volume_alpha", "0.999"),
             ("volume_photons", "30000"),
         ];
-        let mapped = render(&stage, &fixed, 48).estimate(&[Layer::Medium], 1);
-        assert_agree(beams, mapped, path, 0.02);
+        let mapped = render(&stage, &fixed, 96).estimate(&[Layer::Medium], 1);
+        assert_agree(beams, mapped, path, 0.025);
     }
 }
 
