@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn bricks_read_as_dense_values_do() {
         let (size, offset, count) = ([21u32, 10, 13], [3u32, 0, 6], [3u32, 2, 3]);
-        let mut index: Vec<u32> = (0..18).map(|i| 1 << 31 | i % 3).collect();
+        let mut index: Vec<u32> = (0..18).map(|i| (1 << 31) | (i % 3)).collect();
         (index[4], index[13]) = (0, 1);
         let full = (0..2).map(|b| std::array::from_fn(|i| (i * 7 % 31) as f32 + b as f32)).collect();
         let bricks = crate::medium::Bricks { offset, count, index, full, constants: vec![0.0, 2.5, 40.0] };
