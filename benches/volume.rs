@@ -34,7 +34,7 @@ fn segments() -> Vec<Segment> {
     let at = |i: usize| i as f32 / 63.0;
     let eye = Vec3::new(0.5, -1.5, 0.5);
     let to = |i: usize| Vec3::new(at(i % 64), 0.0, at(i / 64)) - eye;
-    (0..SEGMENTS).map(|i| Segment { o: eye + to(i), d: to(i).normalize(), length: 1.0 }).collect()
+    (0..SEGMENTS).map(|i| Segment::new(eye + to(i), to(i).normalize(), 1.0)).collect()
 }
 
 fn volume(c: &mut Criterion) {

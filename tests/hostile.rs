@@ -203,3 +203,39 @@ fn equal_triangles_do_not_stop_the_builder() {
         assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
     }
 }
+
+/// A NanoVDB file of three kilobytes whose box has three thousand million points: it takes memory for what it holds.
+#[test]
+fn a_small_file_of_a_vast_volume_stays_small() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("formats/tests/readers/volumes");
+    let file = std::fs::read(folder.join("float.nvdb")).unwrap();
+    let word = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
+    // A header, what the file says of the grid, its name; then a length, and the grid packed.
+    let (header, meta) = (16, 176);
+    let start =
+        header + meta + u32::from_le_bytes(file[header + 136..header + 140].try_into().unwrap()) as usize;
+    let mut grid = Vec::new();
+    let packed = flate2::read::ZlibDecoder::new(&file[start + 8..start + 8 + word(&file, start)]);
+    std::io::Read::read_to_end(&mut { packed }, &mut grid).unwrap();
+    // The upper corner of the box, at the root of the tree.
+    let root = 672 + word(&grid, 672 + 24);
+    for axis in 0..3 {
+        grid[root + 12 + 4 * axis..][..4].copy_from_slice(&1440i32.to_le_bytes());
+    }
+    let mut vast = file[..start].to_vec();
+    vast[14..16].copy_from_slice(&0u16.to_le_bytes());
+    vast[header + 8..header + 16].copy_from_slice(&(grid.len() as u64).to_le_bytes());
+    vast.extend(grid);
+    let world = r#"LightSource "infinite" "rgb L" [ 1 1 1 ]
+        MakeNamedMedium "smoke" "string type" "nanovdb" "string filename" "a.nvdb"
+            "rgb sigma_a" [ 1 1 1 ] "rgb sigma_s" [ 0 0 0 ]
+        AttributeBegin MediumInterface "smoke" "" Material "interface" Shape "sphere" "float radius" 900 AttributeEnd"#;
+    let view = r#"LookAt 1 2.5 -2000  1 2.5 4  0 1 0 Camera "perspective" "float fov" 0.05
+        Film "rgb" "integer xresolution" 8 "integer yresolution" 8"#;
+    let stage = crate::support::pbrt_scene_seen(view, world, vec![("a.nvdb", vast)]);
+    let picture = render(&stage, &[("integrator", "path")], 4);
+    assert_finite(&picture);
+    // Some rays meet what the file holds.
+    let mean = picture.beauty(0).mean;
+    assert!(mean > 0.1 && mean < 0.999, "{mean}");
+}

@@ -1,5 +1,6 @@
 //! Numbers on the nodes of a box.
 
+use super::Values;
 use crate::math::{Affine, Vec3};
 
 /// What lies beyond the outermost values.
@@ -46,8 +47,8 @@ pub struct Grid {
     pub size: [u32; 3],
     /// Numbers a value.
     pub channels: u32,
-    /// x fastest, the channels of a value together.
-    pub data: Vec<f32>,
+    /// The numbers.
+    pub values: Values,
     /// See there.
     pub reading: Reading,
 }
@@ -89,29 +90,38 @@ impl Grid {
     /// The value at a node, by what lies beyond.
     #[inline]
     fn node<const N: usize>(&self, i: [i64; 3]) -> [f32; N] {
-        let mut index = 0;
-        for axis in (0..3).rev() {
+        let mut point = [0; 3];
+        for axis in 0..3 {
             let n = i64::from(self.size[axis]);
             let Some(k) = wrap(i[axis], n, self.reading.beyond) else { return [0.0; N] };
-            index = index * n as usize + k as usize;
+            point[axis] = k as u32;
         }
-        let at = index * self.channels as usize;
-        match self.data[at..at + self.channels as usize] {
-            // One number stands for all.
-            [v] => [v; N],
-            ref values => std::array::from_fn(|c| values[c.min(values.len() - 1)]),
-        }
+        self.values.at(self.size, self.channels, point)
+    }
+
+    /// Calls `f` for all nodes: with the numbers of one, and with how many nodes have them.
+    pub fn each(&self, f: impl FnMut(&[f32], u64)) {
+        self.values.each((self.size, self.channels), [[0; 3], self.size.map(|n| n - 1)], f);
+    }
+
+    /// The greatest `f` of a node between the two, both included; 0 at least.
+    pub fn largest_of(&self, nodes: [[u32; 3]; 2], f: impl Fn(&[f32]) -> f32) -> f32 {
+        let mut most = 0.0f32;
+        self.values.each((self.size, self.channels), nodes, |v, _| most = most.max(f(v)));
+        most
     }
 
     /// The greatest number of any channel.
     pub fn largest(&self) -> f32 {
-        self.data.iter().copied().fold(0.0, f32::max)
+        let mut most = 0.0;
+        self.each(|v, _| most = v.iter().copied().fold(most, f32::max));
+        most
     }
 
     /// Replaces numbers that are negative or NaN by 0, and those above `most` by it. Returns how many there were.
     pub fn clean(&mut self, most: f32) -> usize {
         let mut cleaned = 0;
-        for v in &mut self.data {
+        for v in self.values.numbers() {
             if !(*v >= 0.0 && *v <= most) {
                 *v = if *v > most { most } else { 0.0 };
                 cleaned += 1;
@@ -143,7 +153,7 @@ mod tests {
     fn ramp(nodes: Nodes, beyond: Beyond, clipped: bool, smooth: bool) -> Grid {
         let reading = Reading { to_local: Affine::IDENTITY, nodes, beyond, clipped, smooth };
         let data = (0..60).map(|i| (i % 3) as f32 + 10.0 * (i / 3 % 4) as f32 + 100.0 * (i / 12) as f32);
-        Grid { size: [3, 4, 5], channels: 1, data: data.collect(), reading }
+        Grid { size: [3, 4, 5], channels: 1, values: Values::Dense(data.collect()), reading }
     }
 
     fn read(grid: &Grid, p: [f32; 3]) -> f32 {
@@ -181,9 +191,46 @@ mod tests {
     #[test]
     fn numbers_that_mean_nothing_are_replaced_and_counted() {
         let mut grid = ramp(Nodes::Centers, Beyond::Clamp, true, true);
-        grid.data[..4].copy_from_slice(&[f32::NAN, -1.0, f32::INFINITY, 1e30]);
+        let numbers = [f32::NAN, -1.0, f32::INFINITY, 1e30];
+        grid.values.numbers().zip(numbers).for_each(|(v, bad)| *v = bad);
         assert_eq!(grid.clean(1e6), 4);
-        assert_eq!(grid.data[..4], [0.0, 0.0, 1e6, 1e6]);
+        assert_eq!(grid.values.dense().unwrap()[..4], [0.0, 0.0, 1e6, 1e6]);
         assert_eq!(grid.clean(1e6), 0);
+    }
+
+    /// A grid in bricks, of which all but two are constant, reads as the dense one with the same numbers does, and so do
+    /// its sums and bounds. It begins inside a brick.
+    #[test]
+    fn bricks_read_as_dense_values_do() {
+        let (size, offset, count) = ([21u32, 10, 13], [3u32, 0, 6], [3u32, 2, 3]);
+        let mut index: Vec<u32> = (0..18).map(|i| (1 << 31) | (i % 3)).collect();
+        (index[4], index[13]) = (0, 1);
+        let full = (0..2).map(|b| std::array::from_fn(|i| (i * 7 % 31) as f32 + b as f32)).collect();
+        let bricks = crate::medium::Bricks { offset, count, index, full, constants: vec![0.0, 2.5, 40.0] };
+        let reading = ramp(Nodes::Centers, Beyond::Clamp, true, true).reading;
+        let sparse = Grid { size, channels: 1, values: Values::Sparse(bricks), reading };
+        let mut data = Vec::new();
+        for z in 0..size[2] {
+            for y in 0..size[1] {
+                data.extend((0..size[0]).map(|x| sparse.values.at::<1>(size, 1, [x, y, z])[0]));
+            }
+        }
+        let dense = Grid { size, channels: 1, values: Values::Dense(data), reading };
+        let mut rng = crate::sampling::CounterRng::new(31, 0);
+        for _ in 0..2000 {
+            let p = std::array::from_fn(|_| rng.next_f32());
+            assert_eq!(read(&sparse, p), read(&dense, p));
+            let corner = |u: [f32; 3]| std::array::from_fn(|a| (u[a] * size[a] as f32) as u32);
+            let (a, b): ([u32; 3], [u32; 3]) = (corner(p), corner(std::array::from_fn(|_| rng.next_f32())));
+            let nodes = [std::array::from_fn(|i| a[i].min(b[i])), std::array::from_fn(|i| a[i].max(b[i]))];
+            assert_eq!(sparse.largest_of(nodes, |v| v[0]), dense.largest_of(nodes, |v| v[0]));
+        }
+        let sum = |grid: &Grid| {
+            let (mut sum, mut nodes) = (0.0, 0);
+            grid.each(|v, n| (sum, nodes) = (sum + f64::from(v[0]) * n as f64, nodes + n));
+            (sum, nodes)
+        };
+        assert_eq!(sum(&sparse), sum(&dense));
+        assert_eq!(sum(&sparse).1, 21 * 10 * 13);
     }
 }

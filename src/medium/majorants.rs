@@ -1,6 +1,6 @@
 //! Upper bounds of a medium's extinction along a ray.
 
-use super::{Beyond, Nodes, Reading, Volume};
+use super::{Beyond, Grid, Nodes, Reading, Volume};
 use crate::math::{Affine, Color, Ray, Vec3};
 
 /// Values of a grid that one cell of majorants spans on an axis, and cells on an axis at most.
@@ -34,19 +34,14 @@ impl Majorants {
         match (volume, volume.end()) {
             (Volume::Grid(grid, tint), Some(to_local)) => {
                 let size = grid.size.map(|n| n.div_ceil(SPAN).min(MOST));
-                let n = grid.channels as usize;
-                let bound: Vec<f32> = grid
-                    .data
-                    .chunks_exact(n)
-                    .map(|v| {
-                        let value = Color::from_lanes(std::array::from_fn(|c| v[c.min(n - 1)]));
-                        (value * *tint).max_element() * factor
-                    })
-                    .collect();
+                let bound = |v: &[f32]| {
+                    let value = Color::from_lanes(std::array::from_fn(|c| v[c.min(v.len() - 1)]));
+                    (value * *tint).max_element() * factor
+                };
                 let ranges: [Vec<[u32; 2]>; 3] = std::array::from_fn(|axis| {
                     (0..size[axis]).map(|c| reach(c, size[axis], grid.size[axis], &grid.reading)).collect()
                 });
-                let values = largest(&bound, grid.size, &ranges);
+                let values = largest(grid, bound, &ranges);
                 Self { to_local: Some(to_local), size, values }
             }
             (_, to_local) => Self { to_local, size: [1; 3], values: vec![volume.largest() * factor] },
@@ -102,18 +97,12 @@ fn reach(c: u32, cells: u32, n: u32, reading: &Reading) -> [u32; 2] {
     [(low.max(0.0) as u32).min(last), (high.max(0.0) as u32).min(last)]
 }
 
-fn largest(bound: &[f32], n: [u32; 3], ranges: &[Vec<[u32; 2]>; 3]) -> Vec<f32> {
+fn largest(grid: &Grid, bound: impl Fn(&[f32]) -> f32, ranges: &[Vec<[u32; 2]>; 3]) -> Vec<f32> {
     let mut values = Vec::new();
     for &[z0, z1] in &ranges[2] {
         for &[y0, y1] in &ranges[1] {
             for &[x0, x1] in &ranges[0] {
-                let row = |z: u32, y: u32| {
-                    let start = (z as usize * n[1] as usize + y as usize) * n[0] as usize;
-                    let part = &bound[start + x0 as usize..=start + x1 as usize];
-                    part.iter().copied().fold(0.0, f32::max)
-                };
-                let rows = (z0..=z1).flat_map(|z| (y0..=y1).map(move |y| row(z, y)));
-                values.push(rows.fold(0.0, f32::max));
+                values.push(grid.largest_of([[x0, y0, z0], [x1, y1, z1]], &bound));
             }
         }
     }
@@ -197,7 +186,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::medium::Grid;
+    use crate::medium::Values;
     use crate::sampling::{CounterRng, warp};
 
     fn grid(beyond: Beyond, nodes: Nodes) -> Volume {
@@ -207,7 +196,10 @@ mod tests {
         let data = (0..size.iter().product()).map(|_| rng.next_f32().powi(20)).collect();
         let to_local = Affine::from_scale(glam::Vec3::new(0.5, 0.25, 1.0)) * Affine::from_rotation_z(0.4);
         let reading = Reading { to_local, nodes, beyond, clipped: true, smooth: true };
-        Volume::Grid(Arc::new(Grid { size, channels: 1, data, reading }), Color::splat(3.0))
+        Volume::Grid(
+            Arc::new(Grid { size, channels: 1, values: Values::Dense(data), reading }),
+            Color::splat(3.0),
+        )
     }
 
     /// Along rays through the box the extinction is nowhere above the bound of its segment (but by what f32 rounds),

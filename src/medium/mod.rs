@@ -11,6 +11,7 @@ mod heterogeneous;
 mod homogeneous;
 mod majorants;
 pub mod phase;
+mod values;
 mod volume;
 
 pub use carried::{Carried, Passage};
@@ -20,6 +21,7 @@ pub use heterogeneous::{Heterogeneous, Scattering};
 pub use homogeneous::Homogeneous;
 pub use majorants::{Majorants, Segment, Segments};
 pub use phase::{Phase, PhaseSample};
+pub use values::{Bricks, Values};
 pub use volume::{Matrices, Ramp, Symmetric, Volume};
 
 use crate::math::{Color, Ray, Vec3, closed_enum};

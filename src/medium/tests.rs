@@ -27,7 +27,7 @@ fn grid(channels: u32) -> Volume {
         clipped: true,
         smooth: true,
     };
-    Volume::Grid(Arc::new(Grid { size, channels, data, reading }), Color::ONE)
+    Volume::Grid(Arc::new(Grid { size, channels, values: Values::Dense(data), reading }), Color::ONE)
 }
 
 fn heterogeneous(extinction: Volume, albedo: f32, radiance: Option<Color>) -> Medium {

@@ -102,21 +102,23 @@ impl Volume {
             Self::Constant(c) => *c,
             Self::Cloud(_, tint) => *tint * 0.5,
             Self::Grid(grid, tint) => {
-                let n = grid.channels as usize;
-                let mut sums = [0.0f64; 3];
-                for value in grid.data.chunks_exact(n) {
-                    sums.iter_mut().enumerate().for_each(|(c, s)| *s += f64::from(value[c.min(n - 1)]));
-                }
-                let count = (grid.data.len() / n).max(1) as f64;
-                *tint * Color::from_lanes(sums.map(|s| (s / count) as f32))
+                *tint * mean(grid, |v| Color::from_lanes(std::array::from_fn(|c| v[c.min(v.len() - 1)])))
             }
             Self::Product(both) => both[0].mean() * both[1].mean(),
-            Self::Ramp(ramp, grid, [a, b]) => {
-                let colors = grid.data.iter().map(|x| ramp.color(a * x + b));
-                colors.sum::<Color>() / grid.data.len() as f32
-            }
+            Self::Ramp(ramp, grid, [a, b]) => mean(grid, |v| ramp.color(a * v[0] + b)),
         }
     }
+}
+
+/// Of the colours of all nodes.
+fn mean(grid: &Grid, color: impl Fn(&[f32]) -> Color) -> Color {
+    let (mut sums, mut count) = ([0.0f64; 3], 0);
+    grid.each(|v, n| {
+        let lanes = color(v).lanes();
+        sums.iter_mut().zip(lanes).for_each(|(sum, lane)| *sum += f64::from(lane) * n as f64);
+        count += n;
+    });
+    Color::from_lanes(sums.map(|sum| (sum / count.max(1) as f64) as f32))
 }
 
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
@@ -180,7 +182,7 @@ impl Matrices {
         let trace = |s: &[f32]| s[0] + s[1] + s[2];
         match self {
             Self::Constant(s) => trace(&s.0),
-            Self::Grid(grid) => grid.data.chunks_exact(6).map(trace).fold(0.0, f32::max),
+            Self::Grid(grid) => grid.largest_of([[0; 3], grid.size.map(|n| n - 1)], trace),
         }
     }
 }

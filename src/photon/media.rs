@@ -9,7 +9,7 @@ use crate::math::{Color, Ray, Vec3};
 use crate::medium::MediumId;
 use crate::sampling::Sampler;
 use crate::scene::{LightStart, Scene, Surface};
-use crate::transport::media::MOST_PASSED;
+use crate::transport::media::{MOST_PASSED, within};
 use crate::transport::roulette::{self, Length};
 use crate::transport::{Owner, PathClass, Smallness, Vertex};
 
@@ -18,6 +18,8 @@ struct Walk<'a> {
     scene: &'a Scene,
     job: &'a TraceJob,
     ray: Ray,
+    /// How far behind its start the surface lies that it comes from.
+    gap: f32,
     medium: Option<MediumId>,
     flux: Color,
     class: PathClass,
@@ -43,6 +45,7 @@ pub(super) fn follow(
         scene,
         job,
         ray: Ray::new(start.emission.o, start.emission.d),
+        gap: 0.0,
         medium: scene.lamp_media[start.start.lamp],
         flux: start.emission.flux / job.paths as f32,
         class: PathClass::FROM_LAMP,
@@ -81,7 +84,7 @@ impl Walk<'_> {
     fn through_medium(&mut self, end: f32, sampler: &mut Sampler, out: &mut Part) -> Option<Step> {
         let MediumId(index) = self.medium?;
         let medium = &self.scene.media[index as usize];
-        let ray = Ray { tmax: end, ..self.ray };
+        let ray = within(&self.ray, self.gap, end);
         let kept = self.kept();
         let (beams, depth) = (kept && self.job.beams, self.depth.min(255) as u8);
         let mut way = |from: f32, to: f32, flux: Color| {
@@ -107,7 +110,7 @@ impl Walk<'_> {
         let (pick, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(next) = medium.phase().sample(p, wi, pick, u) else { return Some(Step::Over) };
         self.class = self.class.after_light_medium();
-        self.ray = Ray::new(p, next.wo);
+        (self.ray, self.gap) = (Ray::new(p, next.wo), 0.0);
         Some(self.survive(self.flux * next.weight, sampler))
     }
 
@@ -124,7 +127,7 @@ impl Walk<'_> {
             return Step::Over;
         };
         self.medium = scene.medium_beyond(s, d, self.medium);
-        self.ray = s.leave(d);
+        (self.ray, self.gap) = (s.leave(d), s.gap(d));
         if event == Event::Null {
             self.flux = next;
             return Step::On;

@@ -41,6 +41,13 @@ impl Surface {
         Ray::new(self.origin(d), d)
     }
 
+    /// How far behind the start of a ray that leaves along `d` the surface lies, in units of `d`. At a graze it is no
+    /// farther than the lift is long a hundred times.
+    #[inline(always)]
+    pub fn gap(&self, d: Vec3) -> f32 {
+        self.lift / self.ng.dot(d).abs().max(0.01 * d.length())
+    }
+
     /// For textures.
     #[inline(always)]
     pub(super) fn site(&self) -> Site {

@@ -6,6 +6,7 @@ mod geometry;
 mod leaks;
 mod light;
 mod maps;
+mod media;
 mod numbers;
 mod optics;
 mod place;

@@ -35,6 +35,23 @@ fn fog_without_absorption_is_invisible_under_an_even_sky() {
     }
 }
 
+/// Flakes on fibres, which block light along and across the fibre differently, and send it on by their normals.
+#[test]
+fn fibres_without_absorption_are_invisible() {
+    for stddev in [0.05, 0.4, 2.0] {
+        let medium = format!(
+            "<medium type='heterogeneous' name='interior'>
+             <volume name='density' type='constvolume'><float name='value' value='1.5'/></volume>
+             <volume name='albedo' type='constvolume'><spectrum name='value' value='1'/></volume>
+             <volume name='orientation' type='constvolume'><vector name='value' x='1' y='2' z='0.5'/></volume>
+             <phase type='microflake'><float name='stddev' value='{stddev}'/></phase></medium>"
+        );
+        let body = [eye("0,0,-4", 40.0, 8, ""), SKY.to_owned(), container("", &medium)].concat();
+        let stage = crate::support::scene_of_version("0.6.0", &body);
+        check(&format!("fibres of {stddev}"), &stage, 0.03);
+    }
+}
+
 /// Mean free paths from a thousandth of the box to a thousand of them, and the whole scene from 10⁻⁴ to 10⁴ in size.
 #[test]
 fn neither_size_nor_density_matters() {

@@ -9,7 +9,7 @@ mod photons;
 use crate::support::{Estimate, Picture, assert_agree};
 
 /// A homogeneous medium of Mitsuba 3, with `phase` inside.
-fn fog(name: &str, sigma_t: &str, albedo: &str, phase: &str) -> String {
+pub(crate) fn fog(name: &str, sigma_t: &str, albedo: &str, phase: &str) -> String {
     format!(
         "<medium type='homogeneous' name='{name}'><rgb name='sigma_t' value='{sigma_t}'/>
          <rgb name='albedo' value='{albedo}'/>{phase}</medium>"
@@ -17,7 +17,7 @@ fn fog(name: &str, sigma_t: &str, albedo: &str, phase: &str) -> String {
 }
 
 /// The same scaled, because Mitsuba's RGB are at most 1.
-fn dense_fog(name: &str, scale: f64, albedo: &str, phase: &str) -> String {
+pub(crate) fn dense_fog(name: &str, scale: f64, albedo: &str, phase: &str) -> String {
     format!(
         "<medium type='homogeneous' name='{name}'><rgb name='sigma_t' value='1,1,1'/>
          <float name='scale' value='{scale}'/><rgb name='albedo' value='{albedo}'/>{phase}</medium>"
@@ -29,14 +29,14 @@ fn hg(g: f64) -> String {
 }
 
 /// A box from −1 to 1 after `transform`, without a surface of its own, with media inside its element.
-fn container(transform: &str, media: &str) -> String {
+pub(crate) fn container(transform: &str, media: &str) -> String {
     format!(
         "<shape type='cube'><transform name='to_world'>{transform}</transform><bsdf type='null'/>{media}</shape>"
     )
 }
 
 /// A sensor at `origin` that looks along +z, with media inside its element.
-fn eye(origin: &str, fov: f64, size: u32, media: &str) -> String {
+pub(crate) fn eye(origin: &str, fov: f64, size: u32, media: &str) -> String {
     format!(
         "<sensor type='perspective'><float name='fov' value='{fov}'/>
          <transform name='to_world'><lookat origin='{origin}' target='0,0,1000' up='0,1,0'/></transform>
@@ -46,7 +46,7 @@ fn eye(origin: &str, fov: f64, size: u32, media: &str) -> String {
 }
 
 /// Mitsuba's VOL file of so many values along the axes.
-fn vol(size: [usize; 3], channels: usize, value: impl Fn([usize; 3]) -> Vec<f32>) -> Vec<u8> {
+pub(crate) fn vol(size: [usize; 3], channels: usize, value: impl Fn([usize; 3]) -> Vec<f32>) -> Vec<u8> {
     let mut bytes = b"VOL\x03".to_vec();
     for n in [1, size[0] as i32, size[1] as i32, size[2] as i32, channels as i32] {
         bytes.extend(n.to_le_bytes());

@@ -66,6 +66,28 @@ fn milk_is_that_of_path_tracing() {
     agree(&stage, &[("beams", "points"), ("beams", "beams")], [128, 4096], &[(Layer::Medium, 0.07)], 0.02);
 }
 
+/// A cube of dense fog, seen and lit from all sides at a slant, with kernels a quarter of a mean free path wide. Half of
+/// a kernel's disc reaches over the border where the border is not across the ray; were that half lost, the light of the
+/// medium would be 4 % too dark.
+#[test]
+fn boundaries_at_a_slant_keep_their_light() {
+    let fog = dense_fog("interior", 10.0, "0.99,0.99,0.99", "");
+    let turned = "<scale value='0.5'/><rotate x='1' y='2' z='0.5' angle='50'/>";
+    let sky = "<emitter type='constant'><rgb name='radiance' value='1,1,1'/></emitter>";
+    let stage = scene(&[eye("0,0,-4", 25.0, 12, ""), sky.to_owned(), container(turned, &fog)].concat());
+    let path = render(&stage, &[("integrator", "path")], 2048).estimate(&[Layer::Medium], 1);
+    for beams in ["points", "beams"] {
+        let fixed = [
+            ("beams", beams),
+            ("volume_radius", "0.025"),
+            ("volume_alpha", "0.999"),
+            ("volume_photons", "30000"),
+        ];
+        let mapped = render(&stage, &fixed, 96).estimate(&[Layer::Medium], 1);
+        assert_agree(beams, mapped, path, 0.025);
+    }
+}
+
 /// Smoke in a grid of colours that differ: flights change their colours on the way.
 #[test]
 fn smoke_in_a_grid_is_that_of_path_tracing() {

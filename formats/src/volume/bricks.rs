@@ -12,21 +12,24 @@ const MOST_BRICKS: u64 = 1 << 23;
 /// Marks an index as one of `constants`.
 const CONSTANT: u32 = 1 << 31;
 
+/// Bricks of 8³ points.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Bricks {
-    /// Of the first point in the first brick.
-    offset: [u32; 3],
-    /// Along x, y and z.
-    count: [u32; 3],
-    /// For each brick, x fastest, one of `full`, or of `constants` with a mark.
-    index: Vec<u32>,
-    full: Vec<Brick>,
-    constants: Vec<f32>,
+pub struct Bricks {
+    /// Of the grid's first point in the first brick.
+    pub offset: [u32; 3],
+    /// Bricks along x, y and z.
+    pub count: [u32; 3],
+    /// For each brick, x fastest: the number of one of `full`, or of one of `constants` with the uppermost bit set.
+    pub index: Vec<u32>,
+    /// Values with z fastest, then y, then x.
+    pub full: Vec<[f32; 512]>,
+    /// What constant bricks hold; the first is that of bricks that no one put in.
+    pub constants: Vec<f32>,
 }
 
 impl Bricks {
     /// For the points from `min` to `max` inclusive, all of which are `background`; `None` when there are too many.
-    pub fn new(min: [i32; 3], max: [i32; 3], background: f32) -> Option<Self> {
+    pub(super) fn new(min: [i32; 3], max: [i32; 3], background: f32) -> Option<Self> {
         let first = min.map(|c| c.div_euclid(SIDE as i32));
         let last = max.map(|c| c.div_euclid(SIDE as i32));
         let count: [u32; 3] = std::array::from_fn(|i| first[i].abs_diff(last[i]) + 1);
@@ -40,11 +43,11 @@ impl Bricks {
     }
 
     /// Bricks in the grid.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.index.len()
     }
 
-    pub fn value(&self, point: [u32; 3]) -> f32 {
+    pub(super) fn value(&self, point: [u32; 3]) -> f32 {
         let at: [u32; 3] = std::array::from_fn(|i| point[i] + self.offset[i]);
         let index = self.index[self.place(at.map(|c| c / SIDE))];
         if index & CONSTANT != 0 {
@@ -54,21 +57,21 @@ impl Bricks {
         self.full[index as usize][x << 6 | y << 3 | z]
     }
 
-    pub fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         size_of_val(self.index.as_slice())
             + size_of_val(self.full.as_slice())
             + size_of_val(self.constants.as_slice())
     }
 
     /// Puts in the brick that is `at` of all.
-    pub fn set(&mut self, at: [u32; 3], brick: Brick) {
+    pub(super) fn set(&mut self, at: [u32; 3], brick: Brick) {
         let place = self.place(at);
         self.index[place] = self.full.len() as u32;
         self.full.push(brick);
     }
 
     /// Makes the bricks from `first` to `last` inclusive constant.
-    pub fn fill(&mut self, first: [u32; 3], last: [u32; 3], value: f32) {
+    pub(super) fn fill(&mut self, first: [u32; 3], last: [u32; 3], value: f32) {
         let index = CONSTANT | self.constants.len() as u32;
         self.constants.push(value);
         for z in first[2]..=last[2] {
@@ -80,11 +83,11 @@ impl Bricks {
     }
 
     /// The value where nothing was put in.
-    pub fn background(&self) -> f32 {
+    pub(super) fn background(&self) -> f32 {
         self.constants[0]
     }
 
-    pub fn count(&self) -> [u32; 3] {
+    pub(super) fn count(&self) -> [u32; 3] {
         self.count
     }
 

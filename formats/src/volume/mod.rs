@@ -4,6 +4,8 @@ mod bricks;
 mod nvdb;
 mod vol;
 
+pub use bricks::Bricks;
+
 use crate::ir::{GridValues, Transform, VolumeFormat};
 
 /// Values on a regular grid of points.
@@ -15,14 +17,17 @@ pub struct Grid {
     pub channels: u32,
     /// From the unit cube, which is the box of the grid, to the space of the file; `None` where that box is empty.
     pub place: Option<Transform>,
-    store: Store,
+    /// The numbers.
+    pub store: Store,
 }
 
+/// The numbers of a [`Grid`].
 #[derive(Clone, Debug, PartialEq)]
-enum Store {
+pub enum Store {
     /// x fastest; the channels of a point stand together.
     Dense(Vec<f32>),
-    Bricks(bricks::Bricks),
+    /// One channel, of which much may be constant.
+    Bricks(Bricks),
 }
 
 impl Grid {

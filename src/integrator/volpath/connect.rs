@@ -40,7 +40,7 @@ impl VolumePathTracer<'_> {
         let Some(light) = self.scene.sample_direct(p, pick, u) else { return };
         let f = Color::splat(phase.eval(p, wi, light.dir));
         let pdf = phase.pdf(p, wi, light.dir);
-        let way = Way { ray: ray_to(p, &light), medium: at.medium };
+        let way = Way { ray: ray_to(p, &light), gap: 0.0, medium: at.medium };
         self.connect(at, f, pdf, &way, &light, sample, scratch);
     }
 

@@ -16,7 +16,7 @@ use crate::math::{Color, Ray, Vec2, Vec3};
 use crate::medium::{Carried, Medium, MediumId};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Hit, Scene, Surface};
-use crate::transport::media::MOST_PASSED;
+use crate::transport::media::{MOST_PASSED, within};
 use crate::transport::roulette::Length;
 use crate::transport::{PathClass, Vertex, roulette};
 use connect::Scattering;
@@ -63,6 +63,8 @@ impl<'a> VolumePathTracer<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Walk {
     ray: Ray,
+    /// How far behind its start the surface lies that it comes from.
+    gap: f32,
     medium: Option<MediumId>,
     /// Its reach begins at the last scattering.
     carried: Carried,
@@ -82,6 +84,7 @@ impl Walk {
     fn new(ray: Ray, medium: Option<MediumId>, throughput: Color) -> Self {
         Self {
             ray,
+            gap: 0.0,
             medium,
             carried: Carried::new(throughput),
             eta: 1.0,
@@ -142,7 +145,7 @@ impl VolumePathTracer<'_> {
         scratch: &mut Scratch,
     ) -> Step {
         if let Some(medium) = self.scene.medium(walk.medium) {
-            let part = Ray { tmax: hit.map_or(walk.ray.tmax, |hit| hit.t), ..walk.ray };
+            let part = within(&walk.ray, walk.gap, hit.map_or(walk.ray.tmax, |hit| hit.t));
             if let Some(step) = self.through(medium, &part, walk, sample, scratch) {
                 return step;
             }
@@ -181,13 +184,14 @@ impl VolumePathTracer<'_> {
         sample.out.add(walk.class.layer(), emitted);
         let t = t?;
         let share = pivot.map_or(1.0, |pivot| pivot.share_of_flight(medium, &before, t));
-        Some(self.scatter_in(medium, walk, t, (lamp, share), sample, scratch))
+        Some(self.scatter_in(medium, walk, part.at(t), (lamp, share), sample, scratch))
     }
 
     /// Straight on behind a surface.
     fn pass(&self, walk: &mut Walk, s: &Surface, t: f32) {
         walk.medium = self.scene.medium_beyond(s, walk.ray.d, walk.medium);
         walk.ray = Ray { tmax: walk.ray.tmax - t, ..s.leave(walk.ray.d) };
+        walk.gap = s.gap(walk.ray.d);
         walk.passed += 1;
     }
 
@@ -214,19 +218,18 @@ impl VolumePathTracer<'_> {
         }
     }
 
-    /// Scatters in a medium, at the distance `t`. With the numbers of a lamp comes the share of its light that this
+    /// Scatters in a medium, at `p`. With the numbers of a lamp comes the share of its light that this
     /// place has. They were drawn before it was known whether a place near that lamp is looked for: new ones would be
     /// of another lamp, and those for which no place was looked for would count too little.
     fn scatter_in(
         &self,
         medium: &Medium,
         walk: &mut Walk,
-        t: f32,
+        p: Vec3,
         (lamp, share): ((f32, Vec2), f32),
         sample: &mut CameraSample,
         scratch: &mut Scratch,
     ) -> Step {
-        let p = walk.ray.at(t);
         let wi = -walk.ray.d;
         sample.out.alpha = 1.0;
         walk.class = walk.class.after_camera_medium();
@@ -243,7 +246,7 @@ impl VolumePathTracer<'_> {
         let Some(next) = medium.phase().sample(p, wi, pick, u) else { return Step::Over };
         walk.carried.weight *= next.weight;
         (walk.pdf, walk.from) = (next.pdf, p);
-        walk.ray = Ray::new(p, next.wo);
+        (walk.ray, walk.gap) = (Ray::new(p, next.wo), 0.0);
         self.survive(walk, sampler)
     }
 
@@ -278,7 +281,7 @@ impl VolumePathTracer<'_> {
         let d = s.frame.to_world(next.wo);
         walk.eta *= next.eta;
         walk.medium = self.scene.medium_beyond(s, d, walk.medium);
-        walk.ray = s.leave(d);
+        (walk.ray, walk.gap) = (s.leave(d), s.gap(d));
         walk.class = walk.class.after_camera_event(event);
         (walk.pdf, walk.from) = (next.pdf, s.p);
         walk.carried.reach = 1.0;

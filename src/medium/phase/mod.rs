@@ -4,6 +4,7 @@
 mod henyey_greenstein;
 mod isotropic;
 mod kajiya_kay;
+mod microflake;
 mod mixture;
 mod rayleigh;
 mod sggx;
@@ -12,6 +13,7 @@ mod tabulated;
 pub use henyey_greenstein::HenyeyGreenstein;
 pub use isotropic::Isotropic;
 pub use kajiya_kay::KajiyaKay;
+pub use microflake::Microflake;
 pub use mixture::{Blend, Mixture};
 pub use rayleigh::Rayleigh;
 pub use sggx::Sggx;
@@ -87,6 +89,8 @@ closed_enum! {
         KajiyaKay(Box<KajiyaKay>),
         /// Flakes.
         Sggx(Box<Sggx>),
+        /// Flakes of rough fibres.
+        Microflake(Box<Microflake>),
     }
 }
 

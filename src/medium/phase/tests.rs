@@ -22,6 +22,7 @@ fn every_kind() -> Vec<(&'static str, Phase, f64)> {
     let blend = Blend { weight: Volume::Constant(Color::splat(0.3)), parts: [Rayleigh.into(), hg(0.6)] };
     let fibre = Volume::Constant(Color::from_lanes([0.0, 2.0, 1.0]));
     // An ellipsoid of half axes 1, 0.5 and 0.2, turned.
+    let fibres = |deviation| Phase::Microflake(Box::new(Microflake::new(deviation, Some(fibre.clone()))));
     let flakes = Sggx::new(Matrices::Constant(Symmetric([0.7, 0.5, 0.09, 0.25, 0.05, -0.1])));
     vec![
         ("isotropic", Isotropic.into(), 1.0),
@@ -33,8 +34,10 @@ fn every_kind() -> Vec<(&'static str, Phase, f64)> {
         ("mixture", mixture([0.3, 0.5]).into(), 0.8),
         ("mixture above 1", mixture([2.0, 1.0]).into(), 1.0),
         ("blend", Phase::Blend(Box::new(blend)), 1.0),
-        ("kajiya-kay", Phase::KajiyaKay(Box::new(KajiyaKay::new(0.3, 0.6, 8.0, Some(fibre)))), 0.0),
+        ("kajiya-kay", Phase::KajiyaKay(Box::new(KajiyaKay::new(0.3, 0.6, 8.0, Some(fibre.clone())))), 0.0),
         ("sggx", Phase::Sggx(Box::new(flakes)), 1.0),
+        ("microflake 0.2", fibres(0.2), 1.0),
+        ("microflake 1", fibres(1.0), 1.0),
     ]
 }
 

@@ -38,7 +38,7 @@ pub struct Crossing {
     pub p: Vec3,
     /// Unit direction of the light.
     pub d: Vec3,
-    /// Where on the segment the middle is nearest.
+    /// Distance of the middle from the plane at which the segment begins, along its direction.
     pub t: f32,
 }
 
@@ -136,7 +136,7 @@ impl BeamMap {
     #[inline(always)]
     fn search_any<W: Wide>(&self, segment: &Segment, found: &mut Vec<Crossing>, isa: W::Isa) {
         let mut search = Search { map: self, segment, found };
-        self.bvh.walk::<W, false>(&segment.ray(), &mut search, isa);
+        self.bvh.walk::<W, false>(&segment.ray(self.radius), &mut search, isa);
     }
 }
 
@@ -234,30 +234,42 @@ impl Search<'_> {
     /// Adds what lane `l` has within the radius; it is nearest to the line of the segment at `s`.
     #[inline(never)]
     fn cross(&mut self, packet: &Packet, l: usize, s: f32) {
-        let Segment { o, d, length } = *self.segment;
+        let Segment { o, d, length, begin, end } = *self.segment;
         let at = |v: &[[f32; WIDTH]; 3]| Vec3::from_array(v.each_ref().map(|axis| axis[l]));
         let (start, b) = (at(&packet.o), at(&packet.d));
         let p = start + b * s;
         let (t, cos) = ((p - o).dot(d), b.dot(d));
         let across = Across { q: (p - o) - d * t, b: b - d * cos, radius: self.map.radius };
-        let mut part = across.within(-s, packet.length[l] - s);
-        // The segment ends too.
-        if cos != 0.0 {
-            let (a, b) = (-t / cos, (length - t) / cos);
-            part = [part[0].max(a.min(b)), part[1].min(a.max(b))];
-        } else if t < 0.0 || t >= length {
-            return;
-        }
-        if part[0] < part[1] {
+        let part = across.within(-s, packet.length[l] - s);
+        // Behind the one plane and before the other.
+        let (behind, along) = ((p - o).dot(begin), b.dot(begin));
+        let (before, slower) = (length - (p - o).dot(end), -b.dot(end));
+        let part = clipped(clipped(part, behind, along), before, slower);
+        if part[0] < part[1] && !(slower == 0.0 && before == 0.0) {
             let middle = 0.5 * (part[0] + part[1]);
             self.found.push(Crossing {
                 beam: packet.beam[l],
                 weight: across.weight(part),
                 p: p + b * middle,
                 d: b,
-                t: (t + cos * middle).clamp(0.0, length),
+                t: (behind + along * middle).max(0.0),
             });
         }
+    }
+}
+
+/// The part of x between `from` and `to` where `value + slope·x` is not negative.
+#[inline(always)]
+fn clipped([from, to]: [f32; 2], value: f32, slope: f32) -> [f32; 2] {
+    let zero = -value / slope;
+    if slope > 0.0 {
+        [from.max(zero), to]
+    } else if slope < 0.0 {
+        [from, to.min(zero)]
+    } else if value >= 0.0 {
+        [from, to]
+    } else {
+        [from, from]
     }
 }
 

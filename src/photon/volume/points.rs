@@ -34,7 +34,7 @@ pub struct Near {
     pub index: u32,
     /// Squared distance from the segment.
     pub d2: f32,
-    /// Where on the segment it is nearest.
+    /// Distance from the plane at which the segment begins, along its direction.
     pub t: f32,
 }
 
@@ -110,8 +110,8 @@ impl PointMap {
         Vec3::from_array(packet.each_ref().map(|axis| axis[index as usize % WIDTH]))
     }
 
-    /// Fills `found` with the photons whose nearest point of the line lies on the segment, within the radius, in an
-    /// order that depends on nothing but the map and the segment.
+    /// Fills `found` with the photons that belong to the segment, within the radius of its line, in an order that depends
+    /// on nothing but the map and the segment.
     pub fn along(&self, segment: &Segment, found: &mut Vec<Near>) {
         found.clear();
         if self.count > 0 {
@@ -127,7 +127,7 @@ impl PointMap {
     #[inline(always)]
     fn search_any<W: Wide>(&self, segment: &Segment, found: &mut Vec<Near>, isa: W::Isa) {
         let mut search = Search { map: self, segment, found };
-        self.bvh.walk::<W, false>(&segment.ray(), &mut search, isa);
+        self.bvh.walk::<W, false>(&segment.ray(self.radius), &mut search, isa);
     }
 }
 
@@ -146,19 +146,21 @@ struct Search<'a> {
 impl Visitor for Search<'_> {
     #[inline(always)]
     fn test(&mut self, elements: Range<usize>, _: &mut f32) -> bool {
-        let Segment { o, d, length } = *self.segment;
+        let Segment { o, d, length, begin, end } = *self.segment;
         let ([ox, oy, oz], [dx, dy, dz]) = (o.to_array(), d.to_array());
+        let ([bx, by, bz], [ex, ey, ez]) = (begin.to_array(), end.to_array());
         let r2 = self.map.radius * self.map.radius;
         for packet in elements {
             let [x, y, z] = &self.map.position[packet];
             let (mut t, mut d2, mut inside) = ([0.0; WIDTH], [0.0; WIDTH], [false; WIDTH]);
             for l in 0..WIDTH {
                 let (wx, wy, wz) = (x[l] - ox, y[l] - oy, z[l] - oz);
-                t[l] = wx * dx + wy * dy + wz * dz;
-                // From the nearest point: |w|² − t² would cancel.
-                let (qx, qy, qz) = (wx - t[l] * dx, wy - t[l] * dy, wz - t[l] * dz);
+                let foot = wx * dx + wy * dy + wz * dz;
+                // From the nearest point: |w|² − foot² would cancel.
+                let (qx, qy, qz) = (wx - foot * dx, wy - foot * dy, wz - foot * dz);
                 d2[l] = qx * qx + qy * qy + qz * qz;
-                inside[l] = (d2[l] < r2) & (t[l] >= 0.0) & (t[l] < length);
+                t[l] = wx * bx + wy * by + wz * bz;
+                inside[l] = (d2[l] < r2) & (t[l] >= 0.0) & (wx * ex + wy * ey + wz * ez < length);
             }
             for l in 0..WIDTH {
                 if inside[l] {

@@ -3,10 +3,10 @@
 use super::super::super::direct::{power_heuristic, propose};
 use super::super::PhotonMapper;
 use crate::bsdf::{Range, Transport};
-use crate::math::{Color, Ray};
+use crate::math::Color;
 use crate::medium::MediumId;
 use crate::sampling::Sampler;
-use crate::transport::media::{MOST_PASSED, Way};
+use crate::transport::media::{MOST_PASSED, Way, within};
 use crate::transport::{Vertex, passage};
 
 impl PhotonMapper<'_> {
@@ -45,14 +45,14 @@ impl PhotonMapper<'_> {
         };
         let pdf = closure.pdf(wi, sample.wo, Transport::Radiance, lobes);
         let d = s.frame.to_world(sample.wo);
-        let (mut ray, mut medium) = (s.leave(d), scene.medium_beyond(s, d, medium));
+        let (mut ray, mut gap, mut medium) = (s.leave(d), s.gap(d), scene.medium_beyond(s, d, medium));
         let mut left = sample.weight;
         for _ in 0..MOST_PASSED {
             *rays += 1;
             let hit = scene.geometry.closest(&ray);
             if let Some(m) = scene.medium(medium) {
                 let tmax = hit.as_ref().map_or(ray.tmax, |hit| hit.t);
-                left *= m.pass(&Ray { tmax, ..ray }, sampler).left;
+                left *= m.pass(&within(&ray, gap, tmax), sampler).left;
             }
             let Some(hit) = hit else {
                 let seen = scene.background(s.p, d).map(|(radiance, p)| radiance * power_heuristic(pdf, p));
@@ -68,7 +68,7 @@ impl PhotonMapper<'_> {
                 break;
             }
             medium = scene.medium_beyond(&at, d, medium);
-            ray = at.leave(d);
+            (ray, gap) = (at.leave(d), at.gap(d));
         }
         Color::ZERO
     }

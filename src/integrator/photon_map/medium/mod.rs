@@ -17,7 +17,7 @@ use crate::medium::MediumId;
 use crate::photon::GatherPoint;
 use crate::photon::volume::VolumeGather;
 use crate::scene::{Hit, Surface};
-use crate::transport::media::MOST_PASSED;
+use crate::transport::media::{MOST_PASSED, within};
 use crate::transport::roulette::Length;
 use crate::transport::{PathClass, Vertex, roulette};
 use stretch::Stretch;
@@ -26,6 +26,8 @@ use stretch::Stretch;
 struct Walk {
     ray: Ray,
     medium: Option<MediumId>,
+    /// Normal of the surface that the ray comes from, and how far behind its start that lies.
+    start: Option<(Vec3, f32)>,
     path: Carried,
     eta: f32,
     /// Segments, this one included; straight passages do not count.
@@ -49,6 +51,7 @@ impl PhotonMapper<'_> {
         let mut walk = Walk {
             ray: sample.ray.normalised(),
             medium: self.task.view.medium,
+            start: None,
             path: Carried { throughput: Color::ONE, class: PathClass::FROM_CAMERA },
             eta: 1.0,
             depth: 1,
@@ -80,9 +83,13 @@ impl PhotonMapper<'_> {
     ) {
         let Some(id) = walk.medium else { return };
         let MediumId(index) = id;
-        let medium = &self.task.scene.media[index as usize];
-        let part = Ray { tmax: hit.map_or(walk.ray.tmax, |hit| hit.t), ..walk.ray };
-        let stretch = Stretch::new(medium, &part, &mut sample.sampler);
+        let scene = self.task.scene;
+        let medium = &scene.media[index as usize];
+        let gap = walk.start.map_or(0.0, |(_, gap)| gap);
+        let part = within(&walk.ray, gap, hit.map_or(walk.ray.tmax, |hit| hit.t));
+        let end = hit.filter(|_| maps.volume.is_some()).map(|hit| scene.surface(&walk.ray, hit).ng);
+        let stretch =
+            Stretch::new(medium, &part, [walk.start.map(|(normal, _)| normal), end], &mut sample.sampler);
         let throughput = walk.path.throughput;
         let left = self.settings.max_depth.0 - walk.depth;
         if medium.scatters() && left > 0 {
@@ -126,6 +133,7 @@ impl PhotonMapper<'_> {
         };
         let s = scene.surface(&walk.ray, hit);
         if sight.passes(scene, &mut walk.ray, hit, &s) {
+            walk.start = Some((s.ng, s.gap(walk.ray.d)));
             walk.medium = scene.medium_beyond(&s, walk.ray.d, walk.medium);
             return Goes::On;
         }
@@ -159,6 +167,7 @@ impl PhotonMapper<'_> {
     ) -> Goes {
         walk.medium = self.task.scene.medium_beyond(s, d, walk.medium);
         walk.ray = s.leave(d);
+        walk.start = Some((s.ng, s.gap(d)));
         match density {
             Density::Kept => return Goes::On,
             Density::Specular => walk.pdf = 0.0,

@@ -38,7 +38,7 @@ impl PhotonMapper<'_> {
             let hit = scene.geometry.closest(&ray);
             if let Some(medium) = scene.medium(medium).filter(|medium| medium.scatters()) {
                 let part = Ray { tmax: hit.as_ref().map_or(ray.tmax, |hit| hit.t), ..ray };
-                let segment = Stretch::new(medium, &part, &mut sampler).segment;
+                let segment = Stretch::new(medium, &part, [None; 2], &mut sampler).segment;
                 segments.push((segment, length + 0.5 * segment.length));
             }
             let Some(hit) = hit else { return };

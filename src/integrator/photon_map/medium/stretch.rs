@@ -31,19 +31,27 @@ enum Left {
 }
 
 impl<'a> Stretch<'a> {
-    /// Of a ray with unit direction that is in the medium all along.
-    pub fn new(medium: &'a Medium, part: &Ray, sampler: &mut Sampler) -> Self {
-        let (left, length) = match medium {
+    /// Of a ray with unit direction that is in the medium all along; its two ends may be at surfaces, whose normals they
+    /// are then.
+    pub fn new(medium: &'a Medium, part: &Ray, ends: [Option<Vec3>; 2], sampler: &mut Sampler) -> Self {
+        let (left, reach) = match medium {
             Medium::Homogeneous(_) => {
                 let sigma = medium.mean().sigma_t;
-                (Left::Even(sigma), part.tmax.min(DEEPEST / sigma.max_element().max(f32::MIN_POSITIVE)))
+                (Left::Even(sigma), DEEPEST / sigma.max_element().max(f32::MIN_POSITIVE))
             }
             Medium::Heterogeneous(m) => {
                 let (steps, end) = track(m, medium, part, sampler);
-                (Left::Steps(steps), end)
+                (Left::Steps(steps), if part.tmax < f32::INFINITY { part.tmax } else { end })
             }
         };
-        Self { medium, segment: Segment { o: part.o, d: part.d, length: length.min(f32::MAX) }, left }
+        let mut segment = Segment::new(part.o, part.d, part.tmax.min(reach).min(f32::MAX));
+        if let Some(normal) = ends[0] {
+            segment = segment.begins_at(normal);
+        }
+        if let Some(normal) = ends[1].filter(|_| segment.length == part.tmax) {
+            segment = segment.ends_at(normal);
+        }
+        Self { medium, segment, left }
     }
 
     /// What is left of light from the end of the ray.

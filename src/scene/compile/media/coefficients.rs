@@ -8,7 +8,7 @@ use super::super::Compiler;
 use super::ratio;
 use super::volumes::Loaded;
 use crate::math::Color;
-use crate::medium::{Grid, Scattering, Volume};
+use crate::medium::{Grid, Scattering, Values, Volume};
 
 /// Optical depth of a cell above which it is as good as a wall: a grid's extinction is cut there, because flights take
 /// as many steps as the optical depth has units.
@@ -129,8 +129,12 @@ impl Compiler<'_> {
             parts.push(match volume {
                 ir::Volume::Constant(color) => Ok(self.coefficient(color, at)),
                 ir::Volume::Grid(grid) => {
-                    let loaded = self.load_grid(grid, at)?;
-                    Err(Box::new(self.confined(loaded, scale, at)))
+                    let grid = self.load_grid(grid, at)?;
+                    if grid.grid.values.dense().is_none() {
+                        self.refuse("a medium whose coefficients are sparse grids", at);
+                        return None;
+                    }
+                    Err(Box::new(self.confined(grid, scale, at)))
                 }
                 _ => {
                     self.refuse("a medium with such a coefficient", at);
@@ -154,24 +158,24 @@ impl Compiler<'_> {
     }
 }
 
-/// The sum of colours and grids of the same size.
+/// The sum of colours and grids of the same size, which are dense.
 fn add(a: Result<Color, Box<Grid>>, b: Result<Color, Box<Grid>>) -> Result<Color, Box<Grid>> {
     let (grid, other) = match (a, b) {
         (Ok(a), Ok(b)) => return Ok(a + b),
         (Err(grid), other) | (other, Err(grid)) => (grid, other),
     };
-    let n = grid.channels as usize;
-    let value = |data: &[f32], n: usize, i: usize| -> Color {
+    let value = |grid: &Grid, i: usize| -> Color {
+        let (n, data) = (grid.channels as usize, grid.values.dense().unwrap_or_default());
         Color::from_lanes(std::array::from_fn(|c| data[i * n + c.min(n - 1)]))
     };
-    let count = grid.data.len() / n;
+    let count = grid.size.iter().map(|n| *n as usize).product();
     let data = (0..count).flat_map(|i| {
         let more = match &other {
             Ok(color) => *color,
-            Err(other) => value(&other.data, other.channels as usize, i),
+            Err(other) => value(other, i),
         };
-        (value(&grid.data, n, i) + more).lanes()
+        (value(&grid, i) + more).lanes()
     });
-    let data = data.collect();
-    Err(Box::new(Grid { channels: 3, data, ..*grid }))
+    let values = Values::Dense(data.collect());
+    Err(Box::new(Grid { channels: 3, values, ..*grid }))
 }

@@ -6,7 +6,7 @@ use caustica_formats::ir::{self, ColorSlot};
 
 use super::super::Compiler;
 use crate::medium::phase::{
-    Blend, HenyeyGreenstein, Isotropic, KajiyaKay, Mixture, Rayleigh, Sggx, Tabulated,
+    Blend, HenyeyGreenstein, Isotropic, KajiyaKay, Microflake, Mixture, Rayleigh, Sggx, Tabulated,
 };
 use crate::medium::{Matrices, Phase, Symmetric, Volume};
 
@@ -53,9 +53,8 @@ impl Compiler<'_> {
                 table.into()
             }
             ir::Phase::Sggx { matrix } => Phase::Sggx(Box::new(Sggx::new(self.matrices(matrix, at)?))),
-            ir::Phase::Microflake { .. } => {
-                self.unsupported("the phase function `microflake`", "scattering alike in all directions", at);
-                Isotropic.into()
+            ir::Phase::Microflake { stddev } => {
+                Phase::Microflake(Box::new(Microflake::new(*stddev, orientation.cloned())))
             }
         })
     }

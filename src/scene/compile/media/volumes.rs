@@ -7,7 +7,7 @@ use caustica_formats::volume;
 
 use super::super::Compiler;
 use crate::math::{Affine, Color, Vec3};
-use crate::medium::{Beyond, Cloud, Grid, Nodes, Reading, Volume};
+use crate::medium::{Beyond, Bricks, Cloud, Grid, Nodes, Reading, Values, Volume};
 
 /// Numbers of a grid before anything is made of them.
 pub(super) struct Loaded {
@@ -69,8 +69,8 @@ impl Compiler<'_> {
 
     /// The grid with its place.
     pub(super) fn load_grid(&mut self, v: &ir::VolumeGrid, origin: ir::Origin) -> Option<Loaded> {
-        let (size, channels, data, own) = match &v.data {
-            VolumeData::Inline(values) => (values.resolution, values.channels, values.values.clone(), None),
+        let (size, channels, values, own) = match &v.data {
+            VolumeData::Inline(v) => (v.resolution, v.channels, Values::Dense(v.values.clone()), None),
             VolumeData::File(file) => {
                 let read = self.files.read(&file.path).map_err(|e| e.to_string());
                 let read =
@@ -82,15 +82,14 @@ impl Compiler<'_> {
                         return None;
                     }
                 };
-                (grid.resolution, grid.channels, values(&grid), grid.place)
+                (grid.resolution, grid.channels, values(grid.store), grid.place)
             }
         };
-        let expected = size.iter().map(|n| *n as usize).product::<usize>() * channels as usize;
-        if expected == 0 || data.len() != expected || !matches!(channels, 1 | 3 | 6) {
-            self.error(
-                format!("{} numbers do not fill a volume of {size:?} with {channels} channels", data.len()),
-                origin,
-            );
+        let expected = size.iter().map(|n| u128::from(*n)).product::<u128>() * u128::from(channels);
+        let numbers = values.dense().map_or(expected, |data| data.len() as u128);
+        if expected == 0 || numbers != expected || !matches!(channels, 1 | 3 | 6) {
+            let text = format!("{numbers} numbers do not fill a volume of {size:?} with {channels} channels");
+            self.error(text, origin);
             return None;
         }
         let bounded = v.bounds.map(|[low, high]| {
@@ -123,21 +122,18 @@ impl Compiler<'_> {
             clipped: v.wrap != WrapMode::Repeat && v.wrap != WrapMode::Mirror && v.wrap != WrapMode::Clamp,
             smooth: v.filter == VolumeFilter::Trilinear,
         };
-        Some(Loaded { grid: Grid { size, channels, data, reading }, cell })
+        Some(Loaded { grid: Grid { size, channels, values, reading }, cell })
     }
 }
 
-fn values(grid: &volume::Grid) -> Vec<f32> {
-    let [nx, ny, nz] = grid.resolution;
-    let mut data = Vec::with_capacity((nx as usize) * (ny as usize) * (nz as usize) * grid.channels as usize);
-    for z in 0..nz {
-        for y in 0..ny {
-            for x in 0..nx {
-                data.extend((0..grid.channels).map(|c| grid.value([x, y, z], c)));
-            }
+fn values(store: volume::Store) -> Values {
+    match store {
+        volume::Store::Dense(data) => Values::Dense(data),
+        volume::Store::Bricks(bricks) => {
+            let volume::Bricks { offset, count, index, full, constants } = bricks;
+            Values::Sparse(Bricks { offset, count, index, full, constants })
         }
     }
-    data
 }
 
 pub(super) fn affine(m: &Transform) -> Affine {
