@@ -41,6 +41,10 @@ const KNOWN_PLACE: f64 = 3.0;
 const LOOKUP: f64 = 1.0;
 const FOUND: f64 = 0.015;
 
+/// The same along a ray through a medium, and of storing a photon or beam there.
+const VOLUME_LOOKUP: f64 = 1.0;
+const VOLUME_FOUND: f64 = 0.1;
+
 /// Pixels of a patch, the first at this position.
 type Patch = [u32; 2];
 
@@ -116,6 +120,28 @@ impl PhotonMapper<'_> {
 
     /// Samples the patches with the maps of all passes.
     pub(super) fn look(&self, built: &[[BuiltMap; 2]]) -> Seen {
+        let of_pass = |[(global, a), (caustic, b)]: [BuiltMap; 2]| {
+            (Arc::new(Maps { global, caustic, volume: None }), [a, b])
+        };
+        self.look_through(built.iter().cloned().map(of_pass), true)
+    }
+
+    /// The same with passes as the render makes them: what all maps of a pass take counts as one light path of the
+    /// first map.
+    pub(super) fn look_at_passes(&self) -> Seen {
+        let of_pass = |pass: usize| {
+            let (maps, stats) = self.begin_pass(pass as u32);
+            let work = PHOTON_RAY * stats.photon_rays as f64 + STORED * stats.photons as f64;
+            let paths = u64::from(stats.light_paths > 0);
+            (maps, [Built { work, paths, photons: stats.photons }, Built::default()])
+        };
+        let mapped = self.maps().iter().any(|map| map.wanted()) || self.volume.paths > 0;
+        self.look_through((0..PASSES).map(of_pass), mapped)
+    }
+
+    /// Samples the patches in several passes: of each its maps and what they took. Where there are `mapped` photons, the
+    /// camera samples are the same in all.
+    fn look_through(&self, passes: impl Iterator<Item = (Arc<Maps>, [Built; 2])>, mapped: bool) -> Seen {
         let [_, _, width, height] = self.task.view.film.crop;
         let size = [width.min(SIDE), height.min(SIDE)];
         let patches = self.patches(size);
@@ -127,15 +153,15 @@ impl PhotonMapper<'_> {
             maps: Default::default(),
         };
         let mut rays = 0.0;
-        for [(global, a), (caustic, b)] in built.iter().cloned() {
-            for (sum, one) in seen.maps.iter_mut().zip([a, b]) {
+        for (number, (maps, took)) in passes.enumerate() {
+            let seed = self.settings.seed ^ if mapped { 0 } else { mix(number as u64) };
+            for (sum, one) in seen.maps.iter_mut().zip(took) {
                 sum.work += one.work;
                 sum.paths += one.paths;
                 sum.photons += one.photons;
             }
-            let maps = Arc::new(Maps { global, caustic, volume: None });
             let looks: Vec<(Vec<Light>, f64)> =
-                patches.par_iter().map(|&patch| self.look_at(&maps, patch, size)).collect();
+                patches.par_iter().map(|&patch| self.look_at(&maps, seed, patch, size)).collect();
             for (light, work) in looks {
                 seen.light.extend(light);
                 rays += work;
@@ -172,13 +198,13 @@ impl PhotonMapper<'_> {
             .collect()
     }
 
-    fn look_at(&self, maps: &Arc<Maps>, patch: Patch, size: [u32; 2]) -> (Vec<Light>, f64) {
+    fn look_at(&self, maps: &Arc<Maps>, seed: u64, patch: Patch, size: [u32; 2]) -> (Vec<Light>, f64) {
         let view = self.task.view;
         let full = view.film.size();
         let mut samples = Vec::new();
         for i in 0..size[0] * size[1] {
             let [x, y] = [patch[0] + i % size[0], patch[1] + i / size[0]];
-            let key = mix(self.settings.seed ^ mix(u64::from(y) << 32 | u64::from(x)));
+            let key = mix(seed ^ mix(u64::from(y) << 32 | u64::from(x)));
             for number in 0..SAMPLES as u32 {
                 let mut sampler = Sampler::new(key, number);
                 let place = (Vec2::new(x as f32, y as f32) + sampler.next_2d()) / full;
@@ -191,7 +217,9 @@ impl PhotonMapper<'_> {
         self.sample(maps, &mut samples, &mut scratch);
         let work = scratch.rays as f64
             + LOOKUP * scratch.gather.lookups as f64
-            + FOUND * scratch.gather.photons as f64;
+            + FOUND * scratch.gather.photons as f64
+            + VOLUME_LOOKUP * scratch.volume.lookups as f64
+            + VOLUME_FOUND * scratch.volume.photons as f64;
         (samples.iter().map(|sample| light(&sample.out)).collect(), work)
     }
 }
