@@ -16,6 +16,7 @@ mod plan;
 mod prepare;
 mod volume;
 mod walk;
+mod work;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::super::{CameraSample, Integrator, PassStats, Scratch};
 use super::maps::{Map, PassMap};
-use super::{Maps, PhotonMapper};
+use super::{Maps, PhotonMapper, work};
 use crate::film::{Layer, Radiance};
 use crate::math::Vec2;
 use crate::sampling::{Sampler, mix};
@@ -31,19 +31,6 @@ const BLURRED: f64 = 2.0;
 
 /// Luminance below this share of the picture's mean counts as if it were this.
 const DARK: f64 = 0.1;
-
-/// Work of a photon's ray, of a stored photon, and of a place with irradiance, in camera rays.
-const PHOTON_RAY: f64 = 1.2;
-const STORED: f64 = 0.6;
-const KNOWN_PLACE: f64 = 3.0;
-
-/// Work of a lookup and of a photon found by it, in camera rays.
-const LOOKUP: f64 = 1.0;
-const FOUND: f64 = 0.015;
-
-/// The same along a ray through a medium, and of storing a photon or beam there.
-const VOLUME_LOOKUP: f64 = 1.0;
-const VOLUME_FOUND: f64 = 0.1;
 
 /// Pixels of a patch, the first at this position.
 type Patch = [u32; 2];
@@ -131,7 +118,7 @@ impl PhotonMapper<'_> {
     pub(super) fn look_at_passes(&self) -> Seen {
         let of_pass = |pass: usize| {
             let (maps, stats) = self.begin_pass(pass as u32);
-            let work = PHOTON_RAY * stats.photon_rays as f64 + STORED * stats.photons as f64;
+            let work = work::of_pass_in_media(&stats, maps.volume.as_ref());
             let paths = u64::from(stats.light_paths > 0);
             (maps, [Built { work, paths, photons: stats.photons }, Built::default()])
         };
@@ -176,9 +163,7 @@ impl PhotonMapper<'_> {
         let mut stats = PassStats::default();
         let built = self.build(map, pass, self.halts[0], &mut stats);
         let places = built.as_ref().and_then(|m| m.irradiance.as_ref()).map_or(0, |known| known.count());
-        let work = PHOTON_RAY * stats.photon_rays as f64
-            + STORED * stats.photons as f64
-            + KNOWN_PLACE * places as f64;
+        let work = work::of_map(&stats, places);
         let paths = if built.is_some() { map.paths } else { 0 };
         (built, Built { work, paths, photons: stats.photons })
     }
@@ -215,11 +200,10 @@ impl PhotonMapper<'_> {
         }
         let mut scratch = Scratch::default();
         self.sample(maps, &mut samples, &mut scratch);
-        let work = scratch.rays as f64
-            + LOOKUP * scratch.gather.lookups as f64
-            + FOUND * scratch.gather.photons as f64
-            + VOLUME_LOOKUP * scratch.volume.lookups as f64
-            + VOLUME_FOUND * scratch.volume.photons as f64;
+        let work = match self.task.facts.media {
+            true => work::of_camera_in_media(&scratch, maps.volume.as_ref()),
+            false => work::of_camera(&scratch),
+        };
         (samples.iter().map(|sample| light(&sample.out)).collect(), work)
     }
 }
