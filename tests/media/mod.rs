@@ -9,7 +9,7 @@ mod photons;
 use crate::support::{Estimate, Picture, assert_agree};
 
 /// A homogeneous medium of Mitsuba 3, with `phase` inside.
-fn fog(name: &str, sigma_t: &str, albedo: &str, phase: &str) -> String {
+pub fn fog(name: &str, sigma_t: &str, albedo: &str, phase: &str) -> String {
     format!(
         "<medium type='homogeneous' name='{name}'><rgb name='sigma_t' value='{sigma_t}'/>
          <rgb name='albedo' value='{albedo}'/>{phase}</medium>"
@@ -29,7 +29,7 @@ fn hg(g: f64) -> String {
 }
 
 /// A box from −1 to 1 after `transform`, without a surface of its own, with media inside its element.
-fn container(transform: &str, media: &str) -> String {
+pub fn container(transform: &str, media: &str) -> String {
     format!(
         "<shape type='cube'><transform name='to_world'>{transform}</transform><bsdf type='null'/>{media}</shape>"
     )
