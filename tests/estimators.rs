@@ -2,7 +2,10 @@
 
 use caustica::integrator::photon_map::decided;
 
-use crate::support::{Stage, box_camera, diffuse, lamp, outcome, rectangle, scene, settings, sphere, walls};
+use crate::media::{container, fog};
+use crate::support::{
+    Stage, box_camera, camera, diffuse, lamp, outcome, rectangle, scene, settings, sphere, walls,
+};
 
 const SIDE: usize = 48;
 
@@ -93,13 +96,105 @@ fn settings_of_the_global_map_leave_nothing_to_choose() {
     }
 }
 
+/// A room in fog whose mean free path is half of the room; many of the paths through it have several scatterings.
+fn foggy_room(size: usize, inside: &str) -> Stage {
+    let medium = fog("interior", "1,1,1", "0.9,0.9,0.9", "");
+    let room = [box_camera(size as u32), walls("0.7"), lamp(0.25, "15"), inside.to_owned()].concat();
+    scene(&(room + &container("<scale value='1.001'/>", &medium)))
+}
+
+/// Thin fog on an open floor under an even sky: nearly all light is scattered once.
+fn misty_ground() -> Stage {
+    let floor = rectangle(8.0, "<rotate x='1' angle='-90'/><translate y='-1.1'/>", &diffuse("0.2"));
+    let sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+    let medium = fog("interior", "0.2,0.2,0.2", "0.5,0.5,0.5", "");
+    let mist = container("<scale value='1'/>", &medium);
+    scene(&[box_camera(SIDE as u32), floor, sky.to_owned(), mist].concat())
+}
+
+/// As without media. Besides, the rays that are counted here are of all kinds, and one of a path with its scattering
+/// takes up to four times as long as the others: photons may look that much more expensive than they are, or less.
+#[test]
+fn the_chosen_way_through_media_is_nearly_the_best() {
+    for (name, stage) in [("room", foggy_room(SIDE, "")), ("open", misty_ground())] {
+        let task = stage.0.task_with(&stage.0.settings);
+        let chosen = decided(task);
+        let found = chosen.indirect.expect("a choice");
+        assert_eq!(found.others.len(), 2, "{found}");
+        assert_eq!(chosen.volume.is_none(), found.indirect == "trace");
+        let samples = found.camera_samples.expect("a number of samples").to_string();
+        let errors =
+            [[("indirect", "density"), ("beams", "points")], [("indirect", "density"), ("beams", "beams")]]
+                .map(|changes| error(&stage, &[&changes[..], &[("camera_samples", &*samples)]].concat()));
+        let traced = error(&stage, &[("indirect", "trace"), ("camera_samples", &samples)]);
+        println!("{name}: {found}; points, beams {errors:.3?}, trace {traced:.3e}");
+        let [points, beams] = errors;
+        let of_chosen = match chosen.volume {
+            None => traced,
+            Some(volume) if volume.beams => beams,
+            Some(_) => points,
+        };
+        let best = points.min(beams).min(traced);
+        assert!(of_chosen < 4.0 * 1.7 * best, "{name}: {of_chosen} of {errors:?}, {traced}");
+    }
+}
+
+/// What is said of photons in media means them; where light is focused, nothing but photons finds it.
+#[test]
+fn settings_of_media_and_glass_leave_no_path_tracing() {
+    let choice = |stage: &Stage, changes: &[(&str, &str)]| {
+        decided(stage.0.task_with(&settings(stage, changes))).indirect.map(|found| {
+            let mut names: Vec<String> = found.others.into_iter().map(|(name, _)| name).collect();
+            names.extend([found.indirect]);
+            names
+        })
+    };
+    let traced = |names: Option<Vec<String>>| names.expect("a choice").iter().any(|name| name == "trace");
+    let room = foggy_room(16, "");
+    assert!(traced(choice(&room, &[])));
+    for given in [("volume_photons", "5000"), ("volume_radius", "0.1"), ("photons", "5000"), ("nee", "false")]
+    {
+        assert!(!traced(choice(&room, &[given])), "{given:?}");
+    }
+    for given in [("beams", "points"), ("mode", "classic"), ("indirect", "trace")] {
+        assert_eq!(choice(&room, &[given]), None, "{given:?}");
+    }
+    let glass = "<bsdf type='dielectric'/>";
+    assert!(!traced(choice(&foggy_room(16, &sphere("0,0,0", 0.3, glass)), &[])));
+}
+
+/// How far the fog goes on behind what is seen does not matter: without an end the size of a pixel in the middle of the
+/// fog would make the radius as large as is allowed. The room in the fog is seen at a distance of 4 mean free paths.
+#[test]
+fn the_radius_in_endless_fog_is_that_of_large_fog() {
+    let radius = |outside: &str| {
+        let medium = fog("interior", "1,1,1", "0.9,0.9,0.9", "");
+        let view = camera("0,0,4", "0,0,0", 40.0, 32);
+        let view = view.replace("</sensor>", "<ref id='fog'/></sensor>");
+        let lamp = "<emitter type='point'><point name='position' x='0' y='0.5' z='0'/>
+            <rgb name='intensity' value='1'/><ref id='fog'/></emitter>";
+        let medium = medium.replace("name='interior'", "id='fog'");
+        let stage = scene(&[medium, view, lamp.to_owned(), outside.to_owned()].concat());
+        let set = settings(&stage, &[("indirect", "density"), ("beams", "points")]);
+        decided(stage.0.task_with(&set)).volume.expect("photons in fog").radius
+    };
+    let wall = |away: f64| {
+        let place = format!("<translate z='{}'/>", -away);
+        rectangle(2.0 * away, &place, &diffuse("0"))
+    };
+    let [near, far] = [wall(20.0), wall(400.0)].map(|wall| radius(&wall));
+    // Few photons tell either; the scene's size has a part in it too.
+    assert!((far / near - 1.0).abs() < 0.5, "{near} near, {far} far");
+}
+
 /// The same choice on any number of threads, for it counts work and never looks at a clock.
 #[test]
 fn threads_do_not_change_the_choice() {
-    let stage = diffuse_room();
-    let on = |n: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-        pool.install(|| decided(stage.0.task_with(&stage.0.settings)).indirect)
-    };
-    assert_eq!(on(1), on(3));
+    for stage in [diffuse_room(), foggy_room(SIDE, "")] {
+        let on = |n: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+            pool.install(|| decided(stage.0.task_with(&stage.0.settings)).indirect)
+        };
+        assert_eq!(on(1), on(3));
+    }
 }

@@ -43,6 +43,8 @@ pub struct Task<'a> {
 pub struct Scratch {
     /// Rays traced.
     pub rays: u64,
+    /// Those of them that looked for edges around places where surface maps were read.
+    pub edge_rays: u64,
     /// Of photon lookups.
     pub gather: Gather,
     /// Of photons in media.

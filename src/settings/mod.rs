@@ -99,7 +99,7 @@ settings! {
     rr_depth: u32 = 5, "a whole number from 1", "path segments before Russian roulette may end a camera path";
     hide_emitters: bool = false, "true or false", "lamps and environment are not seen directly";
     nee: bool = true, "true or false", "direct light by next event estimation rather than from first photon hits";
-    indirect: Indirect = Indirect::Auto, "auto, density, gather or trace", "indirect light by photon density at the first rough surface, at the second, or by path tracing; auto measures which is best";
+    indirect: Indirect = Indirect::Auto, "auto, density, gather or trace", "indirect light by photon density at the first rough surface, at the second, or by path tracing; auto measures which is best; in scenes with media density, or trace where nothing is specular or glossy";
     gather_rays: Samples = Samples(None), "a count or auto", "directions in which each camera path looks for indirect light with indirect=gather";
     photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels (at least 65536 with indirect=gather)";
     caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is the number of pixels";
@@ -115,7 +115,7 @@ settings! {
     alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction: share of new photons kept, global map";
     caustic_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction of the caustic map";
     volume_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction in media";
-    beams: InMedia = InMedia::Auto, "auto, points or beams", "light in media from photons at collisions, or from the ways between them; auto takes beams where few photons collide";
+    beams: InMedia = InMedia::Auto, "auto, points or beams", "light in media from photons at collisions, or from the ways between them; auto measures which is better (with mode=classic: beams where few photons collide)";
     kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "weight of a photon by its distance, global map";
     caustic_kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "the same for the caustic map";
     caustic_map: bool = true, "true or false", "caustic photons in a map of their own";

@@ -103,7 +103,7 @@ fn smoke_in_a_grid_is_that_of_path_tracing() {
     let body = [box_camera(16), walls("0.7,0.7,0.7"), lamp(0.25, "15,12,8")].concat();
     let stage =
         scene_with_bytes(&(body + &container("<scale value='0.8'/>", &medium)), vec![("a.vol", bytes)]);
-    let ways = [("beams", "points"), ("beams", "beams")];
+    let ways = [("beams", "points"), ("beams", "beams"), ("indirect", "trace")];
     agree(&stage, &ways, [128, 2048], &[(Layer::Medium, 0.04)], 0.03);
 }
 

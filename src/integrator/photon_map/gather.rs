@@ -47,10 +47,12 @@ impl PhotonMapper<'_> {
         scratch: &mut Scratch,
         out: &mut Radiance,
     ) {
+        let before = scratch.rays;
         for map in [&maps.global, &maps.caustic].into_iter().flatten() {
             let rays = &mut scratch.rays;
             let boundary = self.surroundings().map(|around| Boundary { around, sampler, rays });
             map.estimator.estimate(&map.photons, at, boundary, &mut scratch.gather, out);
         }
+        scratch.edge_rays += scratch.rays - before;
     }
 }

@@ -16,6 +16,7 @@ mod plan;
 mod prepare;
 mod volume;
 mod walk;
+mod work;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -51,6 +52,8 @@ pub struct PhotonMapper<'a> {
     volume: VolumeMap,
     /// Finds what media scatter once, in scenes with media.
     single: Option<VolumePathTracer<'a>>,
+    /// Takes the place of everything else in scenes with media that are path traced.
+    traced: Option<VolumePathTracer<'a>>,
     /// Of lamps that look smaller than a pixel.
     images: Option<Images>,
     /// Classic mode traces once.
@@ -96,9 +99,20 @@ impl<'a> PhotonMapper<'a> {
         let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
         let (global, caustic) = (Map::global(&settings, &plan), Map::caustic(&settings, &plan));
         let volume = VolumeMap::new(&settings, &plan);
-        let single = task.facts.media.then(|| VolumePathTracer::once(task));
-        let kept = OnceLock::new();
-        Self { task, settings, halts, global, caustic, clearance: None, volume, single, images: None, kept }
+        let traced = task.facts.media && settings.indirect == Indirect::Trace;
+        Self {
+            task,
+            settings,
+            halts,
+            global,
+            caustic,
+            clearance: None,
+            volume,
+            single: task.facts.media.then(|| VolumePathTracer::once(task)),
+            traced: traced.then(|| VolumePathTracer::new(task)),
+            images: None,
+            kept: OnceLock::new(),
+        }
     }
 
     /// The task with the settings that are in use.
@@ -200,6 +214,10 @@ impl Integrator for PhotonMapper<'_> {
     }
 
     fn sample(&self, maps: &Arc<Maps>, samples: &mut [CameraSample], scratch: &mut Scratch) {
+        if let Some(tracer) = &self.traced {
+            tracer.sample(&(), samples, scratch);
+            return;
+        }
         if self.task.facts.media {
             samples.iter_mut().for_each(|sample| self.trace_in_media(maps, sample, scratch));
             return;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::super::{CameraSample, Integrator, PassStats, Scratch};
 use super::maps::{Map, PassMap};
-use super::{Maps, PhotonMapper};
+use super::{Maps, PhotonMapper, work};
 use crate::film::{Layer, Radiance};
 use crate::math::Vec2;
 use crate::sampling::{Sampler, mix};
@@ -31,15 +31,6 @@ const BLURRED: f64 = 2.0;
 
 /// Luminance below this share of the picture's mean counts as if it were this.
 const DARK: f64 = 0.1;
-
-/// Work of a photon's ray, of a stored photon, and of a place with irradiance, in camera rays.
-const PHOTON_RAY: f64 = 1.2;
-const STORED: f64 = 0.6;
-const KNOWN_PLACE: f64 = 3.0;
-
-/// Work of a lookup and of a photon found by it, in camera rays.
-const LOOKUP: f64 = 1.0;
-const FOUND: f64 = 0.015;
 
 /// Pixels of a patch, the first at this position.
 type Patch = [u32; 2];
@@ -116,6 +107,28 @@ impl PhotonMapper<'_> {
 
     /// Samples the patches with the maps of all passes.
     pub(super) fn look(&self, built: &[[BuiltMap; 2]]) -> Seen {
+        let of_pass = |[(global, a), (caustic, b)]: [BuiltMap; 2]| {
+            (Arc::new(Maps { global, caustic, volume: None }), [a, b])
+        };
+        self.look_through(built.iter().cloned().map(of_pass), true)
+    }
+
+    /// The same with passes as the render makes them: what all maps of a pass take counts as one light path of the
+    /// first map.
+    pub(super) fn look_at_passes(&self) -> Seen {
+        let of_pass = |pass: usize| {
+            let (maps, stats) = self.begin_pass(pass as u32);
+            let work = work::of_pass_in_media(&stats, maps.volume.as_ref());
+            let paths = u64::from(stats.light_paths > 0);
+            (maps, [Built { work, paths, photons: stats.photons }, Built::default()])
+        };
+        let mapped = self.maps().iter().any(|map| map.wanted()) || self.volume.paths > 0;
+        self.look_through((0..PASSES).map(of_pass), mapped)
+    }
+
+    /// Samples the patches in several passes: of each its maps and what they took. Where there are `mapped` photons, the
+    /// camera samples are the same in all.
+    fn look_through(&self, passes: impl Iterator<Item = (Arc<Maps>, [Built; 2])>, mapped: bool) -> Seen {
         let [_, _, width, height] = self.task.view.film.crop;
         let size = [width.min(SIDE), height.min(SIDE)];
         let patches = self.patches(size);
@@ -127,15 +140,15 @@ impl PhotonMapper<'_> {
             maps: Default::default(),
         };
         let mut rays = 0.0;
-        for [(global, a), (caustic, b)] in built.iter().cloned() {
-            for (sum, one) in seen.maps.iter_mut().zip([a, b]) {
+        for (number, (maps, took)) in passes.enumerate() {
+            let seed = self.settings.seed ^ if mapped { 0 } else { mix(number as u64) };
+            for (sum, one) in seen.maps.iter_mut().zip(took) {
                 sum.work += one.work;
                 sum.paths += one.paths;
                 sum.photons += one.photons;
             }
-            let maps = Arc::new(Maps { global, caustic, volume: None });
             let looks: Vec<(Vec<Light>, f64)> =
-                patches.par_iter().map(|&patch| self.look_at(&maps, patch, size)).collect();
+                patches.par_iter().map(|&patch| self.look_at(&maps, seed, patch, size)).collect();
             for (light, work) in looks {
                 seen.light.extend(light);
                 rays += work;
@@ -150,9 +163,7 @@ impl PhotonMapper<'_> {
         let mut stats = PassStats::default();
         let built = self.build(map, pass, self.halts[0], &mut stats);
         let places = built.as_ref().and_then(|m| m.irradiance.as_ref()).map_or(0, |known| known.count());
-        let work = PHOTON_RAY * stats.photon_rays as f64
-            + STORED * stats.photons as f64
-            + KNOWN_PLACE * places as f64;
+        let work = work::of_map(&stats, places);
         let paths = if built.is_some() { map.paths } else { 0 };
         (built, Built { work, paths, photons: stats.photons })
     }
@@ -172,13 +183,13 @@ impl PhotonMapper<'_> {
             .collect()
     }
 
-    fn look_at(&self, maps: &Arc<Maps>, patch: Patch, size: [u32; 2]) -> (Vec<Light>, f64) {
+    fn look_at(&self, maps: &Arc<Maps>, seed: u64, patch: Patch, size: [u32; 2]) -> (Vec<Light>, f64) {
         let view = self.task.view;
         let full = view.film.size();
         let mut samples = Vec::new();
         for i in 0..size[0] * size[1] {
             let [x, y] = [patch[0] + i % size[0], patch[1] + i / size[0]];
-            let key = mix(self.settings.seed ^ mix(u64::from(y) << 32 | u64::from(x)));
+            let key = mix(seed ^ mix(u64::from(y) << 32 | u64::from(x)));
             for number in 0..SAMPLES as u32 {
                 let mut sampler = Sampler::new(key, number);
                 let place = (Vec2::new(x as f32, y as f32) + sampler.next_2d()) / full;
@@ -189,9 +200,10 @@ impl PhotonMapper<'_> {
         }
         let mut scratch = Scratch::default();
         self.sample(maps, &mut samples, &mut scratch);
-        let work = scratch.rays as f64
-            + LOOKUP * scratch.gather.lookups as f64
-            + FOUND * scratch.gather.photons as f64;
+        let work = match self.task.facts.media {
+            true => work::of_camera_in_media(&scratch, maps.volume.as_ref()),
+            false => work::of_camera(&scratch),
+        };
         (samples.iter().map(|sample| light(&sample.out)).collect(), work)
     }
 }

@@ -65,8 +65,9 @@ impl Plan {
             given => given,
         };
         let caustic_map = caustics && settings.caustic_map;
-        // Without next event estimation it holds single scattering as well.
-        let volume_map = lit && facts.media_scatter && deepest >= if settings.nee { 3 } else { 2 };
+        // Without next event estimation it holds single scattering as well. Path tracing takes all or nothing there.
+        let least = if settings.nee { 3 } else { 2 };
+        let volume_map = lit && facts.media_scatter && deepest >= least && !traced;
         // Most caustic paths end at the first rough surface, after one ray: four times as many cost the
         // same, and what they show is sharper.
         let pixels = pixels as u64;
@@ -95,7 +96,7 @@ impl Plan {
         if !facts.sharper_than(settings.glossy) {
             notes.push("no specular surface: no caustic map".to_owned());
         }
-        if facts.media {
+        if facts.media && settings.indirect != Indirect::Trace {
             notes.push("media: light of surfaces from photons at the first rough surface".to_owned());
         }
         if settings.nee && settings.max_depth.0 == 2 {

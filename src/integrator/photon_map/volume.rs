@@ -20,8 +20,8 @@ use crate::transport::Owner;
 /// Light paths of the pilot.
 const PILOT: u64 = 1 << 13;
 
-/// Beams are taken where light goes on average farther than so many radii between collisions: fewer photons of a path
-/// would then be found by a camera ray than beams.
+/// Where no pilot compares them, beams are taken if light goes on average farther than so many radii between
+/// collisions: fewer photons of a path would then be found by a camera ray than beams.
 const LONG: f32 = 3.4;
 
 /// Largest radius in mean ways between collisions: no more of a dense medium is seen than the outer one or two, and a

@@ -13,7 +13,8 @@ use crate::transport::Vertex;
 const LONGEST: u32 = 16;
 
 impl PhotonMapper<'_> {
-    /// Segments of camera rays through a regular grid of the film, and the median size of a pixel in their middles.
+    /// Segments of camera rays through a regular grid of the film, and the median size of a pixel in their middles, or
+    /// after a mean free path where that is nearer.
     pub(in super::super) fn segments(&self) -> (Vec<Segment>, f32) {
         let mut segments = Vec::new();
         for (i, at) in film_grid() {
@@ -28,7 +29,7 @@ impl PhotonMapper<'_> {
         (segments.into_iter().map(|(segment, _)| segment).collect(), pixel)
     }
 
-    /// Adds those of a camera path from a position of the rendered part, in [0, 1]², with the distance of their middles.
+    /// Adds those of a camera path from a position of the rendered part, in [0, 1]², with the distance of these places.
     fn add_segments(&self, at: Vec2, mut sampler: Sampler, segments: &mut Vec<(Segment, f32)>) {
         let (scene, view) = (self.task.scene, self.task.view);
         let mut ray = view.sensor.ray(view.place_in_crop(at), sampler.next_2d()).normalised();
@@ -39,7 +40,9 @@ impl PhotonMapper<'_> {
             if let Some(medium) = scene.medium(medium).filter(|medium| medium.scatters()) {
                 let part = Ray { tmax: hit.as_ref().map_or(ray.tmax, |hit| hit.t), ..ray };
                 let segment = Stretch::new(medium, &part, [None; 2], &mut sampler).segment;
-                segments.push((segment, length + 0.5 * segment.length));
+                // In endless fog most of what is seen is near.
+                let seen = (0.5 * segment.length).min(1.0 / medium.mean().sigma_t.max_element());
+                segments.push((segment, length + seen));
             }
             let Some(hit) = hit else { return };
             length += hit.t;

@@ -1,6 +1,8 @@
 //! Which estimator computes indirect light, and how a pass divides its work: measured by a pilot of the scene where the
 //! settings leave it open.
 
+mod in_media;
+
 use std::fmt;
 use std::sync::Arc;
 
@@ -26,6 +28,11 @@ const MOST_RAYS: f64 = 8.0;
 const MOST_SAMPLES: f64 = 8.0;
 const MOST_OF_PICTURE: f64 = (1 << 17) as f64;
 
+/// Most camera samples a pixel in a pass of a picture of so many pixels.
+fn most_samples(pixels: usize) -> f64 {
+    (MOST_OF_PICTURE / pixels.max(1) as f64).clamp(1.0, MOST_SAMPLES)
+}
+
 /// What the measured error of an estimator is multiplied by before they are compared. The pilot does not see bias: a map
 /// that is seen directly is blurred by its radius, one at the second surface hardly, and without one there is none.
 fn with_bias(indirect: Indirect) -> f64 {
@@ -47,7 +54,7 @@ const MOST_STORED: f64 = (1 << 21) as f64;
 const PASSES: u32 = 16;
 
 /// What the pilot of the chosen estimator has measured for the render.
-pub(super) struct Known {
+pub(in super::super) struct Known {
     /// Where each map sends its light.
     pub aims: [Option<Aim>; 2],
     /// Where discs lie free.
@@ -114,7 +121,7 @@ struct Rated {
 }
 
 /// The settings with choices made where they are open, and what is known then.
-pub(super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Known>) {
+pub(in super::super) fn settled<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> (Settings, Option<Known>) {
     match choose(task, halts) {
         Some((settings, _, known)) => (settings, Some(known)),
         None => (without_choice(&task), None),
@@ -150,7 +157,8 @@ pub fn decided(task: Task<'_>) -> Decided {
 /// paths up to the first rough surface, and no farther.
 fn without_choice(task: &Task<'_>) -> Settings {
     let settings = task.settings;
-    let open = settings.indirect == Indirect::Auto || task.facts.media;
+    let traced = settings.indirect == Indirect::Trace && in_media::may_trace(task);
+    let open = settings.indirect == Indirect::Auto || (task.facts.media && !traced);
     let indirect = if open { Indirect::Density } else { settings.indirect };
     Settings { indirect, ..settings.clone() }
 }
@@ -158,20 +166,28 @@ fn without_choice(task: &Task<'_>) -> Settings {
 /// Whether a pilot has to choose. Settings of the global map speak of density estimation, as in renderers that know
 /// nothing else.
 fn is_open(task: &Task<'_>) -> bool {
-    let (s, d) = (task.settings, Settings::default());
-    let unsaid = (s.photons, s.radius, s.kernel, s.lookup) == (d.photons, d.radius, d.kernel, d.lookup)
-        && (s.neighbours, s.alpha) == (d.neighbours, d.alpha);
+    let s = task.settings;
     let plan = Plan::new(task.facts, s, task.view.film.pixel_count());
     s.indirect == Indirect::Auto
         && !task.facts.media
         && s.mode == Mode::Progressive
         && s.nee
         && s.caustic_map
-        && unsaid
+        && global_unsaid(s)
         && plan.global_map
 }
 
+/// Whether no setting of the global map was made.
+fn global_unsaid(s: &Settings) -> bool {
+    let d = Settings::default();
+    (s.photons, s.radius, s.kernel, s.lookup) == (d.photons, d.radius, d.kernel, d.lookup)
+        && (s.neighbours, s.alpha) == (d.neighbours, d.alpha)
+}
+
 fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice, Known)> {
+    if task.facts.media {
+        return in_media::choose(task, halts);
+    }
     if !is_open(&task) {
         return None;
     }
@@ -322,8 +338,7 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
         Count::Paths(n) => n as f64,
         _ => 0.0,
     });
-    let pixels = task.view.film.pixel_count().max(1) as f64;
-    let most = (MOST_OF_PICTURE / pixels).clamp(1.0, MOST_SAMPLES);
+    let most = most_samples(task.view.film.pixel_count());
     let needed = |i: usize| if ratio[i] > 0.0 { usual[i] / ratio[i] } else { most };
     let needed = (0..2).filter(|&i| usual[i] > 0.0).map(needed).fold(1.0, f64::max);
     let samples = given.camera_samples.0.unwrap_or(needed.min(most).round() as u32);
