@@ -59,7 +59,7 @@ impl FilmSize {
         let scaled = |n: u32| (f64::from(n) * scale).round().max(1.0) as u32;
         let along = |start: u32, length: u32, all: u32| {
             let length = scaled(length);
-            let start = (f64::from(start) * scale) as u32;
+            let start = (f64::from(start) * scale).round() as u32;
             (start, length, scaled(all).max(start + length))
         };
         let [x, y, w, h] = self.crop;
