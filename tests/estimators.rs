@@ -1,5 +1,6 @@
 //! The estimator of indirect light that a pilot chooses.
 
+use caustica::film::FilmSize;
 use caustica::integrator::photon_map::decided;
 
 use crate::media::{container, fog};
@@ -185,6 +186,19 @@ fn the_radius_in_endless_fog_is_that_of_large_fog() {
     let [near, far] = [wall(20.0), wall(400.0)].map(|wall| radius(&wall));
     // Few photons tell either; the scene's size has a part in it too.
     assert!((far / near - 1.0).abs() < 0.5, "{near} near, {far} far");
+}
+
+/// The picture that the pilot has in mind shows the same part of the film in the same proportions, up to a pixel.
+#[test]
+fn a_picture_of_fewer_pixels_is_the_same_picture() {
+    let film = FilmSize { width: 1920, height: 1080, crop: [480, 270, 1200, 600] };
+    let fewer = film.with_fewer_pixels(20_000);
+    assert_eq!(fewer, FilmSize { width: 320, height: 180, crop: [80, 45, 200, 100] });
+    assert_eq!(film.with_fewer_pixels(720_000), film);
+    let line = FilmSize { width: 10_000, height: 1, crop: [9_999, 0, 1, 1] };
+    assert_eq!(line.with_fewer_pixels(1), line);
+    let line = FilmSize::full(10_000, 1).with_fewer_pixels(100);
+    assert_eq!(line.crop, [0, 0, 1000, 1]);
 }
 
 /// The same choice on any number of threads, for it counts work and never looks at a clock.

@@ -51,6 +51,24 @@ impl FilmSize {
         Vec2::new(self.width as f32, self.height as f32)
     }
 
+    /// The same picture with about `most` rendered pixels, if it has more.
+    #[must_use]
+    pub fn with_fewer_pixels(&self, most: usize) -> Self {
+        let scale = (most as f64 / self.pixel_count().max(1) as f64).sqrt();
+        if scale >= 1.0 {
+            return *self;
+        }
+        let scaled = |n: u32| (f64::from(n) * scale).round().max(1.0) as u32;
+        let along = |start: u32, length: u32, all: u32| {
+            let length = scaled(length);
+            let start = (f64::from(start) * scale).round() as u32;
+            (start, length, scaled(all).max(start + length))
+        };
+        let [x, y, w, h] = self.crop;
+        let ((x, w, width), (y, h, height)) = (along(x, w, self.width), along(y, h, self.height));
+        Self { width, height, crop: [x, y, w, h] }
+    }
+
     /// Pixels that are rendered.
     pub fn pixel_count(&self) -> usize {
         self.crop[2] as usize * self.crop[3] as usize

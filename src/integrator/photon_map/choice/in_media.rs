@@ -1,6 +1,6 @@
 //! The choice in scenes with media: photons at collisions, beams, or path tracing, as a pilot measures them.
 //!
-//! Passes of the pilot are as those of the render. So nothing but the shrinking of radii is left to tell of the error
+//! Passes of the pilot are as those of the render, of a smaller picture if that has many pixels. So nothing but the shrinking of radii is left to tell of the error
 //! that a render of each kind will have, and no division of its work has to be found but that into passes.
 
 use super::super::super::{Integrator, Task};
@@ -10,7 +10,11 @@ use super::{Choice, Known, PASSES, global_unsaid, most_samples, with_bias};
 use crate::photon::radius;
 use crate::photon::trace::Halt;
 use crate::sampling::mix;
-use crate::settings::{InMedia, Indirect, Mode, Samples, Settings};
+use crate::scene::View;
+use crate::settings::{Count, InMedia, Indirect, Mode, Samples, Settings};
+
+/// Most pixels of the picture that the pilot has in mind: its photons are as many for each pixel as those of the render.
+const MOST_PIXELS: usize = 1 << 14;
 
 /// A way to render, as the pilot saw it.
 struct Candidate<'a> {
@@ -40,9 +44,12 @@ pub(super) fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settin
     if ways.len() < 2 {
         return None;
     }
-    let mut candidates: Vec<Candidate<'a>> = Vec::new();
+    let film = task.view.film.with_fewer_pixels(MOST_PIXELS);
+    let view = View { film, ..task.view.clone() };
+    let smaller = Task { view: &view, ..task };
+    let mut candidates: Vec<Candidate<'_>> = Vec::new();
     for (name, settings) in ways {
-        let mapper = pilot(task, settings, halts, candidates.first().map(|first| &first.mapper));
+        let mapper = pilot(smaller, settings, halts, candidates.first().map(|first| &first.mapper));
         let seen = mapper.look_at_passes();
         candidates.push(Candidate { name, mapper, seen });
     }
@@ -60,13 +67,15 @@ pub(super) fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settin
     let PhotonMapper { settings: ref tried, global, caustic, clearance, .. } = mapper;
     let samples = Samples(Some(task.settings.camera_samples.0.unwrap_or(rated[best].samples)));
     let settings = Settings { seed: task.settings.seed, camera_samples: samples, ..tried.clone() };
+    let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
+    let paths = |count: Count| if let Count::Paths(n) = count { n } else { 0 };
     let power = &task.scene.emission;
     let choice = Choice {
         indirect: settings.indirect.to_string(),
         gather_rays: 1,
         camera_samples: samples.0,
-        photons: global.paths,
-        caustic_photons: caustic.paths,
+        photons: paths(plan.global_paths),
+        caustic_photons: paths(plan.caustic_paths),
         aims: [&global, &caustic].map(|map| map.aim.as_ref().map(|aim| aim.aimed(power))),
         others,
     };
@@ -120,15 +129,16 @@ fn pilot<'a>(
 
 /// The error of a render with passes in which the camera samples are as many as is best.
 fn rate(task: &Task<'_>, candidate: &Candidate<'_>, reference: &Reference) -> Rated {
-    let pixels = task.view.film.pixel_count();
+    let most = most_samples(task.view.film.pixel_count());
     let settings = &candidate.mapper.settings;
     // In media it is the width of a kernel that shrinks, or its area; on surfaces it is the area.
     let alpha = f64::from(settings.volume_alpha.min(settings.alpha));
     let scale = [radius::growth(PASSES, alpha), 1.0];
-    let Parts { camera, maps: [map, _], .. } = candidate.seen.parts(reference, scale, pixels);
+    let Parts { camera, maps: [map, _], .. } =
+        candidate.seen.parts(reference, scale, candidate.mapper.task.view.film.pixel_count());
     let usual = candidate.mapper.samples_a_pass();
     let ratio = if map.share() > 0.0 { camera.share() / map.share() } else { f64::from(usual) };
-    let best = ratio.round().clamp(f64::from(usual.min(most_samples(pixels) as u32)), most_samples(pixels));
+    let best = ratio.round().clamp(f64::from(usual).min(most), most);
     let samples = settings.camera_samples.0.unwrap_or(best as u32).max(1);
     let variance = camera.variance / f64::from(samples) + map.variance;
     let work = camera.work * f64::from(samples) + map.work;
