@@ -28,6 +28,16 @@ const LONG: f32 = 3.4;
 /// wide kernel would blur them over its border.
 const WIDEST: f32 = 0.3;
 
+/// Where that is less than this share of the way of a camera ray through the medium, the radius may have this share: a
+/// kernel on a flat border blurs nothing. On a round one, as far across as that way, it must not sink deeper than this
+/// share of the way between collisions.
+const FLAT: f32 = 0.01;
+const SUNK: f32 = 0.1;
+
+fn widest(free_path: f32, way: f32) -> f32 {
+    (WIDEST * free_path).max((FLAT * way).min((SUNK * free_path * way).sqrt()))
+}
+
 /// Most photons and beams of a pass where their number is left open: in milk a path leaves hundreds.
 const MOST_POINTS: u64 = 1 << 21;
 const MOST_BEAMS: u64 = 1 << 18;
@@ -99,6 +109,7 @@ impl VolumeMap {
         let pilot = self.trace(task.scene, u32::MAX, PILOT, halt);
         let lengths: f64 = pilot.beams.iter().map(|beam| f64::from(beam.length)).sum();
         let free_path = (lengths / pilot.beams.len().max(1) as f64) as f32;
+        let way = median(segments.iter().map(|segment| segment.length).collect());
         let found = |r: f32| {
             let (map, mut near) = (BeamMap::build(&pilot.beams, r), Vec::new());
             counted(segments, |segment| {
@@ -106,7 +117,7 @@ impl VolumeMap {
                 near.len()
             })
         };
-        self.settle(task, plan, [pixel, free_path], (pilot.beams.len(), MOST_BEAMS), found);
+        self.settle(task, plan, [pixel, free_path, way], (pilot.beams.len(), MOST_BEAMS), found);
         self.job.beams = match task.settings.beams {
             InMedia::Auto => free_path > LONG * self.radius,
             InMedia::Points => false,
@@ -121,7 +132,7 @@ impl VolumeMap {
                     near.len()
                 })
             };
-            self.settle(task, plan, [pixel, free_path], (pilot.points.len(), MOST_POINTS), found);
+            self.settle(task, plan, [pixel, free_path, way], (pilot.points.len(), MOST_POINTS), found);
         }
         VolumeChoice { beams: self.job.beams, paths: self.paths, radius: self.radius, free_path }
     }
@@ -132,7 +143,7 @@ impl VolumeMap {
         &mut self,
         task: &Task<'_>,
         plan: &Plan,
-        [pixel, free_path]: [f32; 2],
+        [pixel, free_path, way]: [f32; 3],
         (left, most): (usize, u64),
         found: impl Fn(f32) -> f32,
     ) {
@@ -148,7 +159,7 @@ impl VolumeMap {
             Radius::Relative(r) => r * sphere,
             Radius::Auto => {
                 let r = radius::clamped(searched(&found, wanted, share, power, sphere), pixel, sphere);
-                if free_path > 0.0 { r.min(WIDEST * free_path) } else { r }
+                if free_path > 0.0 { r.min(widest(free_path, way)) } else { r }
             }
         };
         // More would take longer to add up than to trace.
@@ -230,6 +241,12 @@ fn count_paths(s: &Settings, plan: &Plan, left_by_pilot: u64, most: u64) -> u64 
         Count::Stored(n) => ((n as f64 / each) as u64).max(1),
         Count::Auto => 0,
     }
+}
+
+/// The upper one of two; 0 of none.
+fn median(mut values: Vec<f32>) -> f32 {
+    values.sort_unstable_by(f32::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// How many of its finds the median find has company of on its segment: segments that see nothing have no vote.
