@@ -283,16 +283,21 @@ fn run<I: Integrator>(
         // The mean length follows passes that grow cheaper as the radius shrinks.
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         let elapsed = budget.elapsed(start);
-        (stats.passes, stats.seconds) = (passes, elapsed.as_secs_f64());
-        stats.film_bytes = (pixels.bytes() + waiting.bytes()) as u64;
+        stats.so_far(passes, elapsed, pixels.bytes() + waiting.bytes());
         waiting.show(&mut pixels, |pixels| {
             progress(&Progress { pixels, passes, elapsed, pass, statistics: &stats });
         });
     };
     waiting.add_to(&mut pixels);
-    stats.film_bytes = (pixels.bytes() + waiting.bytes()) as u64;
-    (stats.passes, stats.seconds) = (passes, budget.elapsed(start).as_secs_f64());
+    stats.so_far(passes, budget.elapsed(start), pixels.bytes() + waiting.bytes());
     Outcome { pixels, statistics: stats, stop }
+}
+
+impl Statistics {
+    /// After some passes.
+    fn so_far(&mut self, passes: u32, elapsed: Duration, film: usize) {
+        (self.passes, self.seconds, self.film_bytes) = (passes, elapsed.as_secs_f64(), film as u64);
+    }
 }
 
 /// The camera samples of a pass.
