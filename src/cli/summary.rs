@@ -1,6 +1,6 @@
 //! What is said about a finished render: a table for people, JSON for machines.
 
-use crate::render::{Outcome, Stop};
+use crate::render::{MOST_PASSES, Outcome, Stop};
 use crate::session::Session;
 use crate::session::units::{count, megabytes};
 
@@ -88,6 +88,7 @@ fn photon_rows(outcome: &Outcome) -> [(&'static str, String); 3] {
 fn ended(outcome: &Outcome) -> &'static str {
     let s = &outcome.statistics;
     match outcome.stop {
+        Stop::Passes if s.first_pass + s.passes >= MOST_PASSES => "it has all passes that a render can have",
         Stop::Passes => "all passes done",
         Stop::Time if s.first_pass_cut => {
             "time is up: the only pass has fewer light paths than asked for, and there is no checkpoint"

@@ -53,7 +53,6 @@ use crate::integrator::Task;
 use crate::render::{Checkpoint, Head, render};
 use crate::scene::compile::{Compiled, compile};
 use crate::scene::{Facts, Scene, View};
-use options::set_all;
 
 pub use crate::render::{Budget, Outcome, Progress, Statistics, Stop, Sums};
 pub use crate::settings::{SETTINGS, SettingError, Settings};
@@ -233,7 +232,9 @@ impl Session {
     /// [`Error::Setting`] for a setting that does not exist or does not parse.
     pub fn with(&self, settings: &[(String, String)], layers: Option<Layers>) -> Result<Self, Error> {
         let mut session = self.clone();
-        set_all(&mut session.settings, settings)?;
+        for (name, value) in settings {
+            session.settings.set(name, value)?;
+        }
         if let Some(layers) = layers {
             session.view.aovs = layers.aovs();
             (session.layers, session.layers_asked) = (layers, true);

@@ -6,9 +6,8 @@ use caustica_formats::ReadOptions;
 use caustica_formats::ir::{self, Crop, Filter, SpectrumRule};
 
 use super::{Error, Layers};
-use crate::render::MOST_PASSES;
 use crate::scene::compile::CompileOptions;
-use crate::settings::{SettingError, Settings};
+use crate::settings::Settings;
 
 /// How to open a scene. The default changes nothing in the scene and converts spectra as Mitsuba 3 does.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,7 +111,10 @@ impl Options {
     }
 
     pub(super) fn override_settings(&self, settings: &mut Settings) -> Result<(), Error> {
-        set_all(settings, &self.settings)
+        for (name, value) in &self.settings {
+            settings.set(name, value)?;
+        }
+        Ok(())
     }
 
     /// What of this decides how the scene's files are read, by name: the same files read otherwise are
@@ -130,19 +132,4 @@ impl Options {
             ("lenient".to_owned(), self.lenient.to_string()),
         ]
     }
-}
-
-/// Changes settings by name.
-pub(super) fn set_all(settings: &mut Settings, changes: &[(String, String)]) -> Result<(), Error> {
-    for (name, value) in changes {
-        settings.set(name, value)?;
-    }
-    if settings.passes > MOST_PASSES {
-        let expected = format!("a whole number from 1 to {MOST_PASSES}");
-        let found = settings.passes.to_string();
-        return Err(
-            SettingError::Invalid { name: "passes".to_owned(), expected, found, nearest: None }.into()
-        );
-    }
-    Ok(())
 }

@@ -17,8 +17,10 @@ use crate::scene::Scene;
 use crate::settings::{Count, InMedia, Mode, Radius, Settings};
 use crate::transport::Owner;
 
-/// Light paths of the pilot.
+/// Light paths of the pilot; fewer where each leaves so much that [`ENOUGH`] photons or beams come of fewer.
 const PILOT: u64 = 1 << 13;
+const FEW: u64 = PILOT >> 4;
+const ENOUGH: u64 = 1 << 16;
 
 /// Where no pilot compares them, beams are taken if light goes on average farther than so many radii between
 /// collisions: fewer photons of a path would then be found by a camera ray than beams.
@@ -59,6 +61,8 @@ pub(super) struct VolumeMap {
     pub paths: u64,
     /// Search radius of the first pass.
     pub radius: f32,
+    /// The share of what a pass may leave at most: a pilot of a smaller picture has as much for each pixel.
+    pub most: f64,
 }
 
 /// That of one pass.
@@ -94,7 +98,7 @@ impl VolumeMap {
     /// Not measured yet.
     pub fn new(s: &Settings, plan: &Plan) -> Self {
         let job = job(s, plan, Owner::VolumeMaps);
-        Self { job, mode: s.mode, alpha: f64::from(s.volume_alpha), paths: 0, radius: 0.0 }
+        Self { job, mode: s.mode, alpha: f64::from(s.volume_alpha), most: 1.0, paths: 0, radius: 0.0 }
     }
 
     /// Measures what the settings leave open, by segments of camera rays in media and the size of a pixel there.
@@ -106,7 +110,7 @@ impl VolumeMap {
         halt: Halt<'_>,
     ) -> VolumeChoice {
         self.job.beams = true;
-        let pilot = self.trace(task.scene, u32::MAX, PILOT, halt);
+        let (pilot, traced) = self.pilot(task.scene, halt);
         let lengths: f64 = pilot.beams.iter().map(|beam| f64::from(beam.length)).sum();
         let free_path = (lengths / pilot.beams.len().max(1) as f64) as f32;
         let way = median(segments.iter().map(|segment| segment.length).collect());
@@ -117,14 +121,14 @@ impl VolumeMap {
                 near.len()
             })
         };
-        self.settle(task, plan, [pixel, free_path, way], (pilot.beams.len(), MOST_BEAMS), found);
+        self.settle(task, plan, [pixel, free_path, way], (traced, pilot.beams.len(), MOST_BEAMS), found);
         self.job.beams = match task.settings.beams {
             InMedia::Auto => free_path > LONG * self.radius,
             InMedia::Points => false,
             InMedia::Beams => true,
         };
         if !self.job.beams {
-            let pilot = self.trace(task.scene, u32::MAX, PILOT, halt);
+            let (pilot, traced) = self.pilot(task.scene, halt);
             let found = |r: f32| {
                 let (map, mut near) = (PointMap::build(&pilot.points, r), Vec::new());
                 counted(segments, |segment| {
@@ -132,24 +136,39 @@ impl VolumeMap {
                     near.len()
                 })
             };
-            self.settle(task, plan, [pixel, free_path, way], (pilot.points.len(), MOST_POINTS), found);
+            self.settle(
+                task,
+                plan,
+                [pixel, free_path, way],
+                (traced, pilot.points.len(), MOST_POINTS),
+                found,
+            );
         }
         VolumeChoice { beams: self.job.beams, paths: self.paths, radius: self.radius, free_path }
     }
 
-    /// Decides on paths and radius, by how many `found` sees of what a pilot left with a radius; `left` of them, of at
-    /// most so many in a pass.
+    /// What the paths of a pilot left, and how many there were.
+    fn pilot(&self, scene: &Scene, halt: Halt<'_>) -> (Traced, u64) {
+        let few = self.trace(scene, u32::MAX, FEW, halt);
+        let left = few.beams.len().max(few.points.len()).max(1) as u64;
+        let paths = (FEW * ENOUGH / left).clamp(FEW, PILOT);
+        (self.trace(scene, u32::MAX, paths, halt), paths)
+    }
+
+    /// Decides on paths and radius, by how many `found` sees of what a pilot left with a radius; `left` of them by so
+    /// many paths, of at most so many in a pass.
     fn settle(
         &mut self,
         task: &Task<'_>,
         plan: &Plan,
         [pixel, free_path, way]: [f32; 3],
-        (left, most): (usize, u64),
+        (traced, left, most): (u64, usize, u64),
         found: impl Fn(f32) -> f32,
     ) {
         let (s, sphere) = (task.settings, task.scene.sphere.radius);
-        self.paths = count_paths(s, plan, left as u64, most);
-        let share = self.paths as f32 / PILOT as f32;
+        let each = (left as f64 / traced as f64).max(1e-3);
+        self.paths = count_paths(s, plan, each, most as f64 * self.most);
+        let share = self.paths as f32 / traced as f32;
         let (wanted, power) = match self.job.beams {
             true => ((s.volume_neighbours as f32 * FEWER_BEAMS).max(1.0), 1.0),
             false => (s.volume_neighbours as f32, 0.5),
@@ -232,11 +251,10 @@ impl PassVolume {
     }
 }
 
-/// Light paths of a pass: where the number was left open, no more than leave `most`.
-fn count_paths(s: &Settings, plan: &Plan, left_by_pilot: u64, most: u64) -> u64 {
-    let each = (left_by_pilot as f64 / PILOT as f64).max(1e-3);
+/// Light paths of a pass, of which each leaves so many: where the number was left open, no more than leave `most`.
+fn count_paths(s: &Settings, plan: &Plan, each: f64, most: f64) -> u64 {
     match plan.volume_paths {
-        Count::Paths(n) if s.volume_photons == Count::Auto => n.min(((most as f64 / each) as u64).max(1)),
+        Count::Paths(n) if s.volume_photons == Count::Auto => n.min(((most / each) as u64).max(1)),
         Count::Paths(n) => n,
         Count::Stored(n) => ((n as f64 / each) as u64).max(1),
         Count::Auto => 0,

@@ -16,6 +16,9 @@ use crate::settings::{Count, InMedia, Indirect, Mode, Samples, Settings};
 /// Most pixels of the picture that the pilot has in mind: its photons are as many for each pixel as those of the render.
 const MOST_PIXELS: usize = 1 << 14;
 
+/// What a pass of the pilot may leave is at least this share of what a pass of the render may.
+const LEAST_SHARE: f64 = 1.0 / 64.0;
+
 /// A way to render, as the pilot saw it.
 struct Candidate<'a> {
     name: &'static str,
@@ -47,9 +50,11 @@ pub(super) fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settin
     let film = task.view.film.with_fewer_pixels(MOST_PIXELS);
     let view = View { film, ..task.view.clone() };
     let smaller = Task { view: &view, ..task };
+    let most = (view.film.pixel_count() as f64 / task.view.film.pixel_count() as f64).max(LEAST_SHARE);
     let mut candidates: Vec<Candidate<'_>> = Vec::new();
     for (name, settings) in ways {
-        let mapper = pilot(smaller, settings, halts, candidates.first().map(|first| &first.mapper));
+        let first = candidates.first().map(|first| &first.mapper);
+        let mapper = pilot(smaller, settings, (halts, most), first);
         let seen = mapper.look_at_passes();
         candidates.push(Candidate { name, mapper, seen });
     }
@@ -115,13 +120,14 @@ fn all_unsaid(s: &Settings) -> bool {
 fn pilot<'a>(
     task: Task<'a>,
     settings: Settings,
-    halts: [Halt<'a>; 2],
+    (halts, most): ([Halt<'a>; 2], f64),
     first: Option<&PhotonMapper<'a>>,
 ) -> PhotonMapper<'a> {
     let settings = Settings { seed: mix(task.settings.seed ^ 0x0b11_0702), ..settings };
     let same = settings.indirect == Indirect::Density;
     let mut mapper = PhotonMapper::unmeasured(task, settings, halts);
     let known = first.filter(|_| same).map_or([None; 2], |first| first.maps().map(Some));
+    mapper.volume.most = most;
     mapper.clearance = first.and_then(|first| first.clearance.clone());
     mapper.prepare([None, None], known);
     mapper
