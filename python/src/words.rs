@@ -1,19 +1,15 @@
 //! Messages of the library in the words of Python: it calls options as the command line does.
 
-/// Options whose value is a keyword argument that is true or false.
-const FLAGS: [&str; 4] = ["force", "lenient", "resume", "allow-missing"];
-
-/// Options that take a value, and the names of the arguments.
-const VALUES: [(&str, &str); 9] = [
+/// Options that messages name, and the arguments that are the same.
+const ARGUMENTS: [(&str, &str); 8] = [
     ("allow-path", "allow_paths"),
-    ("checkpoint", "checkpoint"),
     ("crop", "crop"),
-    ("filter", "filter"),
+    ("force", "force=True"),
     ("layers", "layers"),
+    ("lenient", "lenient=True"),
+    ("resume", "resume=True"),
     ("sensor", "sensor"),
-    ("set", "set"),
     ("size", "size"),
-    ("spp", "passes"),
 ];
 
 /// A message with keyword arguments in place of options. A whole command line that it recommends stays one.
@@ -46,7 +42,6 @@ fn argument(text: &str) -> Option<(String, usize)> {
     }
     let name = text.strip_prefix("--")?;
     let name = &name[..name.find(|c: char| !(c == '-' || c.is_ascii_lowercase())).unwrap_or(name.len())];
-    let flag = FLAGS.contains(&name).then(|| format!("{}=True", name.replace('-', "_")));
-    let value = VALUES.iter().find(|(option, _)| *option == name).map(|(_, argument)| (*argument).to_owned());
-    Some((flag.or(value)?, 2 + name.len()))
+    let (_, argument) = ARGUMENTS.iter().find(|(option, _)| *option == name)?;
+    Some(((*argument).to_owned(), 2 + name.len()))
 }

@@ -114,7 +114,8 @@ pub fn more_paths(radius: f32, pixel: f32) -> f32 {
 const MEASURED: usize = 1 << 20;
 const FEWEST: usize = 6;
 
-fn quantile(values: &mut [f32], share: f32) -> Option<f32> {
+/// The value that so large a share of others is below, of two middle ones the upper; `None` of none.
+pub fn quantile(values: &mut [f32], share: f32) -> Option<f32> {
     if values.is_empty() {
         return None;
     }

@@ -113,7 +113,8 @@ impl VolumeMap {
         let (pilot, traced) = self.pilot(task.scene, halt);
         let lengths: f64 = pilot.beams.iter().map(|beam| f64::from(beam.length)).sum();
         let free_path = (lengths / pilot.beams.len().max(1) as f64) as f32;
-        let way = median(segments.iter().map(|segment| segment.length).collect());
+        let mut ways: Vec<f32> = segments.iter().map(|segment| segment.length).collect();
+        let way = radius::quantile(&mut ways, 0.5).unwrap_or(0.0);
         let found = |r: f32| {
             let (map, mut near) = (BeamMap::build(&pilot.beams, r), Vec::new());
             counted(segments, |segment| {
@@ -152,7 +153,8 @@ impl VolumeMap {
         let few = self.trace(scene, u32::MAX, FEW, halt);
         let left = few.beams.len().max(few.points.len()).max(1) as u64;
         let paths = (FEW * ENOUGH / left).clamp(FEW, PILOT);
-        (self.trace(scene, u32::MAX, paths, halt), paths)
+        let pilot = if paths > FEW { self.trace(scene, u32::MAX, paths, halt) } else { few };
+        (pilot, paths)
     }
 
     /// Decides on paths and radius, by how many `found` sees of what a pilot left with a radius; `left` of them by so
@@ -259,12 +261,6 @@ fn count_paths(s: &Settings, plan: &Plan, each: f64, most: f64) -> u64 {
         Count::Stored(n) => ((n as f64 / each) as u64).max(1),
         Count::Auto => 0,
     }
-}
-
-/// The upper one of two; 0 of none.
-fn median(mut values: Vec<f32>) -> f32 {
-    values.sort_unstable_by(f32::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// How many of its finds the median find has company of on its segment: segments that see nothing have no vote.

@@ -70,8 +70,7 @@ impl Seen {
         }
         spots.retain(|s| s.radius > 0.0 && s.radius.is_finite() && s.p.is_finite());
         let mut radii: Vec<f32> = spots.iter().map(|s| s.radius).collect();
-        radii.sort_by(f32::total_cmp);
-        let size = radii.get(radii.len() / 2).map_or(1.0, |median| WIDEST * median);
+        let size = radius::quantile(&mut radii, 0.5).map_or(1.0, |median| WIDEST * median);
         let mut cells: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
         for (spot, i) in spots.iter_mut().zip(0..) {
             spot.radius = spot.radius.min(size);

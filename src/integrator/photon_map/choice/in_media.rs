@@ -1,7 +1,8 @@
 //! The choice in scenes with media: photons at collisions, beams, or path tracing, as a pilot measures them.
 //!
-//! Passes of the pilot are as those of the render, of a smaller picture if that has many pixels. So nothing but the shrinking of radii is left to tell of the error
-//! that a render of each kind will have, and no division of its work has to be found but that into passes.
+//! Passes of the pilot are as those of the render, of a smaller picture if that has many pixels. So nothing but the
+//! shrinking of radii is left to tell of the error that a render of each kind will have, and no division of its work has
+//! to be found but that into passes.
 
 use super::super::super::{Integrator, Task};
 use super::super::pilot::{Parts, Reference, Seen};

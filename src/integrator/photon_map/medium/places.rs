@@ -5,6 +5,7 @@ use super::super::places::film_grid;
 use super::super::walk::Step;
 use super::stretch::Stretch;
 use crate::math::{Ray, Vec2};
+use crate::photon::radius::quantile;
 use crate::photon::volume::Segment;
 use crate::sampling::{Sampler, mix};
 use crate::transport::Vertex;
@@ -24,8 +25,7 @@ impl PhotonMapper<'_> {
         let height = self.task.view.film.height;
         let size = |(_, distance): &(Segment, f32)| self.task.view.sensor.pixel_footprint(height, *distance);
         let mut sizes: Vec<f32> = segments.iter().map(size).collect();
-        sizes.sort_unstable_by(f32::total_cmp);
-        let pixel = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+        let pixel = quantile(&mut sizes, 0.5).unwrap_or(0.0);
         (segments.into_iter().map(|(segment, _)| segment).collect(), pixel)
     }
 
