@@ -116,7 +116,7 @@ impl Sensor {
     }
 
     /// The camera's axes are orthogonal.
-    fn to_camera(&self, v: Vec3) -> Vec3 {
+    pub(super) fn to_camera(&self, v: Vec3) -> Vec3 {
         let [x, y, z] = self.axes.map(|axis| v.dot(axis) / axis.length_squared());
         Vec3::new(x, y, z)
     }

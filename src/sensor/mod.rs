@@ -142,6 +142,11 @@ impl Sensor {
         self.lens.is_some()
     }
 
+    /// Distance of a point along the optical axis, in scene units.
+    pub fn depth(&self, p: Vec3) -> f32 {
+        self.to_camera(p - self.position).z
+    }
+
     /// Length on a surface facing the camera at `distance` that one pixel of a film `height` high covers.
     pub fn pixel_footprint(&self, height: u32, distance: f32) -> f32 {
         2.0 * self.projection.half_height(distance, self.axes[1].length()) / height as f32

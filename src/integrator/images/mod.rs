@@ -6,7 +6,11 @@
 //! samples within parallelograms around them. Both kinds of samples share the light by the balance heuristic (Veach 1997,
 //! section 9.2), for which the density of either at a film position is known. So whatever the search finds or misses
 //! changes the noise, not the expected picture.
+//!
+//! [`borders`] adds what needs no search: lamps smaller than a pixel that are seen directly, and pixels on the border of a
+//! larger lamp or of its image.
 
+mod borders;
 mod search;
 mod shine;
 

@@ -10,6 +10,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::super::Task;
+use super::borders::{borders, seen_small};
 use super::{Image, Images};
 use crate::bsdf::Transport;
 use crate::emitter::SceneSphere;
@@ -45,18 +46,30 @@ const MARGIN: f32 = 1.5;
 /// Most rays of a camera path that are followed.
 const LONGEST: u32 = 12;
 
-/// The images of lamps smaller than a pixel; `None` where a scene can have none, or has none. The same task gives
-/// the same images.
+/// The images of lamps smaller than a pixel, and the pixels that see the border of a larger one; `None` where a scene can
+/// have none, or has none. The same task gives the same images.
 pub fn search(task: Task<'_>) -> Option<Images> {
-    let Task { scene, facts, view, settings } = task;
+    let Task { scene, facts, view, .. } = task;
     // A lens blurs what it sees, and in media paths may end anywhere.
-    if !facts.specular || facts.media || view.sensor.has_aperture() {
+    if facts.media || view.sensor.has_aperture() {
         return None;
     }
     let lamps = scene.geometry.extents(|shape| scene.shapes[shape as usize].emitter.is_some());
     if lamps.is_empty() {
         return None;
     }
+    let mut images = borders(task);
+    images.extend(seen_small(task, &lamps));
+    if facts.specular {
+        images.extend(small(task, lamps));
+    }
+    let images = Images::new(&images, &view.film, &view.filter);
+    (!images.is_empty()).then_some(images)
+}
+
+/// The images of lamps smaller than a pixel.
+fn small(task: Task<'_>, lamps: Vec<SceneSphere>) -> Vec<Image> {
+    let Task { view, settings, .. } = task;
     let pixels = view.film.pixel_count() as u64;
     let starts = pixels.min(STARTS);
     let spacing = (pixels as f32 / starts.max(1) as f32).sqrt();
@@ -81,8 +94,7 @@ pub fn search(task: Task<'_>) -> Option<Images> {
             centres[(i / AROUND) as usize] + (Vec2::from(rng.next_2d()) * 2.0 - 1.0) * spacing
         });
     }
-    let images = Images::new(&found.images, &view.film, &view.filter);
-    (!images.is_empty()).then_some(images)
+    found.images
 }
 
 struct Search<'a> {

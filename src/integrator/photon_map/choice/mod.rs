@@ -47,6 +47,12 @@ fn with_bias(indirect: Indirect) -> f64 {
 const LEAST_SHARE: f64 = 0.25;
 const MOST_SHARE: f64 = 2.0;
 
+/// Work of the map that final gathering reads, as a share of that of the camera's samples, at least. The noise of a map is
+/// the same for all pixels around, and is seen where noise of the same variance that differs from pixel to pixel is not:
+/// on bunny-box, four times the light paths that are best for the squared error take 10 % more time to the same error, and
+/// 40 % less to the same LDR-FLIP.
+const FINE: f64 = 0.3;
+
 /// Most photons of a pass, where light hardly loses anything and a path leaves hundreds.
 const MOST_STORED: f64 = (1 << 21) as f64;
 
@@ -347,7 +353,9 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
     }
     settings.camera_samples = Samples(Some(samples));
     let paths = |i: usize| {
-        let wanted = ratio[i] * f64::from(samples);
+        let work = camera.work * f64::from(samples);
+        let fine = if i == 0 && maps[0].work > 0.0 { FINE * work / maps[0].work } else { 0.0 };
+        let wanted = (ratio[i] * f64::from(samples)).max(fine);
         let few = MOST_STORED / stored[i].max(1.0);
         wanted.clamp(LEAST_SHARE * usual[i], MOST_SHARE * usual[i]).min(few) as u64
     };

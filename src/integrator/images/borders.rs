@@ -1,0 +1,79 @@
+//! Lamps that the camera sees without a detour: pixels on the border of a lamp, seen directly or in mirrors and glass, and
+//! lamps smaller than a pixel. Nothing else of what a pixel sees differs as much within it, and a sample that finds out costs
+//! a few rays.
+
+use rayon::prelude::*;
+
+use super::super::Task;
+use super::Image;
+use super::shine::shine;
+use crate::emitter::SceneSphere;
+use crate::math::{Mat2, Vec2};
+use crate::sampling::{Sampler, mix};
+use crate::spectrum::luminance;
+
+/// A pixel sees a border if its darkest corner sees less than this share of what its brightest one sees.
+const DARKER: f32 = 0.5;
+
+/// Half the side of a pixel's square: what lies on the border of two pixels shall belong to one.
+const HALF: f32 = 0.499;
+
+/// The same for the square around a small lamp, as a multiple of its radius: seen at an angle it is longer.
+const MARGIN: f32 = 1.2;
+
+/// Lamps of a larger radius, in pixels, have a corner of a pixel in them wherever they are.
+const SMALL: f32 = 1.0;
+
+/// Lamps that are looked at: of more, most are part of something larger.
+const MOST: usize = 4096;
+
+/// Squares around those of `lamps` that the camera sees directly and that no corner of a pixel may lie in.
+pub fn seen_small(task: Task<'_>, lamps: &[SceneSphere]) -> Vec<Image> {
+    let sensor = &task.view.sensor;
+    let film = &task.view.film;
+    let square = |lamp: &SceneSphere| {
+        let place = sensor.connect(lamp.center, Vec2::ZERO)?.importance.film;
+        let distance = sensor.depth(lamp.center);
+        let radius = lamp.radius / sensor.pixel_footprint(film.height, distance);
+        let mut sampler = Sampler::new(task.settings.seed, 0).stratified(0);
+        let mut shines = || shine(task, sensor.ray(place, Vec2::ZERO), &mut sampler, &mut 0).max_element() > 0.0;
+        let least = film.size().max_element() * (4.0 * f32::EPSILON);
+        let half = Vec2::splat(MARGIN * radius + least);
+        if radius < SMALL && shines() {
+            Image::new(place * film.size(), Mat2::from_diagonal(half))
+        } else {
+            None
+        }
+    };
+    lamps.iter().take(MOST).filter_map(square).collect()
+}
+
+/// The squares of the pixels of which some corners see a lamp and others do not, or one that is much darker.
+pub fn borders(task: Task<'_>) -> Vec<Image> {
+    let film = &task.view.film;
+    let [x0, y0, width, height] = film.crop;
+    let size = film.size();
+    let corner = |x: u32, y: u32| {
+        // Where glass splits light too often, ways are chosen by chance.
+        let key = mix(task.settings.seed ^ 0xb04d_e45);
+        let mut sampler = Sampler::new(key, y * (width + 1) + x).stratified(0);
+        let at = Vec2::new((x0 + x) as f32, (y0 + y) as f32);
+        let ray = task.view.sensor.ray(at / size, Vec2::ZERO);
+        luminance(shine(task, ray, &mut sampler, &mut 0))
+    };
+    let rows: Vec<Vec<f32>> =
+        (0..=height).into_par_iter().map(|y| (0..=width).map(|x| corner(x, y)).collect()).collect();
+    let square = |x: usize, y: usize| {
+        let centre = Vec2::new((x0 as usize + x) as f32 + 0.5, (y0 as usize + y) as f32 + 0.5);
+        Image::new(centre, Mat2::from_diagonal(Vec2::splat(HALF)))
+    };
+    let pairs = rows.windows(2).enumerate();
+    let pixels = pairs.flat_map(|(y, rows)| {
+        (0..width as usize).map(move |x| (x, y, [rows[0][x], rows[0][x + 1], rows[1][x], rows[1][x + 1]]))
+    });
+    let differ = |corners: &[f32; 4]| {
+        let [least, most] = corners.iter().fold([f32::INFINITY, 0.0], |[a, b], c| [a.min(*c), b.max(*c)]);
+        least < DARKER * most
+    };
+    pixels.filter(|(_, _, corners)| differ(corners)).filter_map(|(x, y, _)| square(x, y)).collect()
+}
