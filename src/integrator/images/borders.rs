@@ -36,7 +36,8 @@ pub fn seen_small(task: Task<'_>, lamps: &[SceneSphere]) -> Vec<Image> {
         let distance = sensor.depth(lamp.center);
         let radius = lamp.radius / sensor.pixel_footprint(film.height, distance);
         let mut sampler = Sampler::new(task.settings.seed, 0).stratified(0);
-        let mut shines = || shine(task, sensor.ray(place, Vec2::ZERO), &mut sampler, &mut 0).max_element() > 0.0;
+        let mut shines =
+            || shine(task, sensor.ray(place, Vec2::ZERO), &mut sampler, &mut 0).max_element() > 0.0;
         let least = film.size().max_element() * (4.0 * f32::EPSILON);
         let half = Vec2::splat(MARGIN * radius + least);
         if radius < SMALL && shines() {
