@@ -3,7 +3,7 @@
 
 use crate::bsdf::{Range, Transport};
 use crate::emitter::DirectSample;
-use crate::math::Color;
+use crate::math::{Color, Vec2};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Scene};
 use crate::transport::{Vertex, transparency, visibility};
@@ -27,6 +27,74 @@ pub struct Proposal {
     pub light: DirectSample,
 }
 
+/// A sampled emitter point as lobes of a BSDF see it.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// The probability of the emitter is divided out of its value.
+    pub light: DirectSample,
+    /// f · cos.
+    pub f: Color,
+    /// Density with which the lobes scatter to it; 0 where nobody asks.
+    pub pdf: f32,
+}
+
+impl Candidate {
+    /// `None` if nothing is scattered.
+    #[inline(always)]
+    fn new(light: DirectSample, vertex: &Vertex<'_>, lobes: Range, mis: bool) -> Option<Self> {
+        let Vertex { surface: s, wi, ref closure, .. } = *vertex;
+        let wo = s.frame.to_local(light.dir);
+        let f = closure.eval(wi, wo, Transport::Radiance, lobes) * wo.z.abs();
+        if f.max_element() <= 0.0 {
+            return None;
+        }
+        let asked = mis && light.pdf > 0.0;
+        let pdf = if asked { closure.pdf(wi, wo, Transport::Radiance, lobes) } else { 0.0 };
+        Some(Self { light, f, pdf })
+    }
+
+    /// Against a scattered ray that comes to the same place.
+    #[inline(always)]
+    fn weight(&self) -> f32 {
+        if self.pdf > 0.0 { power_heuristic(self.light.pdf, self.pdf) } else { 1.0 }
+    }
+
+    /// Of one emitter. Of few, a point of each is looked at, and one is drawn in proportion to what it brings unless
+    /// something stands between (resampled importance sampling: Talbot et al. 2005).
+    #[inline(always)]
+    pub fn choose(
+        scene: &Scene,
+        vertex: &Vertex<'_>,
+        lobes: Range,
+        mis: bool,
+        (pick, u): (f32, Vec2),
+    ) -> Option<Self> {
+        let p = vertex.surface.p;
+        if !scene.direct.few() {
+            return Self::new(scene.sample_direct(p, pick, u)?, vertex, lobes, mis);
+        }
+        let (mut chosen, mut total, mut pick) = (None, 0.0, pick);
+        for lamp in 0..scene.emitters.len() {
+            let Some(light) = scene.sample_lamp(lamp, p, u) else { continue };
+            let Some(one) = Self::new(light, vertex, lobes, mis) else { continue };
+            let worth = (one.f * light.value).max_element() * one.weight();
+            if worth > 0.0 {
+                total += worth;
+                // What is left of the number is uniform again, whichever way it went.
+                let share = worth / total;
+                if pick < share {
+                    (chosen, pick) = (Some((one, worth)), pick / share);
+                } else {
+                    pick = (pick - share) / (1.0 - share);
+                }
+            }
+        }
+        let (mut chosen, worth) = chosen?;
+        chosen.light.value *= total / worth;
+        Some(chosen)
+    }
+}
+
 /// Light from one sampled emitter point, scattered by `lobes` back along the path. With `mis` the sample
 /// shares its weight with scattered rays. `segments` is how many path segments may follow.
 #[inline(always)]
@@ -39,24 +107,13 @@ pub fn propose(
     segments: u32,
     sampler: &mut Sampler,
 ) -> Option<Proposal> {
-    let Vertex { surface: s, wi, ref closure, .. } = *vertex;
     let pick = if facts.many_lamps { sampler.next_1d() } else { 0.0 };
     let u = sampler.next_2d();
-    if segments == 0 || !closure.has_smooth(wi, lobes) {
+    if segments == 0 || !vertex.closure.has_smooth(vertex.wi, lobes) {
         return None;
     }
-    let light = scene.sample_direct(s.p, pick, u)?;
-    let wo = s.frame.to_local(light.dir);
-    let f = closure.eval(wi, wo, Transport::Radiance, lobes) * wo.z.abs();
-    if f.max_element() <= 0.0 {
-        return None;
-    }
-    let weight = if mis && light.pdf > 0.0 {
-        power_heuristic(light.pdf, closure.pdf(wi, wo, Transport::Radiance, lobes))
-    } else {
-        1.0
-    };
-    Some(Proposal { value: f * light.value * weight, light })
+    let one = Candidate::choose(scene, vertex, lobes, mis, (pick, u))?;
+    Some(Proposal { value: one.f * one.light.value * one.weight(), light: one.light })
 }
 
 /// [`propose`] times visibility.

@@ -44,7 +44,7 @@ impl Scene {
     pub fn background(&self, p: Vec3, d: Vec3) -> impl Iterator<Item = (Color, f32)> {
         self.environments.iter().map(move |&e| {
             let (radiance, pdf) = self.emitters[e as usize].background(d);
-            (radiance, pdf * self.direct.probability(p, e as usize))
+            (radiance, pdf * self.direct.counted(p, e as usize))
         })
     }
 
@@ -55,7 +55,7 @@ impl Scene {
         match self.shapes[s.shape as usize].emitter {
             Some(e) => {
                 let pdf = self.emitters[e as usize].pdf_direct_surface(p, d, s.p, s.ng);
-                pdf * self.direct.probability(p, e as usize)
+                pdf * self.direct.counted(p, e as usize)
             }
             None => 0.0,
         }
@@ -72,10 +72,11 @@ impl Scene {
         } else {
             emitter.pdf_direct_surface(p, d, at.o, d * at.cos)
         };
-        pdf * self.direct.probability(p, lamp)
+        pdf * self.direct.counted(p, lamp)
     }
 
-    /// Light at `p` from one emitter, with the probability of choosing it divided out.
+    /// Light at `p` from one emitter, with the probability of choosing it divided out. Its density is the one that
+    /// [`LampChoice::counted`] tells.
     #[inline(always)]
     pub fn sample_direct(&self, p: Vec3, pick: f32, u: Vec2) -> Option<DirectSample> {
         if self.emitters.is_empty() {
@@ -88,8 +89,16 @@ impl Scene {
         let probability = self.direct.probability(p, i);
         let mut s = self.emitters[i].sample_direct(&self.textures, p, u)?;
         s.value /= probability;
-        s.pdf *= probability;
+        s.pdf *= self.direct.counted(p, i);
         Some(s)
+    }
+
+    /// Light at `p` from one of few emitters, for numbers that are the same for all of them: each turns them by another
+    /// amount (by the R2 sequence of Roberts 2018), so that their samples are even together.
+    #[inline(always)]
+    pub fn sample_lamp(&self, lamp: usize, p: Vec3, u: Vec2) -> Option<DirectSample> {
+        let turned = u + Vec2::new(0.754_877_7, 0.569_840_3) * lamp as f32;
+        self.emitters[lamp].sample_direct(&self.textures, p, turned - turned.floor())
     }
 
     /// A place of a lamp, chosen as [`Scene::sample_direct`] does where it is not known yet for which point: with few lamps,

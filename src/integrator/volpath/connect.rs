@@ -1,10 +1,10 @@
 //! Shadow rays from surfaces and from media.
 
 use super::{VolumePathTracer, Walk};
-use crate::bsdf::{Event, Range, Transport};
+use crate::bsdf::{Event, Range};
 use crate::emitter::DirectSample;
 use crate::film::Layer;
-use crate::integrator::direct::power_heuristic;
+use crate::integrator::direct::{Candidate, power_heuristic};
 use crate::integrator::{CameraSample, Scratch};
 use crate::math::{Color, Vec2, Vec3};
 use crate::medium::{Carried, MediumId, Phase};
@@ -64,10 +64,8 @@ impl VolumePathTracer<'_> {
             if !present {
                 continue;
             }
-            let Some(light) = self.scene.sample_direct(vertex.surface.p, pick, u) else { continue };
-            let wo = vertex.surface.frame.to_local(light.dir);
-            let f = vertex.closure.eval(vertex.wi, wo, Transport::Radiance, range) * wo.z.abs();
-            let pdf = vertex.closure.pdf(vertex.wi, wo, Transport::Radiance, range);
+            let chosen = Candidate::choose(self.scene, vertex, range, true, (pick, u));
+            let Some(Candidate { light, f, pdf }) = chosen else { continue };
             let layer = walk.class.after_camera_event(event).layer();
             let at = Scattering { medium: walk.medium, carried, layer, share: 1.0 };
             let way = Way::from_surface(self.scene, vertex.surface, walk.medium, &light);
