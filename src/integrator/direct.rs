@@ -44,13 +44,13 @@ impl Candidate {
     fn new(light: DirectSample, vertex: &Vertex<'_>, lobes: Range, mis: bool) -> Option<Self> {
         let Vertex { surface: s, wi, ref closure, .. } = *vertex;
         let wo = s.frame.to_local(light.dir);
-        let f = closure.eval(wi, wo, Transport::Radiance, lobes) * wo.z.abs();
-        if f.max_element() <= 0.0 {
-            return None;
-        }
-        let asked = mis && light.pdf > 0.0;
-        let pdf = if asked { closure.pdf(wi, wo, Transport::Radiance, lobes) } else { 0.0 };
-        Some(Self { light, f, pdf })
+        let (f, pdf) = if mis && light.pdf > 0.0 {
+            closure.eval_pdf(wi, wo, Transport::Radiance, lobes)
+        } else {
+            (closure.eval(wi, wo, Transport::Radiance, lobes), 0.0)
+        };
+        let f = f * wo.z.abs();
+        (f.max_element() > 0.0).then_some(Self { light, f, pdf })
     }
 
     /// Against a scattered ray that comes to the same place.

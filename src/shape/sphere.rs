@@ -44,10 +44,10 @@ impl Sphere {
         let w = warp::cone(u, cone.gap);
         // In the triangle of the viewer, the point and the middle: sine and cosine of the angle at the point, by the
         // law of sines; then of that at the middle, over the sine of that at the viewer. Nothing cancels.
-        let sin = (w.x * w.x + w.y * w.y).sqrt();
-        let sin_point = (sin / cone.sin2.sqrt()).min(1.0);
+        let (sin, inverse) = ((w.x * w.x + w.y * w.y).sqrt(), 1.0 / cone.sin2.sqrt());
+        let sin_point = (sin * inverse).min(1.0);
         let cos_point = (1.0 - sin_point * sin_point).max(0.0).sqrt();
-        let across = w.z / cone.sin2.sqrt() - cos_point;
+        let across = w.z * inverse - cos_point;
         let outward =
             axis.to_world(Vec3::new(w.x * across, w.y * across, -(cos_point * w.z + sin_point * sin)));
         let n = if self.inward { -outward } else { outward };
