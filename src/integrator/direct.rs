@@ -3,9 +3,9 @@
 
 use crate::bsdf::{Range, Transport};
 use crate::emitter::DirectSample;
-use crate::math::{Color, Vec2};
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Facts, Scene};
+use crate::scene::{Facts, LampChoice, Scene};
 use crate::transport::{Vertex, transparency, visibility};
 
 /// The power heuristic with β = 2: the weight of a sample of density `a` that another strategy finds with density `b`.
@@ -27,71 +27,100 @@ pub struct Proposal {
     pub light: DirectSample,
 }
 
-/// A sampled emitter point as lobes of a BSDF see it.
+/// What scatters the light of lamps back along a path.
+pub trait Receiver {
+    /// Where.
+    fn place(&self) -> Vec3;
+
+    /// f · cos of what comes from the lamp, and the density with which a scattered ray goes there: 0 where nobody
+    /// compares. `None` if nothing is scattered.
+    fn receive(&self, light: &DirectSample) -> Option<(Color, f32)>;
+}
+
+/// Some lobes of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct AtSurface<'a> {
+    /// The surface.
+    pub vertex: &'a Vertex<'a>,
+    /// Which of its lobes.
+    pub lobes: Range,
+    /// Scattered rays share the light.
+    pub mis: bool,
+}
+
+impl Receiver for AtSurface<'_> {
+    #[inline(always)]
+    fn place(&self) -> Vec3 {
+        self.vertex.surface.p
+    }
+
+    #[inline(always)]
+    fn receive(&self, light: &DirectSample) -> Option<(Color, f32)> {
+        let Vertex { surface: s, wi, ref closure, .. } = *self.vertex;
+        let wo = s.frame.to_local(light.dir);
+        let (f, pdf) = if self.mis && light.pdf > 0.0 {
+            closure.eval_pdf(wi, wo, Transport::Radiance, self.lobes)
+        } else {
+            (closure.eval(wi, wo, Transport::Radiance, self.lobes), 0.0)
+        };
+        let f = f * wo.z.abs();
+        (f.max_element() > 0.0).then_some((f, pdf))
+    }
+}
+
+/// A sampled emitter point as a receiver sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// The probability of the emitter is divided out of its value.
     pub light: DirectSample,
-    /// f · cos.
+    /// See [`Receiver::receive`].
     pub f: Color,
-    /// Density with which the lobes scatter to it; 0 where nobody asks.
     pub pdf: f32,
 }
 
 impl Candidate {
-    /// `None` if nothing is scattered.
     #[inline(always)]
-    fn new(light: DirectSample, vertex: &Vertex<'_>, lobes: Range, mis: bool) -> Option<Self> {
-        let Vertex { surface: s, wi, ref closure, .. } = *vertex;
-        let wo = s.frame.to_local(light.dir);
-        let (f, pdf) = if mis && light.pdf > 0.0 {
-            closure.eval_pdf(wi, wo, Transport::Radiance, lobes)
-        } else {
-            (closure.eval(wi, wo, Transport::Radiance, lobes), 0.0)
-        };
-        let f = f * wo.z.abs();
-        (f.max_element() > 0.0).then_some(Self { light, f, pdf })
+    fn new(light: DirectSample, receiver: &impl Receiver) -> Option<Self> {
+        let (f, pdf) = receiver.receive(&light)?;
+        Some(Self { light, f, pdf })
     }
 
     /// Against a scattered ray that comes to the same place.
     #[inline(always)]
     fn weight(&self) -> f32 {
-        if self.pdf > 0.0 { power_heuristic(self.light.pdf, self.pdf) } else { 1.0 }
+        if self.pdf > 0.0 && self.light.pdf > 0.0 { power_heuristic(self.light.pdf, self.pdf) } else { 1.0 }
     }
 
     /// Of one emitter. Of few, a point of each is looked at, and one is drawn in proportion to what it brings unless
     /// something stands between (resampled importance sampling: Talbot et al. 2005).
     #[inline(always)]
-    pub fn choose(
-        scene: &Scene,
-        vertex: &Vertex<'_>,
-        lobes: Range,
-        mis: bool,
-        (pick, u): (f32, Vec2),
-    ) -> Option<Self> {
-        let p = vertex.surface.p;
+    pub fn choose(scene: &Scene, receiver: &impl Receiver, (pick, u): (f32, Vec2)) -> Option<Self> {
+        let p = receiver.place();
         if !scene.direct.few() {
-            return Self::new(scene.sample_direct(p, pick, u)?, vertex, lobes, mis);
+            return Self::new(scene.sample_direct(p, pick, u)?, receiver);
         }
-        let (mut chosen, mut total, mut pick) = (None, 0.0, pick);
-        for lamp in 0..scene.emitters.len() {
+        // First all, then the choice, which a processor cannot foresee: it would wait for it lamp by lamp.
+        let (mut found, mut total) = ([None; LampChoice::FEW], 0.0);
+        for (lamp, found) in found.iter_mut().enumerate().take(scene.emitters.len()) {
             let Some(light) = scene.sample_lamp(lamp, p, u) else { continue };
-            let Some(one) = Self::new(light, vertex, lobes, mis) else { continue };
+            let Some(one) = Self::new(light, receiver) else { continue };
             let worth = (one.f * light.value).max_element() * one.weight();
-            if worth > 0.0 {
-                total += worth;
-                // What is left of the number is uniform again, whichever way it went.
-                let share = worth / total;
-                if pick < share {
-                    (chosen, pick) = (Some((one, worth)), pick / share);
-                } else {
-                    pick = (pick - share) / (1.0 - share);
-                }
-            }
+            total += worth;
+            *found = Some((one, worth));
         }
-        let (mut chosen, worth) = chosen?;
-        chosen.light.value *= total / worth;
-        Some(chosen)
+        let mut rest = pick * total;
+        let mut chosen = None;
+        for (one, worth) in found.iter().flatten().filter(|(_, worth)| *worth > 0.0) {
+            // Rounding goes to the last.
+            chosen = Some((one, worth));
+            if rest < *worth {
+                break;
+            }
+            rest -= worth;
+        }
+        let (one, worth) = chosen?;
+        let light = DirectSample { value: one.light.value * (total / worth), ..one.light };
+        Some(Self { light, ..*one })
     }
 }
 
@@ -112,7 +141,7 @@ pub fn propose(
     if segments == 0 || !vertex.closure.has_smooth(vertex.wi, lobes) {
         return None;
     }
-    let one = Candidate::choose(scene, vertex, lobes, mis, (pick, u))?;
+    let one = Candidate::choose(scene, &AtSurface { vertex, lobes, mis }, (pick, u))?;
     Some(Proposal { value: one.f * one.light.value * one.weight(), light: one.light })
 }
 

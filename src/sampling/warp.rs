@@ -31,11 +31,14 @@ fn small_sin_cos(x: f32) -> (f32, f32) {
 /// Sine and cosine of 2πu for u in 0..=1: a quarter turn at a time.
 #[inline]
 pub fn circle(u: f32) -> (f32, f32) {
-    let quarters = (4.0 * u + 0.5).floor();
-    let (sin, cos) = small_sin_cos(FRAC_PI_2 * (4.0 * u - quarters));
-    let quarter = quarters as u32;
-    let (sin, cos) = if quarter & 1 == 0 { (sin, cos) } else { (cos, -sin) };
-    if quarter & 2 == 0 { (sin, cos) } else { (-sin, -cos) }
+    // Not `floor`, which is a call on machines that are not known to have an instruction for it.
+    let quarter = (4.0 * u + 0.5) as u32;
+    let (sin, cos) = small_sin_cos(FRAC_PI_2 * (4.0 * u - quarter as f32));
+    // By bits, since a processor cannot foresee which quarter it is.
+    let (sin, cos) = (sin.to_bits(), cos.to_bits());
+    let swapped = (sin ^ cos) & (quarter & 1).wrapping_neg();
+    let sign = |quarter: u32| (quarter & 2) << 30;
+    (f32::from_bits(sin ^ swapped ^ sign(quarter)), f32::from_bits(cos ^ swapped ^ sign(quarter + 1)))
 }
 
 /// A cosine-distributed unit direction around +Z; density cosθ/π per steradian.
@@ -58,10 +61,16 @@ pub fn sphere(u: Vec2) -> Vec3 {
 /// steradian. The cone is given by 1 − cos because that keeps its digits for narrow cones.
 #[inline]
 pub fn cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
+    cone_with_sine(u, one_minus_cos).0
+}
+
+/// The same, and the sine of the direction's angle to +Z.
+#[inline]
+pub fn cone_with_sine(u: Vec2, one_minus_cos: f32) -> (Vec3, f32) {
     let h = u.x * one_minus_cos;
     let r = (h * (2.0 - h)).max(0.0).sqrt();
     let (sin, cos) = circle(u.y);
-    Vec3::new(r * cos, r * sin, 1.0 - h)
+    (Vec3::new(r * cos, r * sin, 1.0 - h), r)
 }
 
 /// Barycentric coordinates (b1, b2) of a uniform point of a triangle; density 1/area.

@@ -9,9 +9,6 @@ use crate::emitter::{Emitter, SceneSphere};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::Discrete;
 
-/// Up to so many lamps are compared, and chosen alike everywhere else.
-const FEW: usize = 8;
-
 /// Entries of all cells together.
 const ENTRIES: usize = 1 << 20;
 
@@ -42,12 +39,15 @@ struct Cells {
 }
 
 impl LampChoice {
+    /// Up to so many lamps are compared, and chosen alike everywhere else.
+    pub const FEW: usize = 8;
+
     /// For lamps of so much power each. `whole` is the choice where place does not matter.
     pub fn new(whole: Discrete, emitters: &[Emitter], power: &[f64], sphere: &SceneSphere) -> Self {
         let side = ((ENTRIES / emitters.len().max(1)) as f64).cbrt() as usize;
-        let many = emitters.len() > FEW && side > 1 && sphere.radius > 0.0 && sphere.radius.is_finite();
+        let many = emitters.len() > Self::FEW && side > 1 && sphere.radius > 0.0 && sphere.radius.is_finite();
         let cells = many.then(|| Cells::new(&whole, emitters, power, sphere, side.min(MOST)));
-        Self { whole, cells, few: (2..=FEW).contains(&emitters.len()) }
+        Self { whole, cells, few: (2..=Self::FEW).contains(&emitters.len()) }
     }
 
     /// There are several lamps, so few that a sample of each can be looked at.

@@ -93,21 +93,22 @@ impl Scene {
         Some(s)
     }
 
-    /// Light at `p` from one of few emitters, for numbers that are the same for all of them: each turns them by another
-    /// amount (by the R2 sequence of Roberts 2018), so that their samples are even together.
+    /// Light at `p` from one of few emitters, for numbers that are the same for all of them.
     #[inline(always)]
     pub fn sample_lamp(&self, lamp: usize, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        let turned = u + Vec2::new(0.754_877_7, 0.569_840_3) * lamp as f32;
-        self.emitters[lamp].sample_direct(&self.textures, p, turned - turned.floor())
+        self.emitters[lamp].sample_direct(&self.textures, p, turned(u, lamp))
     }
 
-    /// A place of a lamp, chosen as [`Scene::sample_direct`] does where it is not known yet for which point: with few lamps,
-    /// the same numbers choose the same place.
+    /// A place of a lamp, chosen as [`Scene::sample_direct`] does where it is not known yet for which point. Of few lamps,
+    /// it is the place that [`Scene::sample_lamp`] takes for the same numbers.
     pub fn lamp_place(&self, pick: f32, u: Vec2) -> Option<Vec3> {
         match self.emitters.as_slice() {
             [] => None,
             [only] => only.place(u),
-            all => all[self.direct.sample_anywhere(pick)].place(u),
+            all => {
+                let lamp = self.direct.sample_anywhere(pick);
+                all[lamp].place(if self.direct.few() { turned(u, lamp) } else { u })
+            }
         }
     }
 
@@ -161,6 +162,15 @@ impl Scene {
     pub fn power(&self) -> Color {
         self.emitters.iter().map(|e| e.power(&self.textures, &self.sphere)).sum()
     }
+}
+
+/// Numbers for one of few lamps: turned by another amount for each (by the R2 sequence of Roberts 2018), so that their
+/// samples are even together.
+#[inline(always)]
+fn turned(u: Vec2, lamp: usize) -> Vec2 {
+    let turned = u + Vec2::new(0.754_877_7, 0.569_840_3) * lamp as f32;
+    // Whole numbers are cut off; `floor` may be a call.
+    turned - turned.map(|x| x as i32 as f32)
 }
 
 /// Weights for choosing an emitter.

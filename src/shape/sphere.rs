@@ -41,10 +41,10 @@ impl Sphere {
     #[inline]
     pub fn sample_cone(&self, cone: &Cone, u: Vec2) -> (Vec3, Local) {
         let axis = Frame::from_normal(cone.middle.normalize());
-        let w = warp::cone(u, cone.gap);
+        let (w, sin) = warp::cone_with_sine(u, cone.gap);
         // In the triangle of the viewer, the point and the middle: sine and cosine of the angle at the point, by the
         // law of sines; then of that at the middle, over the sine of that at the viewer. Nothing cancels.
-        let (sin, inverse) = ((w.x * w.x + w.y * w.y).sqrt(), 1.0 / cone.sin2.sqrt());
+        let inverse = 1.0 / cone.sin2.sqrt();
         let sin_point = (sin * inverse).min(1.0);
         let cos_point = (1.0 - sin_point * sin_point).max(0.0).sqrt();
         let across = w.z * inverse - cos_point;
