@@ -19,7 +19,7 @@ fn open(name: &str, change: impl Fn(String) -> String) -> Stage {
     Stage(Session::open(at.path(), &options).expect("the scene is whole"))
 }
 
-/// The lamps of `many-lamps.xml` in groups of eight, which are few enough to be chosen alike everywhere.
+/// The lamps of `many-lamps.xml` in groups of eight, which are few enough to be compared.
 fn group(text: &str, number: usize) -> String {
     let mut seen = 0;
     let kept = text.lines().filter(|line| {
@@ -30,7 +30,7 @@ fn group(text: &str, number: usize) -> String {
     kept.collect::<Vec<_>>().join("\n")
 }
 
-/// Light adds up: the lamps together, chosen by their distance, bring what groups bring that are chosen evenly. Both have
+/// Light adds up: the lamps together, chosen by their distance, bring what groups bring that are compared. Both have
 /// half a percent of noise at most, of which 4.5 standard errors are allowed for.
 #[test]
 fn many_lamps_bring_what_they_bring_in_groups() {
@@ -44,10 +44,11 @@ fn many_lamps_bring_what_they_bring_in_groups() {
     let mean: f64 = groups.iter().map(|g| g.mean).sum();
     let sigma = groups.iter().map(|g| g.sigma.powi(2)).sum::<f64>().sqrt();
     crate::support::assert_agree("64 lamps", all, Estimate { mean, sigma }, 0.025);
-    // A path looks at one lamp of 64 where those of the groups look at eight together: chosen evenly, its standard error
-    // would be √8 = 2.8 times theirs. Chosen by distance it is less than half of that.
+    // A path looks at one lamp of 64 where those of the groups compare eight each. With one lamp chosen evenly from each
+    // group, the groups had three times the standard error, and one chosen evenly of all has √8 times that: more than
+    // eight times theirs. Chosen by distance it is about half of that.
     println!("sigma {:e} against {sigma:e}", all.sigma);
-    assert!(all.sigma < 1.4 * sigma, "{} {sigma}", all.sigma);
+    assert!(all.sigma < 5.0 * sigma, "{} {sigma}", all.sigma);
 }
 
 /// Next event estimation chooses the lamp above a point more often than all others together, and every lamp with its

@@ -23,6 +23,7 @@ mod documents;
 mod environment;
 mod estimators;
 mod faults;
+mod few_lamps;
 mod flux;
 mod furnace;
 mod glints;

@@ -212,6 +212,11 @@ closed_enum! {
             0.0
         }
 
+        /// Both: what they have in common is computed once.
+        fn eval_pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> (Color, f32) {
+            (self.eval(wi, wo, mode, range), self.pdf(wi, wo, range))
+        }
+
         /// A direction from the lobe numbered `lobe`, and the relative index it crossed (1 for reflection). `None` when
         /// the drawn direction is on the wrong side or does not exist: the path ends.
         fn draw(&self, _lobe: usize, _wi: Vec3, _u_lobe: f32, _u: Vec2) -> Option<(Vec3, f32)> {

@@ -70,6 +70,19 @@ impl Scatter for RoughConductor {
         reflected_pdf(&self.microfacet, wi, wo)
     }
 
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> (Color, f32) {
+        if wi.z <= 0.0 || wo.z <= 0.0 || !range.contains(self.microfacet.roughness()) {
+            return (Color::ZERO, 0.0);
+        }
+        let (m, dg, pdf) = reflected(&self.microfacet, wi, wo);
+        let f = if dg == 0.0 {
+            Color::ZERO
+        } else {
+            self.reflectance * self.metal.fresnel(wi.dot(m)) * (dg / (4.0 * wi.z * wo.z))
+        };
+        (f, pdf)
+    }
+
     fn draw(&self, _: usize, wi: Vec3, _: f32, u: Vec2) -> Option<(Vec3, f32)> {
         if wi.z <= 0.0 {
             return None;
@@ -84,6 +97,15 @@ impl Scatter for RoughConductor {
         }
         self.reflectance * self.metal.fresnel(wi.z)
     }
+}
+
+/// The normal between two directions above the surface, D·G there, and [`reflected_pdf`].
+pub(super) fn reflected(microfacet: &Microfacet, wi: Vec3, wo: Vec3) -> (Vec3, f32, f32) {
+    let h = wi + wo;
+    let cos = (0.5 * h.length()).max(f32::MIN_POSITIVE);
+    let m = h.normalize_or(Vec3::Z);
+    let (dg, pdf) = microfacet.dg_pdf(wi, wo, m, cos);
+    (m, dg, pdf / (4.0 * cos))
 }
 
 /// Density of reflection about a sampled normal; both directions above the surface.

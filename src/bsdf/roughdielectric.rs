@@ -92,10 +92,20 @@ impl Meeting {
 
     /// Specular BSDF without Fresnel factor and without cosine, for radiance or importance.
     pub fn f(&self, microfacet: &Microfacet, wi: Vec3, wo: Vec3, mode: Transport) -> f32 {
-        let dg = microfacet.d(self.m) * microfacet.g(wi, wo, self.m);
+        self.of_dg(microfacet.d(self.m) * microfacet.g(wi, wo, self.m), wi, wo, mode)
+    }
+
+    fn of_dg(&self, dg: f32, wi: Vec3, wo: Vec3, mode: Transport) -> f32 {
         // |wi·m|·|dω_m/dω_o| is 1/4 for reflection, and Walter's eq. 21 for refraction.
         let f = dg * (self.cos * self.jacobian / (wi.z * wo.z)).abs();
         if !self.reflected && mode == Transport::Radiance { f / (self.eta * self.eta) } else { f }
+    }
+
+    /// [`Meeting::f`] and [`Meeting::pdf`].
+    pub fn f_pdf(&self, microfacet: &Microfacet, wi: Vec3, wo: Vec3, mode: Transport) -> (f32, f32) {
+        // Masking is the same for both sides, but a density asks for the upper one.
+        let (dg, pdf) = microfacet.dg_pdf(wi, wo, self.m, self.cos);
+        (self.of_dg(dg, wi, wo, mode), pdf.abs() * self.jacobian)
     }
 
     /// Density of `wo` given that its normal was sampled and the kind of event chosen.
@@ -121,6 +131,21 @@ impl Scatter for RoughDielectric {
             self.transmittance * (1.0 - meeting.fresnel)
         };
         color * meeting.f(&self.microfacet, wi, wo, mode)
+    }
+
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> (Color, f32) {
+        let none = (Color::ZERO, 0.0);
+        if !range.contains(Range::FOLLOWED) {
+            return none;
+        }
+        let Some(meeting) = Meeting::new(wi, wo, self.eta) else { return none };
+        let (color, choice) = if meeting.reflected {
+            (self.reflectance, meeting.fresnel)
+        } else {
+            (self.transmittance, 1.0 - meeting.fresnel)
+        };
+        let (f, pdf) = meeting.f_pdf(&self.microfacet, wi, wo, mode);
+        (color * choice * f, choice * pdf)
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::diffuse::cosine_pdf;
 use super::microfacet::{Microfacet, reflect};
 use super::plastic::specular_weight;
-use super::roughconductor::reflected_pdf;
+use super::roughconductor::{reflected, reflected_pdf};
 use super::{
     Bxdf, DiffuseBase, Lobe, Lobes, Nature, Parameters, Point, Range, Roughness, Scatter, Transmittance,
     Transport, fresnel,
@@ -121,6 +121,25 @@ impl Scatter for RoughPlastic {
             f += self.base * (FRAC_1_PI * self.reaches(wi.z) * self.reaches(wo.z));
         }
         f
+    }
+
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, _: Transport, range: Range) -> (Color, f32) {
+        let (mut f, mut pdf) = (Color::ZERO, 0.0);
+        if wi.z <= 0.0 || wo.z <= 0.0 {
+            return (f, pdf);
+        }
+        let s = self.specular_probability(wi);
+        if range.contains(self.microfacet.roughness()) {
+            let (m, dg, density) = reflected(&self.microfacet, wi, wo);
+            let fresnel = fresnel::dielectric(wi.dot(m), self.eta).reflectance;
+            f += self.specular * (fresnel * dg / (4.0 * wi.z * wo.z));
+            pdf += s * density;
+        }
+        if range.diffuse() {
+            f += self.base * (FRAC_1_PI * self.reaches(wi.z) * self.reaches(wo.z));
+            pdf += (1.0 - s) * cosine_pdf(wo);
+        }
+        (f, pdf)
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3, range: Range) -> f32 {

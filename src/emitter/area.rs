@@ -147,7 +147,7 @@ impl Area {
         }
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn sample_cone(
         &self,
         textures: &Textures,
@@ -165,7 +165,7 @@ impl Area {
                 textures.eval(self.radiance, &Site { uv, p: local.p, n: local.n, on: OnMesh::NONE })
             }
         };
-        let value = radiance / pdf;
+        let value = radiance * (2.0 * PI * cone.gap);
         let n = if sphere.inward { -local.n } else { local.n };
         Some(DirectSample { dir, target: Some(self.above(local.p, n, p)), value, pdf })
     }

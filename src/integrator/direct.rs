@@ -3,9 +3,9 @@
 
 use crate::bsdf::{Range, Transport};
 use crate::emitter::DirectSample;
-use crate::math::Color;
+use crate::math::{Color, Vec2, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Facts, Scene};
+use crate::scene::{Facts, LampChoice, Scene};
 use crate::transport::{Vertex, transparency, visibility};
 
 /// The power heuristic with β = 2: the weight of a sample of density `a` that another strategy finds with density `b`.
@@ -27,6 +27,103 @@ pub struct Proposal {
     pub light: DirectSample,
 }
 
+/// What scatters the light of lamps back along a path.
+pub trait Receiver {
+    /// Where.
+    fn place(&self) -> Vec3;
+
+    /// f · cos of what comes from the lamp, and the density with which a scattered ray goes there: 0 where nobody
+    /// compares. `None` if nothing is scattered.
+    fn receive(&self, light: &DirectSample) -> Option<(Color, f32)>;
+}
+
+/// Some lobes of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct AtSurface<'a> {
+    /// The surface.
+    pub vertex: &'a Vertex<'a>,
+    /// Which of its lobes.
+    pub lobes: Range,
+    /// Scattered rays share the light.
+    pub mis: bool,
+}
+
+impl Receiver for AtSurface<'_> {
+    #[inline(always)]
+    fn place(&self) -> Vec3 {
+        self.vertex.surface.p
+    }
+
+    #[inline(always)]
+    fn receive(&self, light: &DirectSample) -> Option<(Color, f32)> {
+        let Vertex { surface: s, wi, ref closure, .. } = *self.vertex;
+        let wo = s.frame.to_local(light.dir);
+        let (f, pdf) = if self.mis && light.pdf > 0.0 {
+            closure.eval_pdf(wi, wo, Transport::Radiance, self.lobes)
+        } else {
+            (closure.eval(wi, wo, Transport::Radiance, self.lobes), 0.0)
+        };
+        let f = f * wo.z.abs();
+        (f.max_element() > 0.0).then_some((f, pdf))
+    }
+}
+
+/// A sampled emitter point as a receiver sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// The probability of the emitter is divided out of its value.
+    pub light: DirectSample,
+    /// See [`Receiver::receive`].
+    pub f: Color,
+    pub pdf: f32,
+}
+
+impl Candidate {
+    #[inline(always)]
+    fn new(light: DirectSample, receiver: &impl Receiver) -> Option<Self> {
+        let (f, pdf) = receiver.receive(&light)?;
+        Some(Self { light, f, pdf })
+    }
+
+    /// Against a scattered ray that comes to the same place.
+    #[inline(always)]
+    fn weight(&self) -> f32 {
+        if self.pdf > 0.0 && self.light.pdf > 0.0 { power_heuristic(self.light.pdf, self.pdf) } else { 1.0 }
+    }
+
+    /// Of one emitter. Of few, a point of each is looked at, and one is drawn in proportion to what it brings unless
+    /// something stands between (resampled importance sampling: Talbot et al. 2005).
+    #[inline(always)]
+    pub fn choose(scene: &Scene, receiver: &impl Receiver, (pick, u): (f32, Vec2)) -> Option<Self> {
+        let p = receiver.place();
+        if !scene.direct.few() {
+            return Self::new(scene.sample_direct(p, pick, u)?, receiver);
+        }
+        // First all, then the choice, which a processor cannot foresee: it would wait for it lamp by lamp.
+        let (mut found, mut total) = ([None; LampChoice::FEW], 0.0);
+        for (lamp, found) in found.iter_mut().enumerate().take(scene.emitters.len()) {
+            let Some(light) = scene.sample_lamp(lamp, p, u) else { continue };
+            let Some(one) = Self::new(light, receiver) else { continue };
+            let worth = (one.f * light.value).max_element() * one.weight();
+            total += worth;
+            *found = Some((one, worth));
+        }
+        let mut rest = pick * total;
+        let mut chosen = None;
+        for (one, worth) in found.iter().flatten().filter(|(_, worth)| *worth > 0.0) {
+            // Rounding goes to the last.
+            chosen = Some((one, worth));
+            if rest < *worth {
+                break;
+            }
+            rest -= worth;
+        }
+        let (one, worth) = chosen?;
+        let light = DirectSample { value: one.light.value * (total / worth), ..one.light };
+        Some(Self { light, ..*one })
+    }
+}
+
 /// Light from one sampled emitter point, scattered by `lobes` back along the path. With `mis` the sample
 /// shares its weight with scattered rays. `segments` is how many path segments may follow.
 #[inline(always)]
@@ -39,24 +136,13 @@ pub fn propose(
     segments: u32,
     sampler: &mut Sampler,
 ) -> Option<Proposal> {
-    let Vertex { surface: s, wi, ref closure, .. } = *vertex;
     let pick = if facts.many_lamps { sampler.next_1d() } else { 0.0 };
     let u = sampler.next_2d();
-    if segments == 0 || !closure.has_smooth(wi, lobes) {
+    if segments == 0 || !vertex.closure.has_smooth(vertex.wi, lobes) {
         return None;
     }
-    let light = scene.sample_direct(s.p, pick, u)?;
-    let wo = s.frame.to_local(light.dir);
-    let f = closure.eval(wi, wo, Transport::Radiance, lobes) * wo.z.abs();
-    if f.max_element() <= 0.0 {
-        return None;
-    }
-    let weight = if mis && light.pdf > 0.0 {
-        power_heuristic(light.pdf, closure.pdf(wi, wo, Transport::Radiance, lobes))
-    } else {
-        1.0
-    };
-    Some(Proposal { value: f * light.value * weight, light })
+    let one = Candidate::choose(scene, &AtSurface { vertex, lobes, mis }, (pick, u))?;
+    Some(Proposal { value: one.f * one.light.value * one.weight(), light: one.light })
 }
 
 /// [`propose`] times visibility.

@@ -1,15 +1,13 @@
 //! Which lamp lights a point most: the choice of next event estimation.
 //!
-//! With few lamps the choice is the same everywhere. Of many lamps, most are far away, so the scene is divided into
-//! cells, each with a distribution of its own: by the irradiance that a lamp would bring to the cell were nothing in its
-//! way (power over squared distance), mixed with the choice of the whole scene, because things are in the way.
+//! Of few lamps, surfaces compare a sample of each (`integrator::direct`); where that is not done, the choice is the same
+//! everywhere. Of many lamps, most are far away, so the scene is divided into cells, each with a distribution of its
+//! own: by the irradiance that a lamp would bring to the cell were nothing in its way (power over squared distance),
+//! mixed with the choice of the whole scene, because things are in the way.
 
 use crate::emitter::{Emitter, SceneSphere};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::Discrete;
-
-/// Up to so many lamps are chosen alike everywhere.
-const FEW: usize = 8;
 
 /// Entries of all cells together.
 const ENTRIES: usize = 1 << 20;
@@ -25,6 +23,7 @@ const EVEN: f64 = 0.2;
 pub struct LampChoice {
     whole: Discrete,
     cells: Option<Cells>,
+    few: bool,
 }
 
 /// Distributions on a grid over the sphere around the scene.
@@ -40,12 +39,28 @@ struct Cells {
 }
 
 impl LampChoice {
+    /// Up to so many lamps are compared, and chosen alike everywhere else.
+    pub const FEW: usize = 8;
+
     /// For lamps of so much power each. `whole` is the choice where place does not matter.
     pub fn new(whole: Discrete, emitters: &[Emitter], power: &[f64], sphere: &SceneSphere) -> Self {
         let side = ((ENTRIES / emitters.len().max(1)) as f64).cbrt() as usize;
-        let many = emitters.len() > FEW && side > 1 && sphere.radius > 0.0 && sphere.radius.is_finite();
+        let many = emitters.len() > Self::FEW && side > 1 && sphere.radius > 0.0 && sphere.radius.is_finite();
         let cells = many.then(|| Cells::new(&whole, emitters, power, sphere, side.min(MOST)));
-        Self { whole, cells }
+        Self { whole, cells, few: (2..=Self::FEW).contains(&emitters.len()) }
+    }
+
+    /// There are several lamps, so few that a sample of each can be looked at.
+    #[inline]
+    pub fn few(&self) -> bool {
+        self.few
+    }
+
+    /// What multiple importance sampling counts of a lamp's own density at `p`: the probability of the lamp; all of it
+    /// where few lamps are compared, since each of them is sampled then.
+    #[inline]
+    pub fn counted(&self, p: Vec3, lamp: usize) -> f32 {
+        if self.few { 1.0 } else { self.probability(p, lamp) }
     }
 
     /// The lamp that `u` in [0, 1) selects at `p`.

@@ -44,7 +44,7 @@ impl Scene {
     pub fn background(&self, p: Vec3, d: Vec3) -> impl Iterator<Item = (Color, f32)> {
         self.environments.iter().map(move |&e| {
             let (radiance, pdf) = self.emitters[e as usize].background(d);
-            (radiance, pdf * self.direct.probability(p, e as usize))
+            (radiance, pdf * self.direct.counted(p, e as usize))
         })
     }
 
@@ -55,7 +55,7 @@ impl Scene {
         match self.shapes[s.shape as usize].emitter {
             Some(e) => {
                 let pdf = self.emitters[e as usize].pdf_direct_surface(p, d, s.p, s.ng);
-                pdf * self.direct.probability(p, e as usize)
+                pdf * self.direct.counted(p, e as usize)
             }
             None => 0.0,
         }
@@ -72,10 +72,11 @@ impl Scene {
         } else {
             emitter.pdf_direct_surface(p, d, at.o, d * at.cos)
         };
-        pdf * self.direct.probability(p, lamp)
+        pdf * self.direct.counted(p, lamp)
     }
 
-    /// Light at `p` from one emitter, with the probability of choosing it divided out.
+    /// Light at `p` from one emitter, with the probability of choosing it divided out. Its density is the one that
+    /// [`LampChoice::counted`] tells.
     #[inline(always)]
     pub fn sample_direct(&self, p: Vec3, pick: f32, u: Vec2) -> Option<DirectSample> {
         if self.emitters.is_empty() {
@@ -88,17 +89,26 @@ impl Scene {
         let probability = self.direct.probability(p, i);
         let mut s = self.emitters[i].sample_direct(&self.textures, p, u)?;
         s.value /= probability;
-        s.pdf *= probability;
+        s.pdf *= self.direct.counted(p, i);
         Some(s)
     }
 
-    /// A place of a lamp, chosen as [`Scene::sample_direct`] does where it is not known yet for which point: with few lamps,
-    /// the same numbers choose the same place.
+    /// Light at `p` from one of few emitters, for numbers that are the same for all of them.
+    #[inline(always)]
+    pub fn sample_lamp(&self, lamp: usize, p: Vec3, u: Vec2) -> Option<DirectSample> {
+        self.emitters[lamp].sample_direct(&self.textures, p, turned(u, lamp))
+    }
+
+    /// A place of a lamp, chosen as [`Scene::sample_direct`] does where it is not known yet for which point. Of few lamps,
+    /// it is the place that [`Scene::sample_lamp`] takes for the same numbers.
     pub fn lamp_place(&self, pick: f32, u: Vec2) -> Option<Vec3> {
         match self.emitters.as_slice() {
             [] => None,
             [only] => only.place(u),
-            all => all[self.direct.sample_anywhere(pick)].place(u),
+            all => {
+                let lamp = self.direct.sample_anywhere(pick);
+                all[lamp].place(if self.direct.few() { turned(u, lamp) } else { u })
+            }
         }
     }
 
@@ -152,6 +162,15 @@ impl Scene {
     pub fn power(&self) -> Color {
         self.emitters.iter().map(|e| e.power(&self.textures, &self.sphere)).sum()
     }
+}
+
+/// Numbers for one of few lamps: turned by another amount for each (by the R2 sequence of Roberts 2018), so that their
+/// samples are even together.
+#[inline(always)]
+fn turned(u: Vec2, lamp: usize) -> Vec2 {
+    let turned = u + Vec2::new(0.754_877_7, 0.569_840_3) * lamp as f32;
+    // Whole numbers are cut off; `floor` may be a call.
+    turned - turned.map(|x| x as i32 as f32)
 }
 
 /// Weights for choosing an emitter.

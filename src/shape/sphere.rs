@@ -41,13 +41,13 @@ impl Sphere {
     #[inline]
     pub fn sample_cone(&self, cone: &Cone, u: Vec2) -> (Vec3, Local) {
         let axis = Frame::from_normal(cone.middle.normalize());
-        let w = warp::cone(u, cone.gap);
+        let (w, sin) = warp::cone_with_sine(u, cone.gap);
         // In the triangle of the viewer, the point and the middle: sine and cosine of the angle at the point, by the
         // law of sines; then of that at the middle, over the sine of that at the viewer. Nothing cancels.
-        let sin = (w.x * w.x + w.y * w.y).sqrt();
-        let sin_point = (sin / cone.sin2.sqrt()).min(1.0);
+        let inverse = 1.0 / cone.sin2.sqrt();
+        let sin_point = (sin * inverse).min(1.0);
         let cos_point = (1.0 - sin_point * sin_point).max(0.0).sqrt();
-        let across = w.z / cone.sin2.sqrt() - cos_point;
+        let across = w.z * inverse - cos_point;
         let outward =
             axis.to_world(Vec3::new(w.x * across, w.y * across, -(cos_point * w.z + sin_point * sin)));
         let n = if self.inward { -outward } else { outward };

@@ -77,6 +77,15 @@ impl Closure<'_> {
         }
     }
 
+    /// [`Closure::eval`] and [`Closure::pdf`] together.
+    #[inline(always)]
+    pub fn eval_pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> (Color, f32) {
+        match self.content() {
+            Ok(_) => (self.eval(wi, wo, mode, range), self.pdf(wi, wo, mode, range)),
+            Err(composite) => composite.eval_pdf(wi, wo, mode, range),
+        }
+    }
+
     /// Share of what arrives along `wi` that is scattered by the smooth lobes in `range` (directional
     /// albedo; exact for diffuse and plastic, an estimate for others).
     pub fn smooth_albedo(&self, wi: Vec3, range: Range) -> Color {

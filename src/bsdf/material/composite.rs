@@ -115,6 +115,17 @@ impl Component {
         self.poses(wi, mode).map(of).sum()
     }
 
+    /// [`Self::eval`] times `weight`, and [`Self::pdf`].
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> (Color, f32) {
+        if self.tilt.is_some() {
+            let f = self.eval(wi, wo, mode, range) * self.weight;
+            return (f, self.pdf(wi, wo, mode, range, self.weight));
+        }
+        let pose = self.pose(false, 1.0);
+        let (f, pdf) = self.bxdf.eval_pdf(self.local(&pose, wi), self.local(&pose, wo), mode, range);
+        (f * self.weight, if pdf > 0.0 { self.weight * pdf * self.smooth_in(&pose, wi) } else { 0.0 })
+    }
+
     /// The smooth lobes as seen from `wi`.
     fn lobes(&self, wi: Vec3) -> Lobes {
         self.bxdf.lobes(self.local(&self.seen(wi), wi))
@@ -210,6 +221,21 @@ impl Composite {
         }
     }
 
+    /// [`Composite::eval`] and [`Composite::pdf`].
+    pub fn eval_pdf(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> (Color, f32) {
+        let (f, pdf) = self.eval_pdf_solid(wi, wo, mode, range);
+        (f, pdf * (1.0 - self.through))
+    }
+
+    fn eval_pdf_solid(&self, wi: Vec3, wo: Vec3, mode: Transport, range: Range) -> (Color, f32) {
+        let (mut f, mut pdf) = (Color::ZERO, 0.0);
+        for component in &self.components {
+            let one = component.eval_pdf(wi, wo, mode, range);
+            (f, pdf) = (f + one.0, pdf + one.1);
+        }
+        (f, if pdf > 0.0 { pdf / self.total() } else { 0.0 })
+    }
+
     /// Whether smooth lobes in `range` can be chosen by light along `wi`.
     pub fn has_smooth(&self, wi: Vec3, range: Range) -> bool {
         let inside = |p: &Lobe| p.probability > 0.0 && range.contains(p.roughness);
@@ -290,8 +316,8 @@ impl Composite {
             (Range::rough(glossy), Event::Smooth)
         };
         let (wo, eta) = component.draw(&pose, lobe, wi, u_lobe, u)?;
-        let pdf = self.pdf(wi, wo, mode, range);
-        let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
+        let (f, pdf) = self.eval_pdf(wi, wo, mode, range);
+        let weight = finite(f * (wo.z.abs() / pdf), pdf)?;
         Some(Sample { wo, weight, pdf, eta, event, straight: false })
     }
 
@@ -320,8 +346,9 @@ impl Composite {
         let inside: f32 = lobes.iter().map(probability).sum();
         let lobe = pick(&mut u_lobe, lobes.iter().map(|l| probability(l) / inside))?;
         let (wo, eta) = component.draw(&pose, lobe, wi, u_lobe, u)?;
-        let pdf = self.pdf_solid(wi, wo, mode, range) * (self.total() / all);
-        let weight = finite(self.eval(wi, wo, mode, range) * (wo.z.abs() / pdf), pdf)?;
+        let (f, pdf) = self.eval_pdf_solid(wi, wo, mode, range);
+        let pdf = pdf * (self.total() / all);
+        let weight = finite(f * (wo.z.abs() / pdf), pdf)?;
         Some(SmoothSample { wo, weight, pdf, eta })
     }
 }

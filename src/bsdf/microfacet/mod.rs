@@ -138,6 +138,20 @@ impl Microfacet {
         }
     }
 
+    /// D·G of both directions and [`Microfacet::pdf`].
+    pub fn dg_pdf(&self, wi: Vec3, wo: Vec3, m: Vec3, cos: f32) -> (f32, f32) {
+        let d = self.d(m);
+        if self.kind == Distribution::Phong {
+            return (d * self.g(wi, wo, m), d * m.z);
+        }
+        let seen = self.g1(wi, m);
+        let g = match self.shadowing {
+            Shadowing::Separable => seen * self.g1(wo, m),
+            Shadowing::HeightCorrelated => self.g(wi, wo, m),
+        };
+        (d * g, d * seen * cos / wi.z)
+    }
+
     /// A normal visible from `wi` (Heitz and d'Eon 2014); any normal for the Phong distribution.
     pub fn sample(&self, wi: Vec3, u: Vec2) -> Vec3 {
         if self.kind == Distribution::Phong {
@@ -183,8 +197,8 @@ fn ggx_slope(cos: f32, p: Vec2) -> Vec2 {
     Vec2::new(cos * y - sin * z, x) / (sin * y + cos * z)
 }
 
-/// The same for Beckmann: the distribution function inverted by Newton's method in the domain of erf
-/// (Jakob 2014).
+/// The same for Beckmann: the distribution function inverted in the domain of erf (Jakob 2014), by Halley's method: its
+/// second derivative costs nothing, and two steps are as good as three of Newton's.
 fn beckmann_slope_x(cos: f32, u: f32) -> f32 {
     const INV_SQRT_PI: f32 = 0.5 * FRAC_2_SQRT_PI;
     let tan = (1.0 - cos * cos).max(0.0).sqrt() / cos;
@@ -193,10 +207,13 @@ fn beckmann_slope_x(cos: f32, u: f32) -> f32 {
     let max = erf(cot);
     let mut x = max - (max + 1.0) * erf((-u.ln()).sqrt());
     let wanted = u * (1.0 + max + INV_SQRT_PI * tan * (-cot * cot).exp());
-    for _ in 0..3 {
+    for _ in 0..2 {
         let slope = erf_inv(x);
-        let value = 1.0 + x + INV_SQRT_PI * tan * (-slope * slope).exp() - wanted;
-        x -= value / (1.0 - slope * tan);
+        let gauss = (-slope * slope).exp();
+        let value = 1.0 + x + INV_SQRT_PI * tan * gauss - wanted;
+        let derivative = 1.0 - slope * tan;
+        let newton = value / derivative;
+        x -= newton / (1.0 + newton * tan / (4.0 * INV_SQRT_PI * gauss * derivative));
     }
     erf_inv(x)
 }

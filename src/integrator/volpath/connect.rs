@@ -1,10 +1,10 @@
 //! Shadow rays from surfaces and from media.
 
 use super::{VolumePathTracer, Walk};
-use crate::bsdf::{Event, Range, Transport};
+use crate::bsdf::{Event, Range};
 use crate::emitter::DirectSample;
 use crate::film::Layer;
-use crate::integrator::direct::power_heuristic;
+use crate::integrator::direct::{AtSurface, Candidate, Receiver, power_heuristic};
 use crate::integrator::{CameraSample, Scratch};
 use crate::math::{Color, Vec2, Vec3};
 use crate::medium::{Carried, MediumId, Phase};
@@ -22,6 +22,24 @@ pub(super) struct Scattering {
     pub share: f32,
 }
 
+/// A place in a medium that light of a path comes from along `wi`.
+struct InMedium<'a> {
+    phase: &'a Phase,
+    p: Vec3,
+    wi: Vec3,
+}
+
+impl Receiver for InMedium<'_> {
+    fn place(&self) -> Vec3 {
+        self.p
+    }
+
+    fn receive(&self, light: &DirectSample) -> Option<(Color, f32)> {
+        let f = self.phase.eval(self.p, self.wi, light.dir);
+        (f > 0.0).then(|| (Color::splat(f), self.phase.pdf(self.p, self.wi, light.dir)))
+    }
+}
+
 impl VolumePathTracer<'_> {
     /// The lamp's light that the phase function sends to `wi`.
     pub(super) fn light_medium(
@@ -30,18 +48,17 @@ impl VolumePathTracer<'_> {
         phase: &Phase,
         p: Vec3,
         wi: Vec3,
-        (pick, u): (f32, Vec2),
+        numbers: (f32, Vec2),
         sample: &mut CameraSample,
         scratch: &mut Scratch,
     ) {
         if at.share <= 0.0 || !at.carried.alive() {
             return;
         }
-        let Some(light) = self.scene.sample_direct(p, pick, u) else { return };
-        let f = Color::splat(phase.eval(p, wi, light.dir));
-        let pdf = phase.pdf(p, wi, light.dir);
-        let way = Way { ray: ray_to(p, &light), gap: 0.0, medium: at.medium };
-        self.connect(at, f, pdf, &way, &light, sample, scratch);
+        let receiver = InMedium { phase, p, wi };
+        let Some(chosen) = Candidate::choose(self.scene, &receiver, numbers) else { return };
+        let way = Way { ray: ray_to(p, &chosen.light), gap: 0.0, medium: at.medium };
+        self.connect(at, &chosen, &way, sample, scratch);
     }
 
     /// The lamp's light that a surface scatters: of rough and of glossy lobes apart, for the layers.
@@ -64,31 +81,24 @@ impl VolumePathTracer<'_> {
             if !present {
                 continue;
             }
-            let Some(light) = self.scene.sample_direct(vertex.surface.p, pick, u) else { continue };
-            let wo = vertex.surface.frame.to_local(light.dir);
-            let f = vertex.closure.eval(vertex.wi, wo, Transport::Radiance, range) * wo.z.abs();
-            let pdf = vertex.closure.pdf(vertex.wi, wo, Transport::Radiance, range);
+            let receiver = AtSurface { vertex, lobes: range, mis: true };
+            let Some(chosen) = Candidate::choose(self.scene, &receiver, (pick, u)) else { continue };
             let layer = walk.class.after_camera_event(event).layer();
             let at = Scattering { medium: walk.medium, carried, layer, share: 1.0 };
-            let way = Way::from_surface(self.scene, vertex.surface, walk.medium, &light);
-            self.connect(&at, f, pdf, &way, &light, sample, scratch);
+            let way = Way::from_surface(self.scene, vertex.surface, walk.medium, &chosen.light);
+            self.connect(&at, &chosen, &way, sample, scratch);
         }
     }
 
-    /// Adds `f` times what arrives of the light, weighed against a scattered ray of density `pdf` that comes as far.
+    /// Adds what arrives of the light, weighed against a scattered ray that comes as far.
     fn connect(
         &self,
         at: &Scattering,
-        f: Color,
-        pdf: f32,
+        Candidate { light, f, pdf }: &Candidate,
         way: &Way,
-        light: &DirectSample,
         sample: &mut CameraSample,
         scratch: &mut Scratch,
     ) {
-        if f.max_element() <= 0.0 {
-            return;
-        }
         let passage = way.passage(self.scene, light, &mut sample.sampler, &mut scratch.rays);
         if passage.left.max_element() <= 0.0 {
             return;
@@ -98,7 +108,7 @@ impl VolumePathTracer<'_> {
         } else {
             1.0
         };
-        let value = at.carried.weight * f * light.value * passage.left;
+        let value = at.carried.weight * *f * light.value * passage.left;
         sample.out.add(at.layer, value * (weight * at.share));
     }
 }
