@@ -41,9 +41,9 @@ pub struct Plan {
     pub caustic_paths: Count,
     /// How indirect light is computed where a pilot has measured it.
     pub indirect: Option<photon_map::Choice>,
-    /// Pixels that see lamps smaller than themselves in mirrors and glass, and take extra samples for them.
+    /// Pixels that see the border of a lamp, or a lamp smaller than themselves, and take extra samples.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub small_images: Option<u64>,
+    pub lamp_pixels: Option<u64>,
     /// What light leaves in media, where they scatter it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<photon_map::VolumeChoice>,
@@ -88,7 +88,7 @@ impl Plan {
             global_paths: maps.global_paths,
             caustic_paths: maps.caustic_paths,
             indirect,
-            small_images: images.map(|images| images.pixels()),
+            lamp_pixels: images.map(|images| images.pixels()),
             volume,
             notes,
         }
@@ -117,10 +117,10 @@ impl fmt::Display for Plan {
                 }
             }
         }
-        if let Some(pixels) = self.small_images {
+        if let Some(pixels) = self.lamp_pixels {
             write!(
                 f,
-                "\nlamps in mirrors     smaller than a pixel in {pixels} pixels, which take extra samples"
+                "\nlamps seen           with a border, or smaller than a pixel, in {pixels} pixels, which take extra samples"
             )?;
         }
         if let Some(choice) = &self.volume {
