@@ -37,8 +37,13 @@ impl Shown {
         std::iter::once(picture).chain(others).collect()
     }
 
-    /// Whether it is in every snapshot, rather than in those made after somebody asked for it.
-    pub fn always(&self) -> bool {
+    /// Whether it is the picture, which is in every snapshot. Others are in those made after somebody asked for them.
+    pub fn is_picture(&self) -> bool {
+        matches!(self.content, Content::Picture)
+    }
+
+    /// Whether it is the picture or a part of it: what tev gets, and every page at the end.
+    pub fn is_light(&self) -> bool {
         matches!(self.content, Content::Picture | Content::Part(_))
     }
 }
@@ -109,9 +114,12 @@ impl Snapshot {
         let mut out = head(self.number, [width, height, 3]);
         for tile in &self.tiles {
             let numbers = tile.layers[layer].as_deref().unwrap_or_default();
-            let colours: Vec<f32> =
-                numbers.chunks_exact(channels).flat_map(|p| three(p).map(presentable)).collect();
-            put_tile(&mut out, [0, tile.top, width, tile.rows], &colours);
+            let mut colours = vec![[0.0; 3]; width * tile.rows];
+            for (colour, numbers) in colours.iter_mut().zip(numbers.chunks_exact(channels)) {
+                *colour = three(numbers).map(presentable);
+            }
+            let colours = colours.as_flattened();
+            put_tile(&mut out, [0, tile.top, width, tile.rows], colours);
         }
         let done = Arc::new(out);
         *place = Some(Arc::clone(&done));
@@ -153,7 +161,11 @@ fn put_tile(out: &mut Vec<u8>, place: [usize; 4], values: &[f32]) {
     place.into_iter().for_each(|v| put(out, v));
     let mut halves = vec![f16::ZERO; values.len()];
     halves.convert_from_f32_slice(values);
-    out.extend(halves.iter().flat_map(|h| h.to_le_bytes()));
+    let first = out.len();
+    out.resize(first + 2 * halves.len(), 0);
+    for (bytes, half) in out[first..].chunks_exact_mut(2).zip(&halves) {
+        bytes.copy_from_slice(&half.to_le_bytes());
+    }
 }
 
 fn put(out: &mut Vec<u8>, value: usize) {

@@ -34,17 +34,7 @@ pub struct Errors {
 /// Errors of `image` against `reference`, which has the same size; `peak` is the signal of PSNR.
 pub fn errors(image: &Pixels, reference: &Pixels, peak: f64) -> Errors {
     let n = image.rgb.len().max(1) as f64;
-    let s = sum(image, reference, |x, r| {
-        let mut out = [0.0; 5];
-        for c in 0..3 {
-            let (x, r) = (f64::from(x[c]), f64::from(r[c]));
-            let d = x - r;
-            out[c] = d * d;
-            out[3] += d * d / (r * r + RELMSE_EPSILON);
-            out[4] += d.abs() / (r.abs() + MAPE_EPSILON);
-        }
-        out
-    });
+    let s = sums(image, reference);
     let mse = (s[0] + s[1] + s[2]) / (3.0 * n);
     Errors {
         rmse: [(s[0] / n).sqrt(), (s[1] / n).sqrt(), (s[2] / n).sqrt()],
@@ -55,6 +45,28 @@ pub fn errors(image: &Pixels, reference: &Pixels, peak: f64) -> Errors {
         psnr: (mse > 0.0).then(|| 10.0 * (peak * peak / mse).log10()),
         psnr_peak: peak,
     }
+}
+
+/// `rmse_all` and `relmse` of [`Errors`], in a fraction of the time of all.
+pub fn main_errors(image: &Pixels, reference: &Pixels) -> [f64; 2] {
+    let n = image.rgb.len().max(1) as f64;
+    let s = sums(image, reference);
+    [((s[0] + s[1] + s[2]) / (3.0 * n)).sqrt(), s[3] / (3.0 * n)]
+}
+
+/// Sums over pixels: squared errors of red, green and blue, relative squared errors, and relative errors.
+fn sums(image: &Pixels, reference: &Pixels) -> [f64; 5] {
+    sum(image, reference, |x, r| {
+        let mut out = [0.0; 5];
+        for c in 0..3 {
+            let (x, r) = (f64::from(x[c]), f64::from(r[c]));
+            let d = x - r;
+            out[c] = d * d;
+            out[3] += d * d / (r * r + RELMSE_EPSILON);
+            out[4] += d.abs() / (r.abs() + MAPE_EPSILON);
+        }
+        out
+    })
 }
 
 fn trimmed_relmse(image: &Pixels, reference: &Pixels) -> f64 {
@@ -92,6 +104,7 @@ mod tests {
         let i = Pixels::from_fn(40, 50, |_, _| [0.1, 1.0, 2.4]);
         let e = errors(&i, &r, 1.0);
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-6 * b.abs().max(1.0), "{a} {b}");
+        assert_eq!(main_errors(&i, &r), [e.rmse_all, e.relmse]);
         close(e.rmse[0], 0.1);
         close(e.rmse[1], 0.0);
         close(e.rmse[2], 0.4);
