@@ -165,7 +165,7 @@ fn stops(browser: &mut Browser) -> Result<(), Failed> {
     browser.until("state.phase === 'ended' && byId('phase').dataset.phase === 'ended'")?;
     browser.until("parts.every((layer, i) => !state.ready[i] || layer.number === state.snapshot.number)")?;
     let said = browser.value("byId('saved').textContent")?;
-    equal("what was saved", said, Value::from("wrote out.exr\nwrote out.checkpoint (checkpoint)"))?;
+    equal("what was saved", said, Value::from("wrote out.exr, wrote out.checkpoint (checkpoint)"))?;
     check("no more to press", browser.value("byId('stop').disabled")? == true)?;
     equal(
         "the curve ends with the picture",
