@@ -120,7 +120,7 @@ function read(x, y) {
 // --- words and numbers --------------------------------------------------------------------------
 
 const count = n => n >= 1e9 ? `${(n / 1e9).toFixed(2)} G` : n >= 1e6 ? `${(n / 1e6).toFixed(2)} M` : n >= 1e3 ? `${(n / 1e3).toFixed(2)} k` : String(Math.round(n));
-const megabytes = n => `${(n / 1e6).toFixed(1)}\u00a0MB`;
+const megabytes = n => n > 0 && n < 1e5 ? `${(n / 1e3).toFixed(1)}\u00a0kB` : `${(n / 1e6).toFixed(1)}\u00a0MB`;
 const after = n => `after ${n} ${n === 1 ? 'pass' : 'passes'}`;
 const seconds = s => s < 60 ? `${s.toFixed(1)} s` : s < 3600 ? `${Math.floor(s / 60)} min ${Math.floor(s % 60)} s` : `${Math.floor(s / 3600)} h ${Math.floor(s / 60 % 60)} min`;
 
@@ -151,7 +151,7 @@ function describe() {
   }
   if (s.last_radius > 0) rows.push(['radius', `${number(s.first_radius)} to ${number(s.last_radius)}`]);
   if (s.last_caustic_radius > 0) rows.push(['caustic radius', `${number(s.first_caustic_radius)} to ${number(s.last_caustic_radius)}`]);
-  rows.push(['memory', `maps ${megabytes(s.map_bytes)}, film ${megabytes(s.film_bytes)}, scene ${megabytes(s.scene_bytes)}`]);
+  rows.push(['memory', `maps\u00a0${megabytes(s.map_bytes)}, film\u00a0${megabytes(s.film_bytes)}, scene\u00a0${megabytes(s.scene_bytes)}`]);
   if (state.error) rows.push(['standard error', `${(100 * state.error[0]).toFixed(3)} % ${after(state.error[1])}${info.target ? `, target ${100 * info.target} %` : ''}`]);
   if (state.snapshot) rows.push(['picture shown', after(state.snapshot.passes)]);
   rows.push(['cost of viewing', `${(100 * state.load).toFixed(2)} % of the render's processor time`]);
@@ -182,12 +182,16 @@ function tick() {
 
 // --- error against time -------------------------------------------------------------------------
 
-/** The numbers 1, 2 and 5 of every decade around values, from the last below them to the first above. */
+/** The numbers 1, 2 and 5 of every decade around values, from the last below them to the first above; four at least. */
 function ticks(values) {
   const all = Array.from({ length: 25 }, (_, i) => [1, 2, 5].map(k => Number(`${k}e${i - 12}`))).flat();
   const low = all.findLastIndex(t => t <= Math.min(...values)), high = all.findIndex(t => t >= Math.max(...values));
-  const first = Math.max(low, 0);
-  return all.slice(first, Math.max(high < 0 ? all.length - 1 : high, first + 1) + 1);
+  let first = Math.max(low, 0), last = high < 0 ? all.length - 1 : high;
+  while (last - first < 3) {
+    if (first > 0) first--;
+    if (last < all.length - 1) last++;
+  }
+  return all.slice(first, last + 1);
 }
 
 /** Logarithmic axes: seconds from left to right, errors upwards. Numbers only: nothing in it can be markup. */
@@ -210,7 +214,7 @@ function chart(curve) {
   const lines = series.map(([key]) => {
     const known = points.filter(p => p[key] > 0);
     const path = known.map((p, i) => `${i ? 'L' : 'M'}${x(p.seconds).toFixed(1)} ${y(p[key]).toFixed(1)}`).join('');
-    return `<path class="${key}" d="${path}"/>${known.map(p => `<circle class="${key}" cx="${x(p.seconds).toFixed(1)}" cy="${y(p[key]).toFixed(1)}" r="2"/>`).join('')}`;
+    return `<path class="${key}" d="${path}"/>${known.map(p => `<circle class="${key}" cx="${x(p.seconds).toFixed(1)}" cy="${y(p[key]).toFixed(1)}" r="${known.length < 3 ? 4 : 2}"/>`).join('')}`;
   });
   const legend = series.map(([key, text], i) => `<text class="${key}" x="${left + 8 + 95 * i}" y="${top + h + 48}">● ${text}</text>`);
   return `<svg viewBox="0 0 ${left + w + 14} ${top + h + 56}" role="img" aria-label="Error against time, both logarithmic">${grid.join('')}${lines.join('')}<text x="${left + w / 2}" y="${top + h + 31}" text-anchor="middle">seconds</text>${legend.join('')}</svg>`;
