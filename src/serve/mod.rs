@@ -38,13 +38,13 @@ use tev::Display;
 
 /// Shares of the processor time of the render: of snapshots with encoding and sending, of errors against the reference,
 /// and of FLIP. With what is not counted, such as waking threads, they stay below 2 %.
-const PICTURES: f64 = 0.006;
+const PICTURES: f64 = 0.008;
 const ERRORS: f64 = 0.001;
 const FLIP: f64 = 0.004;
 
-/// As many shares as this are there for a picture of twice the passes of the one before, so that the first ones come
+/// So many shares are there for a picture of twice the passes of the one before, so that the first ones come
 /// early.
-const EARLY: f64 = 2.0;
+const EARLY: f64 = 1.6;
 
 /// Nanoseconds a pixel of these, as long as they are not measured.
 const PICTURE_COST: u64 = 50;

@@ -96,8 +96,12 @@ impl Snapshot {
 
     /// Red, green and blue of the picture, which is the first layer.
     pub fn rgb(&self) -> Vec<[f32; 3]> {
-        let picture = self.tiles.iter().filter_map(|tile| tile.layers.first()?.as_ref());
-        picture.flat_map(|numbers| numbers.chunks_exact(4).map(|p| [p[0], p[1], p[2]])).collect()
+        let [width, height] = self.size;
+        let mut rgb = Vec::with_capacity(width * height);
+        for numbers in self.tiles.iter().filter_map(|tile| tile.layers.first()?.as_ref()) {
+            rgb.extend(numbers.chunks_exact(4).map(|p| [p[0], p[1], p[2]]));
+        }
+        rgb
     }
 
     /// A layer for the page; `None` when the snapshot does not have it.

@@ -59,6 +59,7 @@ impl Render {
     }
 
     /// The same where there is a screen, and `folder` holds the program that opens pages.
+    #[cfg(all(unix, not(target_os = "macos")))]
     fn on_screen(folder: &Path, arguments: &[&[&str]]) -> Result<Self, Failed> {
         let arguments = [arguments, &[&["--view"]]].concat();
         Self::run(SCENE, &arguments, |command| {

@@ -34,7 +34,17 @@ pub struct Errors {
 /// Errors of `image` against `reference`, which has the same size; `peak` is the signal of PSNR.
 pub fn errors(image: &Pixels, reference: &Pixels, peak: f64) -> Errors {
     let n = image.rgb.len().max(1) as f64;
-    let s = sums(image, reference);
+    let s = sum(image, reference, |x, r| {
+        let mut out = [0.0; 5];
+        for c in 0..3 {
+            let (x, r) = (f64::from(x[c]), f64::from(r[c]));
+            let d = x - r;
+            out[c] = d * d;
+            out[3] += d * d / (r * r + RELMSE_EPSILON);
+            out[4] += d.abs() / (r.abs() + MAPE_EPSILON);
+        }
+        out
+    });
     let mse = (s[0] + s[1] + s[2]) / (3.0 * n);
     Errors {
         rmse: [(s[0] / n).sqrt(), (s[1] / n).sqrt(), (s[2] / n).sqrt()],
@@ -50,23 +60,17 @@ pub fn errors(image: &Pixels, reference: &Pixels, peak: f64) -> Errors {
 /// `rmse_all` and `relmse` of [`Errors`], in a fraction of the time of all.
 pub fn main_errors(image: &Pixels, reference: &Pixels) -> [f64; 2] {
     let n = image.rgb.len().max(1) as f64;
-    let s = sums(image, reference);
-    [((s[0] + s[1] + s[2]) / (3.0 * n)).sqrt(), s[3] / (3.0 * n)]
-}
-
-/// Sums over pixels: squared errors of red, green and blue, relative squared errors, and relative errors.
-fn sums(image: &Pixels, reference: &Pixels) -> [f64; 5] {
-    sum(image, reference, |x, r| {
-        let mut out = [0.0; 5];
+    let s = sum(image, reference, |x, r| {
+        let mut out = [0.0; 4];
         for c in 0..3 {
             let (x, r) = (f64::from(x[c]), f64::from(r[c]));
-            let d = x - r;
-            out[c] = d * d;
-            out[3] += d * d / (r * r + RELMSE_EPSILON);
-            out[4] += d.abs() / (r.abs() + MAPE_EPSILON);
+            let square = (x - r) * (x - r);
+            out[c] = square;
+            out[3] += square / (r * r + RELMSE_EPSILON);
         }
         out
-    })
+    });
+    [((s[0] + s[1] + s[2]) / (3.0 * n)).sqrt(), s[3] / (3.0 * n)]
 }
 
 fn trimmed_relmse(image: &Pixels, reference: &Pixels) -> f64 {
