@@ -62,7 +62,8 @@ pub fn man(args: &ManArgs, command: Command) -> Result<u8, String> {
         // The list of all options follows: the synopsis need not name them without their values.
         let usage = command.clone().render_usage().to_string();
         let usage = usage.trim_start_matches("Usage:").trim().to_owned();
-        let page = Man::new(command.clone().override_usage(usage)).source(concat!("caustica ", env!("CARGO_PKG_VERSION")));
+        let page = Man::new(command.clone().override_usage(usage))
+            .source(concat!("caustica ", env!("CARGO_PKG_VERSION")));
         page.manual("Caustica Manual").generate_to(&args.folder).map_err(failed)?;
     }
     Ok(0)

@@ -131,7 +131,10 @@ mod tests {
     fn the_share_is_never_exceeded_by_work_as_long_as_the_last() {
         let account = Account::new(0.02, Duration::from_millis(50));
         // One fiftieth of a second is 20 ms.
-        assert!(!account.affords(2 * SECOND, 1.0) && account.affords(3 * SECOND, 1.0), "the guess counts at first");
+        assert!(
+            !account.affords(2 * SECOND, 1.0) && account.affords(3 * SECOND, 1.0),
+            "the guess counts at first"
+        );
         assert!(account.affords(3 * SECOND / 2, 2.0) && !account.affords(SECOND, 2.0));
         let mut pieces = 0;
         for seconds in 1..=1000 {

@@ -9,10 +9,10 @@ use caustica_tools::flip::{DEFAULT_PPD, FlipStats, ldr};
 use caustica_tools::main_errors;
 use caustica_tools::pixels::Pixels;
 
-use super::{EARLY, Error};
 use super::account::Meter;
 use super::live::{Point, Shared};
 use super::snapshot::{Snapshot, coded_map};
+use super::{EARLY, Error};
 
 /// Passes from a point of the curve to the next, as a factor: some thirty points for ten times the passes.
 const STEP: f64 = 1.08;

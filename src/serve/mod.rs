@@ -246,7 +246,8 @@ impl View {
         let snapshot = Arc::new(Snapshot::of(&picture, &self.shared.layers, &wanted, stamp));
         if shows {
             let known = estimated.is_some_and(|(_, at)| at == passes) || passes < 2;
-            let error = if known { estimated } else { Some((progress.pixels.relative_error(passes), passes)) };
+            let error =
+                if known { estimated } else { Some((progress.pixels.relative_error(passes), passes)) };
             self.publish(&snapshot, |live| live.error = error);
         }
         // All threads of the render have worked on it.

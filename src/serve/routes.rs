@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use super::EARLY;
 use super::gate::Gate;
 use super::http::{Method, Request, Response};
 use super::live::{Live, Phase, Shared};
-use super::EARLY;
 
 /// How long a request for news waits for them.
 const PATIENCE: Duration = Duration::from_secs(10);

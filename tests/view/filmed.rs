@@ -46,7 +46,10 @@ pub fn page(program: &Path) -> Result<(), Failed> {
         const middles = all.map(r => (r.top + r.bottom) / 2); return Math.max(...middles) - Math.min(...middles); })()";
     // Of buttons, of which another row would be 30 pixels below.
     check("the toolbar is one row", browser.value(spread)?.as_f64() <= Some(10.0))?;
-    check("the time goes on between passes", browser.value("(tick(), byId('time').textContent.length > 0)")? == true)?;
+    check(
+        "the time goes on between passes",
+        browser.value("(tick(), byId('time').textContent.length > 0)")? == true,
+    )?;
     wipes(&mut browser)?;
     browser.look(1600, 1000, "dark")?;
     browser.until("Number(byId('slider').value) === 0.4")?;
@@ -133,7 +136,8 @@ fn scaled(browser: &mut Browser) -> Result<(), Failed> {
     let bright = "Math.max(...flip.canvas.getContext('2d').getImageData(0, 0, width, height).data.filter((_, i) => i % 4 === 0))";
     // Half of the scale is in the upper half of the 99 % at least, which magma shows as 182 and more in red.
     check("it is bright", browser.value(bright)?.as_u64() >= Some(150))?;
-    let legend = browser.value("document.querySelector('.legend').hidden || document.querySelector('.legend').textContent")?;
+    let legend = browser
+        .value("document.querySelector('.legend').hidden || document.querySelector('.legend').textContent")?;
     equal("the legend", legend, browser.value("flip.scale < 1 ? `0${flip.scale} and more` : '01'")?)?;
     browser.value("viewer.moveTo(0)")?;
     check("only for maps", browser.value("document.querySelector('.legend').hidden")? == true)?;

@@ -213,7 +213,8 @@ pub fn early() -> Result<(), Failed> {
     }
     client.bye()?;
     shown.dedup();
-    let judged: Vec<u64> = state["curve"].as_array().ok_or("no curve")?.iter().filter_map(|p| p["passes"].as_u64()).collect();
+    let judged: Vec<u64> =
+        state["curve"].as_array().ok_or("no curve")?.iter().filter_map(|p| p["passes"].as_u64()).collect();
     // The first pass may be over before this client has asked for anything.
     let early = |passes: &[u64]| passes.len() >= 3 && passes[0] <= 4;
     check(&format!("pictures after {shown:?}, points after {judged:?}"), early(&shown) && early(&judged))
