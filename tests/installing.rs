@@ -111,7 +111,7 @@ fn bash_completes() {
         let (last, before) = (words[words.len() - 1], words[..words.len() - 1].last().unwrap_or(&"caustica"));
         let line = words.join(" ");
         let test = format!(
-            "{script}\nCOMP_WORDS=(caustica {line})\nCOMP_CWORD={}\n_caustica caustica '{last}' '{before}'\n\
+            "{script}\ncompopt() {{ :; }}\nCOMP_WORDS=(caustica {line})\nCOMP_CWORD={}\n_caustica caustica '{last}' '{before}'\n\
              printf '%s\\n' \"${{COMPREPLY[@]}}\"\n",
             words.len()
         );

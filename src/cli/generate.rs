@@ -42,8 +42,8 @@ pub fn completions(args: &CompletionsArgs, mut command: Command) -> Result<u8, S
 fn without_files(command: Command) -> Command {
     let hinted = |arg: Arg| {
         let takes_value = matches!(arg.get_action(), ArgAction::Set | ArgAction::Append);
-        let unknown = takes_value && arg.get_value_hint() == ValueHint::Unknown;
-        if unknown { arg.value_hint(ValueHint::Other) } else { arg }
+        let said = arg.get_value_hint() != ValueHint::Unknown || !arg.get_possible_values().is_empty();
+        if takes_value && !said { arg.value_hint(ValueHint::Other) } else { arg }
     };
     command.mut_args(hinted).mut_subcommands(without_files)
 }

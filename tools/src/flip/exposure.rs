@@ -12,7 +12,7 @@ pub enum Tonemapper {
     Aces,
     /// The curve of the game Uncharted 2, by Hable.
     Hable,
-    /// `x / (1 + x)` on luminance.
+    /// x / (1 + x) on luminance.
     Reinhard,
 }
 
