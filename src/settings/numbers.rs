@@ -84,46 +84,6 @@ impl FromStr for Radius {
         };
         match s {
             "auto" => Ok(Self::Auto),
-            _ => match s.strip_prefix("stored:") {
-                Some(n) => number(n).map(Self::Stored),
-                None => number(s).map(Self::Paths),
-            },
-        }
-    }
-}
-
-/// A search radius.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Radius {
-    /// From the photon density of the first pass.
-    Auto,
-    /// In scene units.
-    Absolute(f32),
-    /// Times the radius of the scene's bounding sphere (Mitsuba 0.6's lookup radii); written `0.05R`.
-    Relative(f32),
-}
-
-impl fmt::Display for Radius {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Auto => f.write_str("auto"),
-            Self::Absolute(r) => write!(f, "{r}"),
-            Self::Relative(r) => write!(f, "{r}R"),
-        }
-    }
-}
-
-impl FromStr for Radius {
-    type Err = String;
-    fn from_str(s: &str) -> Result<Self, String> {
-        let positive =
-            |s: &str| match s.parse::<f32>() {
-                Ok(r) if r > 0.0 && r.is_finite() => Ok(r),
-                _ => Err("a positive length, a share of the scene's radius such as `0.0125R`, or `auto`"
-                    .to_owned()),
-            };
-        match s {
-            "auto" => Ok(Self::Auto),
             _ => match s.strip_suffix('R') {
                 Some(n) => positive(n).map(Self::Relative),
                 None => positive(s).map(Self::Absolute),
