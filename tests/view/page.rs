@@ -200,7 +200,7 @@ pub fn early() -> Result<(), Failed> {
     let size: &[&str] = &["--size", "256x256", "--integrator", "path", "--passes", "16"];
     let reference = tempfile::tempdir()?;
     let truth = reference.path().join("truth.pfm").display().to_string();
-    caustica_formats::image::write_pfm(truth.as_ref(), 256, 256, &vec![0.5; 3 * 256 * 256])?;
+    caustica_formats::image::write_pfm(&truth, 256, 256, &vec![0.5; 3 * 256 * 256])?;
     let (_render, client) = Render::viewed(&[size, &["--reference", &truth]])?;
     let mut shown = Vec::new();
     let mut state = client.state(None)?;
