@@ -197,7 +197,7 @@ pub fn curve() -> Result<(), Failed> {
 /// A picture costs little of a pass that takes microseconds a pixel, and so do its errors: there are some of each from
 /// the beginning, although FLIP, which takes as long as a microsecond a pixel, must wait.
 pub fn early() -> Result<(), Failed> {
-    let size: &[&str] = &["--size", "256x256", "--integrator", "path", "--passes", "16"];
+    let size: &[&str] = &["--size", "256x256", "--passes", "24"];
     let reference = tempfile::tempdir()?;
     let truth = reference.path().join("truth.pfm").display().to_string();
     caustica_formats::image::write_pfm(&truth, 256, 256, &vec![0.5; 3 * 256 * 256])?;
