@@ -1,5 +1,6 @@
 //! What the program says when it cannot do its work, word for word, and its exit status.
 
+use std::path::Path;
 use std::process::Command;
 
 use insta::assert_snapshot;
@@ -174,6 +175,12 @@ fn output_that_cannot_be_written() {
         // The system's own words differ between systems; ours come first.
         assert!(run.text.starts_with(&format!("error: cannot write `{output}`: ")), "{}", run.text);
     }
+    // Nobody may write there, whoever runs the tests.
+    if cfg!(target_os = "linux") && Path::new("/sys").is_dir() {
+        let run = run(&files, &["render", "scene.xml", "--quiet", "-o", "/sys/out.exr"]);
+        let expected = "error: cannot write `/sys/out.exr`: the folder `/sys` is not writable: ";
+        assert!(run.text.starts_with(expected) && !run.text.contains("probe"), "{}", run.text);
+    }
     let run = run(&files, &["render", "scene.xml", "--quiet", "-o", "out.gif"]);
     assert_eq!(run.status, 2);
     assert_snapshot!(run.text, @"error: cannot write `out.gif`: the extension is `gif`; pictures are .exr, .png, .hdr or .pfm");
@@ -186,6 +193,10 @@ fn settings_that_do_not_exist_or_do_not_parse() {
     let name = run(&files, &["render", "scene.xml", "--set", "kernal=cone"]);
     assert_eq!(name.status, 2);
     assert_snapshot!(name.text, @"error: there is no setting `kernal`; did you mean `kernel`?");
+    let far = run(&files, &["render", "scene.xml", "--set", "nosuchname=1"]);
+    assert_snapshot!(far.text, @"error: there is no setting `nosuchname`; `--help-settings` lists all");
+    let radius = run(&files, &["render", "scene.xml", "--set", "radius=2Q"]);
+    assert_snapshot!(radius.text, @"error: invalid value `2Q` for setting `radius`: expected a positive length, a share of the scene's radius such as `0.0125R`, or `auto`");
     let value = run(&files, &["render", "scene.xml", "--set", "kernel=round"]);
     assert_eq!(value.status, 2);
     assert_snapshot!(value.text, @"error: invalid value `round` for setting `kernel`: expected one of constant, cone, epanechnikov, biweight, triweight, tricube, gaussian, logistic, silverman");

@@ -1,10 +1,11 @@
 //! Messages of the library in the words of Python: it calls options as the command line does.
 
 /// Options that messages name, and the arguments that are the same.
-const ARGUMENTS: [(&str, &str); 8] = [
+const ARGUMENTS: [(&str, &str); 9] = [
     ("allow-path", "allow_paths"),
     ("crop", "crop"),
     ("force", "force=True"),
+    ("help-settings", "caustica.settings()"),
     ("layers", "layers"),
     ("lenient", "lenient=True"),
     ("resume", "resume=True"),

@@ -90,6 +90,9 @@ def test_settings_are_checked(root: Path) -> None:
     with pytest.raises(TypeError, match="passes and spp"):
         caustica.render(scene, passes=1, spp=2)
     for budget, expected in [
+        ({"passes": 0}, "invalid value `0` for setting `passes`: expected a whole number from 1$"),
+        ({"time": "long"}, "invalid value `long` for `time`: expected a positive number of seconds"),
+        ({"threads": 1.5}, "invalid value `1.5` for `threads`: expected a whole number from 1"),
         ({"time": -1}, "invalid value `-1` for `time`: expected a positive number of seconds"),
         ({"time": float("nan")}, "`time`"),
         ({"target_error": -0.1}, "invalid value `-0.1` for `target_error`"),

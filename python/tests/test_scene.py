@@ -4,6 +4,7 @@ import copy
 import json
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,18 @@ def test_keyword_arguments_are_the_parameters_of_the_scene(room: Path) -> None:
     assert argument.value.suggestion == "size"
     with pytest.raises(caustica.SettingError, match="invalid value `3` for `sensor`"):
         caustica.load(room, sensor=3)
+    wrong: list[tuple[dict[str, Any], str]] = [
+        ({"size": 96}, r"invalid value `96` for `size`: expected \(width, height\), such as \(640, 480\)"),
+        ({"size": (96,)}, "for `size`"),
+        ({"size": "96x96"}, "for `size`"),
+        ({"size": (-1, 4)}, "for `size`"),
+        ({"size": (0.5, 4)}, "for `size`"),
+        ({"crop": (0, 0, 2**40, 1)}, "for `crop`"),
+        ({"sensor": "first"}, "invalid value `first` for `sensor`: expected a whole number from 0"),
+    ]
+    for arguments, message in wrong:
+        with pytest.raises(caustica.SettingError, match=message):
+            caustica.load(room, **arguments)
 
 
 def test_options_choose_film_and_filter(room: Path) -> None:
@@ -220,13 +233,17 @@ def test_mistakes_name_the_value_and_what_it_takes(room: Path) -> None:
         ("ball.radius", np.nan, "NaN is not a finite number"),
         ("ball.radius", -1, "`ball.radius`: -1 is not a positive radius"),
         ("ball.radius", 0, "0 is not a positive radius"),
+        ("ball.bsdf.int_ior", -1, "-1 is not a positive index of refraction"),
+        ("box.reflectance", [2, 0, 0], r"`box.reflectance`: RGB reflectance \(2, 0, 0\) must lie in the range \[0, 1\]"),
         ("box.reflectance", "red", "`box.reflectance`: expected numbers, not 'red'"),
     ]:
         with pytest.raises(caustica.ArrayError, match=what):
             scene[key] = value
     assert caustica.render(scene, passes=1).png() == caustica.render(caustica.load(room), passes=1).png()
-    scene["box.reflectance"] = 1.5
-    with pytest.raises(caustica.SceneError, match="reflectance") as refused:
-        caustica.render(scene, passes=1)
+    matrix = np.array(scene["quad.to_world"])
+    matrix[0, 0] = np.finfo(np.float64).max
+    scene["quad.to_world"] = matrix
     # The line of the file has another value.
-    assert refused.value.suggestion == "changed since the file was read: `box.reflectance`"
+    with pytest.raises(caustica.SceneError, match=r"changed since the file was read: `quad.to_world`") as refused:
+        caustica.render(scene, passes=1)
+    assert refused.value.suggestion is None

@@ -16,6 +16,7 @@ mod submit;
 mod summary;
 mod version;
 mod view;
+mod words;
 
 use std::process::ExitCode;
 
@@ -32,7 +33,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene to EXR and PNG
+    /// Render a scene to EXR, PNG, HDR or PFM
     Render(Box<render::RenderArgs>),
     /// Make the picture of a render from its parts
     Merge(Box<merge::MergeArgs>),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::failure::Failure;
+use super::words::any_of;
 use crate::session::{Error, KNOWN_LAYERS, Layers, Output, PictureInfo};
 
 /// Files and layers of a picture, for every subcommand that writes one.
@@ -22,7 +23,8 @@ pub struct PictureArgs {
     /// Store 16-bit floats
     #[arg(long)]
     pub half: bool,
-    #[arg(long, value_name = "LIST",
+    #[arg(long, value_name = "LIST", hide_possible_values = true,
+        value_parser = any_of(KNOWN_LAYERS.into_iter().chain(["all", "none"])),
         help = format!("Layers of the EXR: {}, all or none [default: emission,direct,caustic,indirect and what the \
             scene asks for]", KNOWN_LAYERS.join(", ")))]
     layers: Option<String>,

@@ -221,7 +221,7 @@ impl RenderArgs {
         // A task of many is started with --resume in any case.
         if self.resume && saved.is_none() && self.pass_range.is_none() {
             let path = saver.path.display();
-            report::line(&format!("warning: there is no checkpoint `{path}`; beginning with pass 1"));
+            report::line(&format!("warning: there is no checkpoint `{path}`; beginning with the first pass"));
         }
         let first = self.pass_range.as_ref().map_or(0, |range| range.start);
         let sums = saved.unwrap_or_else(|| Sums::none_from(first, session.view.film.pixel_count()));

@@ -9,8 +9,10 @@ use clap::{ArgAction, ArgMatches, Args, Command, ValueEnum};
 
 use super::failure::Failure;
 use super::report;
+use super::words::{any_of, offering};
 use crate::scene::compile::MAX_PIXELS;
 use crate::session::{Error, Inspection, Layers, Options, Session};
+use crate::settings::{IntegratorKind, Mode};
 
 /// The option for folders, whose names are relative to the working folder.
 const ALLOW_PATH: &str = "allow_path";
@@ -27,13 +29,14 @@ pub struct SceneArgs {
     #[arg(long, value_name = "N")]
     sensor: Option<usize>,
     /// photonmap (the default, also for scenes that ask for another integrator) or path
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = any_of(IntegratorKind::NAMES.iter().copied()),
+        hide_possible_values = true)]
     integrator: Option<String>,
     /// progressive (a new photon map each pass) or classic (one map)
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = any_of(Mode::NAMES.iter().copied()), hide_possible_values = true)]
     mode: Option<String>,
     /// Any setting that `caustica render --help-settings` lists
-    #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = pair)]
     set: Vec<(String, String)>,
     /// Camera samples a pixel; in progressive mode also photon passes
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
@@ -56,7 +59,8 @@ pub struct SceneArgs {
     /// Render this part of the film only, in pixels
     #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
     crop: Option<Crop>,
-    #[arg(long, value_name = "NAME", value_parser = filter,
+    #[arg(long, value_name = "NAME", hide_possible_values = true,
+        value_parser = offering(filter, Filter::NAMED.iter().map(|row| row.name)),
         help = format!("Reconstruction filter: {}", filter_names()))]
     filter: Option<Filter>,
     /// How spectra become RGB: as mitsuba3 does for every file, as mitsuba06 did, or as the renderer of

@@ -18,6 +18,9 @@ pub struct ViewArgs {
     /// Serve a page on this machine that shows the render, and open it in the browser
     #[arg(long)]
     view: bool,
+    /// Do not open the browser: print the address of the page only
+    #[arg(long, requires = "view")]
+    view_no_open: bool,
     /// Serve the page on this address, for other machines too [default: 127.0.0.1 and a free port]
     #[arg(long, value_name = "ADDR[:PORT]", requires = "view", value_parser = bind)]
     view_bind: Option<SocketAddr>,
@@ -72,7 +75,9 @@ impl ViewArgs {
         let view = View::start(&options, session, budget).map_err(|e| Failure::Work(e.to_string()))?;
         if let Some(address) = view.address() {
             report::line(&format!("view: {address}"));
-            browse(address.to_owned());
+            if !self.view_no_open {
+                browse(address.to_owned());
+            }
         }
         Ok(Some(view))
     }

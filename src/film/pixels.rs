@@ -1,6 +1,7 @@
 //! The sums of a picture over its passes.
 
 use std::fmt;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -197,17 +198,49 @@ impl Pixels {
         })
     }
 
-    /// The same of every pixel: number by number for some pixels at a time, as the sums lie in memory.
+    /// The same of every pixel.
     pub fn beauties(&self, passes: u32) -> impl Iterator<Item = [f64; 3]> {
-        let sums_from = move |first: usize| {
-            let mut sums = [[0.0; ROW]; 3];
-            let count = ROW.min(self.count - first);
-            for number in 0..3 * LAYERS.len() {
-                self.light.add_to(place(first, number, self.count), &mut sums[number % 3][..count]);
+        let rows = (0..self.count).step_by(ROW).map(|first| first..self.count.min(first + ROW));
+        rows.flat_map(move |row| self.beauties_of(row, passes))
+    }
+
+    /// The same of some pixels.
+    pub fn beauties_of(&self, pixels: Range<usize>, passes: u32) -> Vec<[f64; 3]> {
+        let numbers: [[usize; 3]; LAYERS.len()] = std::array::from_fn(numbers_of);
+        self.means(pixels, &numbers, passes)
+    }
+
+    /// Means of a layer of some pixels.
+    pub fn layers_of(&self, pixels: Range<usize>, layer: Layer, passes: u32) -> Vec<[f64; 3]> {
+        self.means(pixels, &[numbers_of(layer as usize)], passes)
+    }
+
+    /// Mean coverage of some pixels.
+    pub fn alphas_of(&self, pixels: Range<usize>, passes: u32) -> Vec<[f64; 1]> {
+        self.means(pixels, &[[ALPHA]], passes)
+    }
+
+    /// For each of some pixels the means of some numbers, of which the rows are added: number by number for some pixels
+    /// at a time, as the sums lie in memory.
+    fn means<const N: usize>(
+        &self,
+        pixels: Range<usize>,
+        numbers: &[[usize; N]],
+        passes: u32,
+    ) -> Vec<[f64; N]> {
+        let mut means = Vec::with_capacity(pixels.len());
+        for first in pixels.clone().step_by(ROW) {
+            let mut sums = [[0.0; ROW]; N];
+            let count = ROW.min(pixels.end - first);
+            for row in numbers {
+                for (number, sums) in row.iter().zip(&mut sums) {
+                    self.light.add_to(place(first, *number, self.count), &mut sums[..count]);
+                }
             }
-            (0..count).map(move |i| sums.map(|sums| sums[i] / f64::from(passes.max(1))))
-        };
-        (0..self.count).step_by(ROW).flat_map(sums_from)
+            let mean = |i: usize| std::array::from_fn(|c| sums[c][i] / f64::from(passes.max(1)));
+            means.extend((0..count).map(mean));
+        }
+        means
     }
 
     /// Mean coverage after `passes`.
@@ -240,6 +273,11 @@ impl Pixels {
         let sum: f64 = (0..self.len()).map(|pixel| self.sum(pixel, LUMINANCE)).sum();
         sum / self.len().max(1) as f64 / f64::from(passes.max(1))
     }
+}
+
+/// Places of red, green and blue of a layer.
+fn numbers_of(layer: usize) -> [usize; 3] {
+    [3 * layer, 3 * layer + 1, 3 * layer + 2]
 }
 
 /// Adds means to as many pixels, of which `sums` has those of every number.

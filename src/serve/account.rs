@@ -25,17 +25,18 @@ impl Account {
         Duration::from_nanos(self.spent.load(Ordering::Relaxed))
     }
 
-    /// Whether another piece of work, as long as those so far, stays within the share of a render that has taken this
-    /// much processor time.
-    pub fn affords(&self, work: Duration) -> bool {
+    /// Whether another piece of work, as long as those so far, stays within so many shares of a render that has taken
+    /// this much processor time.
+    pub fn affords(&self, work: Duration, shares: f64) -> bool {
         let (spent, pieces) = (self.spent(), self.pieces.load(Ordering::Relaxed));
         let next = if pieces == 0 { self.guess } else { spent.div_f64(pieces as f64) };
-        spent + next <= work.mul_f64(self.share)
+        spent + next <= work.mul_f64(shares * self.share)
     }
 
-    /// How much more processor time the render has to take until what was spent is within the share.
-    pub fn debt(&self, work: Duration) -> Duration {
-        self.spent().saturating_sub(work.mul_f64(self.share)).div_f64(self.share)
+    /// How much more processor time the render has to take until what was spent is within so many shares.
+    pub fn debt(&self, work: Duration, shares: f64) -> Duration {
+        let share = shares * self.share;
+        self.spent().saturating_sub(work.mul_f64(share)).div_f64(share)
     }
 
     /// A piece of work was done.
@@ -130,10 +131,14 @@ mod tests {
     fn the_share_is_never_exceeded_by_work_as_long_as_the_last() {
         let account = Account::new(0.02, Duration::from_millis(50));
         // One fiftieth of a second is 20 ms.
-        assert!(!account.affords(2 * SECOND) && account.affords(3 * SECOND), "the guess counts at first");
+        assert!(
+            !account.affords(2 * SECOND, 1.0) && account.affords(3 * SECOND, 1.0),
+            "the guess counts at first"
+        );
+        assert!(account.affords(3 * SECOND / 2, 2.0) && !account.affords(SECOND, 2.0));
         let mut pieces = 0;
         for seconds in 1..=1000 {
-            if account.affords(seconds * SECOND) {
+            if account.affords(seconds * SECOND, 1.0) {
                 account.pay_piece(Duration::from_millis(30));
                 pieces += 1;
             }
@@ -146,8 +151,9 @@ mod tests {
     fn debts_are_waited_for() {
         let account = Account::new(0.01, Duration::ZERO);
         account.pay(Duration::from_millis(50));
-        assert_eq!(account.debt(2 * SECOND), 3 * SECOND);
-        assert_eq!(account.debt(5 * SECOND), Duration::ZERO);
+        assert_eq!(account.debt(2 * SECOND, 1.0), 3 * SECOND);
+        assert_eq!(account.debt(2 * SECOND, 2.0), SECOND / 2);
+        assert_eq!(account.debt(5 * SECOND, 1.0), Duration::ZERO);
     }
 
     #[test]

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use caustica_tools::compare::load;
-use caustica_tools::errors;
 use caustica_tools::flip::{DEFAULT_PPD, FlipStats, ldr};
+use caustica_tools::main_errors;
 use caustica_tools::pixels::Pixels;
 
-use super::Error;
 use super::account::Meter;
 use super::live::{Point, Shared};
 use super::snapshot::{Snapshot, coded_map};
+use super::{EARLY, Error};
 
 /// Passes from a point of the curve to the next, as a factor: some thirty points for ten times the passes.
 const STEP: f64 = 1.08;
@@ -43,7 +43,9 @@ pub fn reference(path: &Path, [width, height]: [usize; 2]) -> Result<Pixels, Err
         return Ok(pixels);
     }
     let (path, w, h) = (path.display(), pixels.width, pixels.height);
-    Err(Error::Reference(format!("{path}: it has {w}×{h} pixels, and the picture {width}×{height}")))
+    Err(Error::Reference(format!(
+        "{path}: it has {w}×{h} pixels, and the picture {width}×{height}; render with `--size {w}x{h}` to compare them"
+    )))
 }
 
 impl Judge {
@@ -67,10 +69,12 @@ impl Judge {
         Ok(Self { jobs, last: (0, false), shared })
     }
 
-    /// Whether a picture of so many passes is to be judged.
-    pub fn due(&self, passes: u32) -> bool {
-        f64::from(passes) >= STEP * f64::from(self.last.0)
-            && self.shared.judging[0].affords(self.shared.work.elapsed())
+    /// Whether a picture of so many passes is to be judged. One that is `there`, since it is shown, costs little.
+    pub fn due(&self, passes: u32, there: bool) -> bool {
+        let last = self.last.0;
+        let shares = if passes >= 2 * last { EARLY } else { 1.0 };
+        f64::from(passes) >= STEP * f64::from(last)
+            && (there || self.shared.judging[0].affords(self.shared.work.elapsed(), shares))
     }
 
     /// Whether a picture of so many passes is, or will be, judged in all respects.
@@ -115,12 +119,12 @@ impl Bench {
         let [errors_account, flip_account] = &self.shared.judging;
         let meter = Meter::start();
         let picture = Pixels { width, height, rgb: snapshot.rgb() };
-        let errors = errors(&picture, &self.reference, 1.0);
+        let [rmse, relmse] = main_errors(&picture, &self.reference);
         if !free {
             errors_account.pay_piece(meter.elapsed());
         }
         let meter = Meter::start();
-        let flip = (free || flip_account.affords(self.shared.work.elapsed())).then(|| {
+        let flip = (free || flip_account.affords(self.shared.work.elapsed(), 1.0)).then(|| {
             let map = ldr(&exposed(&picture, self.stops), &self.exposed, DEFAULT_PPD);
             (FlipStats::of(&map).mean, Arc::new(coded_map(&map, number)))
         });
@@ -130,8 +134,8 @@ impl Bench {
         let point = Point {
             passes: snapshot.passes,
             seconds: snapshot.seconds,
-            rmse: errors.rmse_all,
-            relmse: errors.relmse,
+            rmse,
+            relmse,
             flip: flip.as_ref().map(|(mean, _)| *mean),
         };
         self.shared.tell(|live| {

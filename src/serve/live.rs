@@ -84,6 +84,10 @@ pub struct Live {
     pages: HashMap<u64, Page>,
     /// A viewer that speaks tev's protocol is there.
     pub display: bool,
+    /// When there was news last.
+    told: Option<Instant>,
+    /// Why the render has ended.
+    pub reason: Option<&'static str>,
 }
 
 impl Live {
@@ -96,7 +100,12 @@ impl Live {
         }
     }
 
-    /// A pass was done at this time of the render, or a pause is over.
+    /// Whether there has been no news for this long.
+    pub fn silent(&self, time: Duration) -> bool {
+        self.told.is_none_or(|told| told.elapsed() >= time)
+    }
+
+    /// The render begins, a pass was done at this time of the render, or a pause is over.
     pub fn set_clock(&mut self, elapsed: Duration) {
         self.clock = Some((Instant::now(), elapsed));
     }
@@ -166,7 +175,7 @@ impl Shared {
         pictures: Account,
         judging: [Account; 2],
     ) -> Self {
-        let wanted = layers.iter().map(Shown::always).collect();
+        let wanted = layers.iter().map(Shown::is_picture).collect();
         let live = Mutex::new(Live { wanted, ..Live::default() });
         Self { layers, live, news: Condvar::new(), interrupt, idle: Arc::default(), work, pictures, judging }
     }
@@ -180,6 +189,7 @@ impl Shared {
         let mut live = self.lock();
         let result = change(&mut live);
         live.version += 1;
+        live.told = Some(Instant::now());
         self.news.notify_all();
         result
     }

@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 use thiserror::Error as ThisError;
 
-use crate::session::{Budget, Outcome, Picture, Progress, Session};
+use crate::session::{Budget, Outcome, Picture, Progress, Session, Stop};
 use account::{Account, Work};
 use judge::Judge;
 use live::{Phase, Shared};
@@ -38,17 +38,24 @@ use tev::Display;
 
 /// Shares of the processor time of the render: of snapshots with encoding and sending, of errors against the reference,
 /// and of FLIP. With what is not counted, such as waking threads, they stay below 2 %.
-const PICTURES: f64 = 0.007;
+const PICTURES: f64 = 0.008;
 const ERRORS: f64 = 0.001;
 const FLIP: f64 = 0.004;
 
+/// So many shares are there for a picture of twice the passes of the one before, so that the first ones come
+/// early.
+const EARLY: f64 = 1.6;
+
 /// Nanoseconds a pixel of these, as long as they are not measured.
 const PICTURE_COST: u64 = 50;
-const ERROR_COST: u64 = 80;
+const ERROR_COST: u64 = 50;
 const FLIP_COST: u64 = 1200;
 
 /// Snapshots come at most this often.
 const INTERVAL: Duration = Duration::from_millis(100);
+
+/// Pages hear of passes at least this often, as long as there are any, pictures or not.
+const TICK: Duration = Duration::from_millis(500);
 
 /// How often a render that is paused looks whether it has been interrupted.
 const GLANCE: Duration = Duration::from_millis(100);
@@ -126,7 +133,9 @@ impl View {
             }
             None => None,
         };
+        shared.lock().set_clock(Duration::ZERO);
         if let Some(address) = &options.display {
+            shared.lock().wanted = shared.layers.iter().map(Shown::is_light).collect();
             let absolute = |path: &PathBuf| std::fs::canonicalize(path).ok();
             Display {
                 address: address.clone(),
@@ -167,6 +176,9 @@ impl View {
             live.statistics = progress.statistics.clone();
         }
         self.show(session, progress);
+        if self.shared.lock().silent(TICK) {
+            self.shared.tell(|_| {});
+        }
         let mut paused: Option<Instant> = None;
         loop {
             let wishes = self.shared.lock().wishes;
@@ -209,41 +221,34 @@ impl View {
     /// Takes a snapshot for those who look and for the judge, if it is due. While the render is paused, it always is
     /// when there is something new.
     fn show(&mut self, session: &Session, progress: &Progress<'_>) {
-        let (elapsed, passes) = (progress.elapsed, progress.passes);
-        let (looks, free, mut wanted, last) = {
-            let live = self.shared.lock();
-            let free = live.phase == Phase::Paused;
-            let old = live.snapshot.as_ref();
-            let lacks = |s: &Arc<Snapshot>| {
-                s.passes != passes || (0..live.wanted.len()).any(|l| live.wanted[l] && !s.has(l))
-            };
-            let due = free || self.taken.is_none_or(|taken| taken.elapsed() >= INTERVAL);
-            let looks = live.watched() && due && old.is_none_or(lacks);
-            (looks, free, live.wanted.clone(), old.map_or(0, |s| s.number))
-        };
-        let shows = looks && (free || self.shared.pictures.affords(self.shared.work.elapsed()));
+        let passes = progress.passes;
+        let free = self.shared.lock().phase == Phase::Paused;
+        let shows = self.shows(progress, free);
         let judges = match &self.judge {
             Some(judge) if free => !judge.has_seen(passes),
-            Some(judge) => judge.due(passes),
+            Some(judge) => judge.due(passes, shows),
             None => false,
         };
         if !shows && !judges {
             return;
         }
+        let (mut wanted, last, estimated) = {
+            let live = self.shared.lock();
+            (live.wanted.clone(), live.snapshot.as_ref().map_or(0, |s| s.number), live.error)
+        };
         if !shows {
             // The judge looks at the picture only.
             wanted.iter_mut().skip(1).for_each(|wanted| *wanted = false);
         }
         let before = self.shared.work.elapsed();
-        let stamp = (last + 1, passes, elapsed.as_secs_f64());
+        let stamp = (last + 1, passes, progress.elapsed.as_secs_f64());
         let picture = session.so_far(progress);
         let snapshot = Arc::new(Snapshot::of(&picture, &self.shared.layers, &wanted, stamp));
         if shows {
-            self.publish(&snapshot, |live| {
-                if live.error.is_none_or(|(_, at)| passes >= 2 * at) && passes > 1 {
-                    live.error = Some((progress.pixels.relative_error(passes), passes));
-                }
-            });
+            let known = estimated.is_some_and(|(_, at)| at == passes) || passes < 2;
+            let error =
+                if known { estimated } else { Some((progress.pixels.relative_error(passes), passes)) };
+            self.publish(&snapshot, |live| live.error = error);
         }
         // All threads of the render have worked on it.
         let cost = self.shared.work.elapsed().saturating_sub(before);
@@ -255,6 +260,20 @@ impl View {
         if let Some(judge) = self.judge.as_mut().filter(|_| judges) {
             judge.take(&snapshot, free);
         }
+    }
+
+    /// Whether those who look get a snapshot now. The first one comes after the first pass in any case.
+    fn shows(&self, progress: &Progress<'_>, free: bool) -> bool {
+        let live = self.shared.lock();
+        let Some(old) = live.snapshot.as_ref() else { return live.watched() };
+        let lacks = old.passes != progress.passes
+            || (0..live.wanted.len()).any(|layer| live.wanted[layer] && !old.has(layer));
+        if !live.watched() || !lacks || free {
+            return lacks && live.watched();
+        }
+        let shares = if progress.passes >= 2 * old.passes { EARLY } else { 1.0 };
+        self.taken.is_none_or(|taken| taken.elapsed() >= INTERVAL)
+            && self.shared.pictures.affords(self.shared.work.elapsed(), shares)
     }
 
     fn publish(&mut self, snapshot: &Arc<Snapshot>, more: impl FnOnce(&mut live::Live)) {
@@ -270,12 +289,16 @@ impl View {
     pub fn finish(mut self, session: &Session, outcome: &Outcome, said: &str) {
         let statistics = outcome.statistics.clone();
         let elapsed = Duration::try_from_secs_f64(statistics.seconds).unwrap_or_default();
+        let error = (statistics.passes > 1)
+            .then(|| (outcome.pixels.relative_error(statistics.passes), statistics.passes));
         if statistics.passes > 0 && self.shared.lock().watched() {
             self.show_last(&session.picture(outcome), statistics.passes, statistics.seconds);
         }
         self.shared.tell(|live| {
             live.set_clock(elapsed);
             live.phase = Phase::Ended;
+            live.reason = Some(reason(outcome.stop));
+            live.error = error;
             live.statistics = statistics;
             live.wishes.save = false;
             live.saved = (live.saved.0 + 1, said.to_owned());
@@ -292,10 +315,11 @@ impl View {
 
     /// The picture of all passes, and what the judge says of it.
     fn show_last(&mut self, picture: &Picture<'_>, passes: u32, seconds: f64) {
-        let (wanted, last) = {
+        let (mut wanted, last) = {
             let live = self.shared.lock();
             (live.wanted.clone(), live.snapshot.as_ref().map_or(0, |s| s.number))
         };
+        wanted.iter_mut().zip(&self.shared.layers).for_each(|(wanted, layer)| *wanted |= layer.is_light());
         let stamp = (last + 1, passes, seconds);
         let snapshot = Arc::new(Snapshot::of(picture, &self.shared.layers, &wanted, stamp));
         self.publish(&snapshot, |_| {});
@@ -311,6 +335,16 @@ impl View {
             };
             drop(self.shared.wait(live, FAREWELL, judged));
         }
+    }
+}
+
+/// Why a render has ended, in words for the page.
+fn reason(stop: Stop) -> &'static str {
+    match stop {
+        Stop::Passes => "all passes are done",
+        Stop::Time => "the time is up",
+        Stop::Error => "the target error is reached",
+        Stop::Interrupted => "stopped",
     }
 }
 

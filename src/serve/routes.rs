@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use super::EARLY;
 use super::gate::Gate;
 use super::http::{Method, Request, Response};
 use super::live::{Live, Phase, Shared};
@@ -104,7 +105,7 @@ impl Routes {
             return;
         }
         let Shared { work, pictures, .. } = &*self.shared;
-        let debt = work.wall(pictures.debt(work.elapsed())).min(PUT_OFF);
+        let debt = work.wall(pictures.debt(work.elapsed(), EARLY)).min(PUT_OFF);
         std::thread::sleep(debt);
     }
 
@@ -142,6 +143,7 @@ impl Routes {
         json!({
             "version": live.version,
             "phase": live.phase,
+            "reason": live.reason,
             "pausing": live.wishes.pause,
             "stopping": live.wishes.stop,
             "saving": live.wishes.save,

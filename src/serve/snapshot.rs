@@ -37,8 +37,13 @@ impl Shown {
         std::iter::once(picture).chain(others).collect()
     }
 
-    /// Whether it is in every snapshot, rather than in those made after somebody asked for it.
-    pub fn always(&self) -> bool {
+    /// Whether it is the picture, which is in every snapshot. Others are in those made after somebody asked for them.
+    pub fn is_picture(&self) -> bool {
+        matches!(self.content, Content::Picture)
+    }
+
+    /// Whether it is the picture or a part of it: what tev gets, and every page at the end.
+    pub fn is_light(&self) -> bool {
         matches!(self.content, Content::Picture | Content::Part(_))
     }
 }
@@ -91,8 +96,12 @@ impl Snapshot {
 
     /// Red, green and blue of the picture, which is the first layer.
     pub fn rgb(&self) -> Vec<[f32; 3]> {
-        let picture = self.tiles.iter().filter_map(|tile| tile.layers.first()?.as_ref());
-        picture.flat_map(|numbers| numbers.chunks_exact(4).map(|p| [p[0], p[1], p[2]])).collect()
+        let [width, height] = self.size;
+        let mut rgb = Vec::with_capacity(width * height);
+        for numbers in self.tiles.iter().filter_map(|tile| tile.layers.first()?.as_ref()) {
+            rgb.extend(numbers.chunks_exact(4).map(|p| [p[0], p[1], p[2]]));
+        }
+        rgb
     }
 
     /// A layer for the page; `None` when the snapshot does not have it.
@@ -109,9 +118,12 @@ impl Snapshot {
         let mut out = head(self.number, [width, height, 3]);
         for tile in &self.tiles {
             let numbers = tile.layers[layer].as_deref().unwrap_or_default();
-            let colours: Vec<f32> =
-                numbers.chunks_exact(channels).flat_map(|p| three(p).map(presentable)).collect();
-            put_tile(&mut out, [0, tile.top, width, tile.rows], &colours);
+            let mut colours = vec![[0.0; 3]; width * tile.rows];
+            for (colour, numbers) in colours.iter_mut().zip(numbers.chunks_exact(channels)) {
+                *colour = three(numbers).map(presentable);
+            }
+            let colours = colours.as_flattened();
+            put_tile(&mut out, [0, tile.top, width, tile.rows], colours);
         }
         let done = Arc::new(out);
         *place = Some(Arc::clone(&done));
@@ -153,7 +165,11 @@ fn put_tile(out: &mut Vec<u8>, place: [usize; 4], values: &[f32]) {
     place.into_iter().for_each(|v| put(out, v));
     let mut halves = vec![f16::ZERO; values.len()];
     halves.convert_from_f32_slice(values);
-    out.extend(halves.iter().flat_map(|h| h.to_le_bytes()));
+    let first = out.len();
+    out.resize(first + 2 * halves.len(), 0);
+    for (bytes, half) in out[first..].chunks_exact_mut(2).zip(&halves) {
+        bytes.copy_from_slice(&half.to_le_bytes());
+    }
 }
 
 fn put(out: &mut Vec<u8>, value: usize) {

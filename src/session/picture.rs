@@ -108,17 +108,15 @@ impl Picture<'_> {
     /// Outside of the picture.
     pub fn channels(&self, content: Content, range: Range<usize>) -> Vec<f32> {
         let (pixels, passes) = (self.pixels, self.passes());
-        let alpha = |i: usize| pixels.alpha(i, passes) as f32;
         match content {
             Content::Part(layer) => {
-                range.flat_map(|i| pixels.layer(i, layer, passes)).map(|v| v as f32).collect()
+                pixels.layers_of(range, layer, passes).as_flattened().iter().map(|v| *v as f32).collect()
             }
-            Content::Picture => range
-                .flat_map(|i| {
-                    let [r, g, b] = pixels.beauty(i, passes).map(|v| v as f32);
-                    [r, g, b, alpha(i)]
-                })
-                .collect(),
+            Content::Picture => {
+                let colours = pixels.beauties_of(range.clone(), passes);
+                let pixels = colours.into_iter().zip(pixels.alphas_of(range, passes));
+                pixels.flat_map(|([r, g, b], [a])| [r, g, b, a].map(|v| v as f32)).collect()
+            }
             Content::Variance => {
                 range.map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect()
             }

@@ -66,7 +66,8 @@ pub fn check_place(file: &Path) -> Result<(), Error> {
     }
     match tempfile::Builder::new().prefix(".caustica-probe").tempfile_in(folder) {
         Ok(_) => Ok(()),
-        Err(e) => fail(&words(&e)),
+        // The error itself names the file that was tried, which says nothing.
+        Err(e) => fail(&format!("the folder `{}` is not writable: {}", folder.display(), e.kind())),
     }
 }
 

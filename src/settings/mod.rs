@@ -20,7 +20,7 @@ use value::Value;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SettingError {
     /// No row of [`SETTINGS`] has this name.
-    #[error("there is no setting `{name}`{}", suggestion(.nearest))]
+    #[error("there is no setting `{name}`; {}", known(.nearest))]
     Unknown {
         /// As it was given.
         name: String,
@@ -39,6 +39,11 @@ pub enum SettingError {
         /// A value that was probably meant.
         nearest: Option<String>,
     },
+}
+
+fn known(nearest: &Option<String>) -> String {
+    let list = || "`--help-settings` lists all".to_owned();
+    nearest.as_ref().map_or_else(list, |n| format!("did you mean `{n}`?"))
 }
 
 fn suggestion(nearest: &Option<String>) -> String {
@@ -108,9 +113,9 @@ settings! {
     neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a global estimate when lookup=nearest; the farthest only bounds the disc";
     caustic_neighbours: Neighbours = Neighbours(100), "a whole number from 2", "photons of a caustic estimate when lookup=nearest";
     caustic_cap: Cap = Cap::NONE, "a whole number from 2, or -1", "most caustic photons of one estimate: the nearest are kept";
-    radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "global search radius (of the first pass when progressive)";
-    caustic_radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "caustic search radius (of the first pass when progressive)";
-    volume_radius: Radius = Radius::Auto, "a length, NUMBERR or auto", "search radius across camera rays in media (of the first pass when progressive)";
+    radius: Radius = Radius::Auto, "a length, a share of the scene's radius such as 0.0125R, or auto", "global search radius (of the first pass when progressive)";
+    caustic_radius: Radius = Radius::Auto, "a length, a share of the scene's radius such as 0.0125R, or auto", "caustic search radius (of the first pass when progressive)";
+    volume_radius: Radius = Radius::Auto, "a length, a share of the scene's radius such as 0.0125R, or auto", "search radius across camera rays in media (of the first pass when progressive)";
     volume_neighbours: u32 = 50, "a whole number from 1", "photons that volume_radius=auto lets a camera ray find; a tenth as many beams";
     alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction: share of new photons kept, global map";
     caustic_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction of the caustic map";
@@ -170,6 +175,10 @@ mod tests {
         assert_eq!(
             s.set("kernal", "cone").unwrap_err().to_string(),
             "there is no setting `kernal`; did you mean `kernel`?"
+        );
+        assert_eq!(
+            s.set("nosuchname", "1").unwrap_err().to_string(),
+            "there is no setting `nosuchname`; `--help-settings` lists all"
         );
         assert_eq!(
             s.set("alpha", "2").unwrap_err().to_string(),

@@ -77,9 +77,10 @@ impl fmt::Display for Radius {
 impl FromStr for Radius {
     type Err = String;
     fn from_str(s: &str) -> Result<Self, String> {
+        let expected = "a positive length, a share of the scene's radius such as `0.0125R`, or `auto`";
         let positive = |s: &str| match s.parse::<f32>() {
             Ok(r) if r > 0.0 && r.is_finite() => Ok(r),
-            _ => Err("a positive length, `NUMBERR` (times the scene's radius) or `auto`".to_owned()),
+            _ => Err(expected.to_owned()),
         };
         match s {
             "auto" => Ok(Self::Auto),

@@ -19,6 +19,9 @@ const HALVES: &str = "(() => {
   return [0, 1].map(side => c.getContext('2d').getImageData(side * half, 0, half, c.height).data.reduce((a, b) => a + b, 0));
 })()";
 
+/// Where the picture begins.
+const TOP: &str = "Math.round(byId('panes').getBoundingClientRect().top + scrollY)";
+
 fn slide(id: &str, value: f64) -> String {
     format!("byId('{id}').value = {value}, byId('{id}').dispatchEvent(new Event('input'))")
 }
@@ -39,20 +42,34 @@ pub fn page(program: &Path) -> Result<(), Failed> {
 
     loads(&mut browser)?;
     browser.screenshot(&screens.join("1-light-1600-first.png"))?;
+    let spread = "(() => { const all = [...byId('toolbar').children].map(e => e.getBoundingClientRect());
+        const middles = all.map(r => (r.top + r.bottom) / 2); return Math.max(...middles) - Math.min(...middles); })()";
+    // Of buttons, of which another row would be 30 pixels below.
+    check("the toolbar is one row", browser.value(spread)?.as_f64() <= Some(10.0))?;
+    check(
+        "the time goes on between passes",
+        browser.value("(tick(), byId('time').textContent.length > 0)")? == true,
+    )?;
     wipes(&mut browser)?;
     browser.look(1600, 1000, "dark")?;
     browser.until("Number(byId('slider').value) === 0.4")?;
     browser.screenshot(&screens.join("2-dark-1600-wipe.png"))?;
     browser.value(&slide("slider", 2.0))?;
     browser.look(800, 1100, "dark")?;
-    browser.until("flip.data")?;
+    browser.until("flip.data && flip.canvas")?;
+    scaled(&mut browser)?;
     browser.screenshot(&screens.join("3-dark-800-flip.png"))?;
     fits(&mut browser, 800)?;
+    let top = browser.value(TOP)?;
     pauses_and_saves(&mut browser, &render)?;
+    equal("the picture stays where it is", browser.value(TOP)?, top.clone())?;
     browser.look(800, 1100, "light")?;
     browser.value("viewer.zoomTo(46, 62, 8, 8)")?;
     browser.screenshot(&screens.join("4-light-800-values.png"))?;
     stops(&mut browser)?;
+    equal("the picture is still where it was", browser.value(TOP)?, top)?;
+    equal("why", browser.value("byId('phase').textContent")?, Value::from("ended: stopped"))?;
+    browser.screenshot(&screens.join("6-light-800-ended.png"))?;
     browser.look(1600, 1000, "dark")?;
     browser.screenshot(&screens.join("5-dark-1600-ended.png"))?;
     fits(&mut browser, 1600)?;
@@ -107,6 +124,25 @@ fn wipes(browser: &mut Browser) -> Result<(), Failed> {
     equal("and back", browser.value(HALVES)?[1].clone(), between[1].clone())?;
     browser.value(&key("p"))?;
     browser.until("state.phase === 'rendering'")
+}
+
+/// The colours of the error map end where 99 % of its values do, and a legend says where that is.
+fn scaled(browser: &mut Browser) -> Result<(), Failed> {
+    let share = browser.value(
+        "(() => { const v = [...flip.data].map(h => halfValue[h]);
+        return [v.filter(v => v <= flip.scale).length / v.length, flip.scale]; })()",
+    )?;
+    check(&format!("{share}"), share[0].as_f64() >= Some(0.989))?;
+    let bright = "Math.max(...flip.canvas.getContext('2d').getImageData(0, 0, width, height).data.filter((_, i) => i % 4 === 0))";
+    // Half of the scale is in the upper half of the 99 % at least, which magma shows as 182 and more in red.
+    check("it is bright", browser.value(bright)?.as_u64() >= Some(150))?;
+    let legend = browser
+        .value("document.querySelector('.legend').hidden || document.querySelector('.legend').textContent")?;
+    equal("the legend", legend, browser.value("flip.scale < 1 ? `0${flip.scale} and more` : '01'")?)?;
+    browser.value("viewer.moveTo(0)")?;
+    check("only for maps", browser.value("document.querySelector('.legend').hidden")? == true)?;
+    browser.value(&slide("slider", 2.0))?;
+    Ok(())
 }
 
 /// Nothing is wider than the window.
@@ -165,7 +201,7 @@ fn stops(browser: &mut Browser) -> Result<(), Failed> {
     browser.until("state.phase === 'ended' && byId('phase').dataset.phase === 'ended'")?;
     browser.until("parts.every((layer, i) => !state.ready[i] || layer.number === state.snapshot.number)")?;
     let said = browser.value("byId('saved').textContent")?;
-    equal("what was saved", said, Value::from("wrote out.exr\nwrote out.checkpoint (checkpoint)"))?;
+    equal("what was saved", said, Value::from("wrote out.exr, wrote out.checkpoint (checkpoint)"))?;
     check("no more to press", browser.value("byId('stop').disabled")? == true)?;
     equal(
         "the curve ends with the picture",

@@ -72,10 +72,15 @@ pub fn share() -> Result<(), Failed> {
     let mut version = None;
     let mut pictures = 0;
     let mut shown = 0;
-    while pictures < 5 {
-        let state = client.state(version)?;
+    let (mut news, mut known) = (0, 0);
+    while pictures < 5 || news == 0 {
+        let (state, asked) = (client.state(version)?, version);
         version = state["version"].as_u64();
         let number = state["snapshot"]["number"].as_u64().unwrap_or(0);
+        // Pages hear of passes that they get no picture of.
+        let done = state["statistics"]["passes"].as_u64().unwrap_or(0);
+        news += u64::from(number == shown && shown > 0 && done > known && asked != version);
+        known = done;
         if number > shown {
             (shown, pictures) = (number, pictures + 1);
             client.tiles("tiles?layer=0")?.ok_or("no tiles")?;

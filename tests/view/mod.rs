@@ -23,6 +23,8 @@ pub fn trials() -> Vec<Trial> {
         plain("view_pause_is_no_part_of_the_time", page::pause),
         plain("view_stop_saves_picture_and_checkpoint", page::stop),
         plain("view_curve_falls_and_ends_where_compare_says", page::curve),
+        plain("view_shows_and_judges_early", page::early),
+        plain("view_opens_the_browser_unless_told_not_to", program::opens),
         plain("view_refuses_a_reference_of_another_size", page::wrong_reference),
         plain("view_clients_change_nothing_and_do_no_harm", harm::clients),
         plain("view_cost_stays_within_its_share", harm::share),

@@ -74,7 +74,11 @@ pub fn tiles() -> Result<(), Failed> {
     let layers = [("picture", ["R", "G", "B"]), ("direct", ["direct.R", "direct.G", "direct.B"])];
     for (name, channels) in layers {
         let layer = index(&client, name)?;
-        let tiles = client.tiles(&format!("tiles?layer={layer}"))?.ok_or("no tiles")?;
+        let what = format!("tiles?layer={layer}");
+        // Asked for in a pause, it is there at once.
+        client.tiles(&what)?;
+        let state = client.until("the layer", |state| state["ready"][layer] == true)?;
+        let tiles = client.tiles(&what)?.ok_or("no tiles")?;
         equal("size", (tiles.size, tiles.channels), ([160, 130], 3))?;
         check("several tiles", tiles.count > 1)?;
         equal("of the snapshot", Value::from(tiles.number), state["snapshot"]["number"].clone())?;
@@ -92,9 +96,9 @@ pub fn on_demand() -> Result<(), Failed> {
     let depth = index(&client, "depth")?;
     let state = client.until("a pass", |state| state["snapshot"].is_object())?;
     equal(
-        "parts are there, others are not",
+        "the picture is there, layers that nobody looked at are not",
         state["ready"].clone(),
-        serde_json::json!([true, true, false, false]),
+        serde_json::json!([true, false, false, false]),
     )?;
     let what = format!("tiles?layer={depth}");
     check("not yet", client.tiles(&what)?.is_none())?;
@@ -116,13 +120,14 @@ pub fn pause() -> Result<(), Failed> {
     equal("no pass in a pause", &after["statistics"]["passes"], &before["statistics"]["passes"])?;
     equal("no time passes", &after["seconds"], &before["seconds"])?;
     client.post("resume")?;
-    client.until("the end", |state| state["phase"] == "ended")?;
+    let state = client.until("the end", |state| state["phase"] == "ended")?;
     client.bye()?;
     let ended = render.wait()?;
     equal("status", ended.status, Some(0))?;
     let passes = before["statistics"]["passes"].as_u64().ok_or("no passes")?;
     check("passes after the pause", ended.passes()? > passes)?;
-    equal("why it ended", &ended.statistics()?["stop"], &Value::from("Time"))
+    equal("why it ended", &ended.statistics()?["stop"], &Value::from("Time"))?;
+    equal("the page says it", &state["reason"], &Value::from("the time is up"))
 }
 
 pub fn stop() -> Result<(), Failed> {
@@ -134,8 +139,14 @@ pub fn stop() -> Result<(), Failed> {
     equal("what was saved", said, "wrote out.exr\nwrote out.checkpoint (checkpoint)")?;
     equal("the last picture", &state["snapshot"]["passes"], &state["statistics"]["passes"])?;
     check("it can be had", client.tiles("tiles?layer=0")?.is_some())?;
+    let direct = index(&client, "direct")?;
+    check("so can its parts, which nobody looked at", state["ready"][direct] == true)?;
+    equal("why it ended", &state["reason"], &Value::from("stopped"))?;
     client.bye()?;
     let ended = render.wait()?;
+    let error = ended.statistics()?["relative_standard_error"].clone();
+    let told = if error.is_null() { Value::Null } else { serde_json::json!([error, ended.passes()?]) };
+    equal("the error is that of the statistics", &state["error"], &told)?;
     equal("status", ended.status, Some(0))?;
     check("a checkpoint", ended.file("out.checkpoint").is_file())?;
     let passes = ended.passes()?.to_string();
@@ -155,6 +166,7 @@ pub fn curve() -> Result<(), Failed> {
     client.bye()?;
     let ended = render.wait()?;
     let points = state["curve"].as_array().ok_or("no curve")?;
+    equal("why it ended", &state["reason"], &Value::from("all passes are done"))?;
     let (first, last) = (points.first().ok_or("empty")?, points.last().ok_or("empty")?);
     equal("the curve ends with the picture", &last["passes"], &Value::from(512))?;
     let error = |point: &Value| point["rmse"].as_f64().unwrap_or(f64::NAN);
@@ -182,11 +194,39 @@ pub fn curve() -> Result<(), Failed> {
     check("the map is that of the mean", map.channels == 1 && (mean - flip).abs() <= flip / 2048.0)
 }
 
+/// A picture costs little of a pass that takes microseconds a pixel, and so do its errors: there are some of each from
+/// the beginning, although FLIP, which takes as long as a microsecond a pixel, must wait.
+pub fn early() -> Result<(), Failed> {
+    let size: &[&str] = &["--size", "256x256", "--passes", "24"];
+    let reference = tempfile::tempdir()?;
+    let truth = reference.path().join("truth.pfm").display().to_string();
+    caustica_formats::image::write_pfm(&truth, 256, 256, &vec![0.5; 3 * 256 * 256])?;
+    let (_render, client) = Render::viewed(&[size, &["--reference", &truth]])?;
+    let mut shown = Vec::new();
+    let mut state = client.state(None)?;
+    while state["phase"] != "ended" {
+        if let Some(passes) = state["snapshot"]["passes"].as_u64() {
+            shown.push(passes);
+            client.tiles("tiles?layer=0")?.ok_or("no tiles")?;
+        }
+        state = client.state(state["version"].as_u64())?;
+    }
+    client.bye()?;
+    shown.dedup();
+    let judged: Vec<u64> =
+        state["curve"].as_array().ok_or("no curve")?.iter().filter_map(|p| p["passes"].as_u64()).collect();
+    // The first pass may be over before this client has asked for anything.
+    let early = |passes: &[u64]| passes.len() >= 3 && passes[0] <= 4;
+    check(&format!("pictures after {shown:?}, points after {judged:?}"), early(&shown) && early(&judged))
+}
+
 pub fn wrong_reference() -> Result<(), Failed> {
     let reference = root().join("reference/cornell-diffuse.exr").display().to_string();
     let ended = Render::start(SCENE, &[SMALL, ENDLESS, &["--view", "--reference", &reference]])?.wait()?;
     equal("status", ended.status, Some(1))?;
-    let expected = format!("error: {reference}: it has 96×96 pixels, and the picture 64×48\n");
+    let expected = format!(
+        "error: {reference}: it has 96×96 pixels, and the picture 64×48; render with `--size 96x96` to compare them\n"
+    );
     equal("message", ended.said, expected)?;
     let alone = Render::start(SCENE, &[SMALL, ENDLESS, &["--reference", &reference]])?.wait()?;
     equal("status", alone.status, Some(2))?;

@@ -36,8 +36,13 @@ pub struct Ended {
 impl Render {
     /// Renders `scene` into `out.exr` and `stats.json` of a new folder. No browser is opened.
     pub fn start(scene: &str, arguments: &[&[&str]]) -> Result<Self, Failed> {
+        Self::run(scene, arguments, |_| ())
+    }
+
+    fn run(scene: &str, arguments: &[&[&str]], more: impl FnOnce(&mut Command)) -> Result<Self, Failed> {
         let folder = tempfile::tempdir()?;
-        let mut child = Command::new(env!("CARGO_BIN_EXE_caustica"))
+        let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+        command
             .arg("render")
             .arg(root().join(scene))
             .args(["-o", "out.exr", "--stats", "stats.json", "--quiet"])
@@ -46,10 +51,20 @@ impl Render {
             .env_remove("DISPLAY")
             .env_remove("WAYLAND_DISPLAY")
             .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()?;
+            .stderr(Stdio::piped());
+        more(&mut command);
+        let mut child = command.spawn()?;
         let said = BufReader::new(child.stderr.take().ok_or("no stderr")?);
         Ok(Self { child, said, folder })
+    }
+
+    /// The same where there is a screen, and `folder` holds the program that opens pages.
+    #[cfg(all(unix, not(target_os = "macos")))]
+    fn on_screen(folder: &Path, arguments: &[&[&str]]) -> Result<Self, Failed> {
+        let arguments = [arguments, &[&["--view"]]].concat();
+        Self::run(SCENE, &arguments, |command| {
+            command.env("DISPLAY", ":0").env("PATH", folder);
+        })
     }
 
     /// The address that the program prints.
@@ -103,6 +118,40 @@ impl Ended {
     pub fn passes(&self) -> Result<u64, Failed> {
         Ok(self.statistics()?["render"]["passes"].as_u64().ok_or("no passes")?)
     }
+}
+
+/// Where systems open pages with a program of the path.
+#[cfg(all(unix, not(target_os = "macos")))]
+pub fn opens() -> Result<(), Failed> {
+    use std::os::unix::fs::PermissionsExt;
+    use std::time::Duration;
+
+    let folder = tempfile::tempdir()?;
+    let opened = folder.path().join("opened");
+    let opener = folder.path().join("xdg-open");
+    std::fs::write(&opener, format!("#!/bin/sh\necho \"$1\" > '{}'\n", opened.display()))?;
+    std::fs::set_permissions(&opener, std::fs::Permissions::from_mode(0o755))?;
+    let mut silent = Render::on_screen(folder.path(), &[SMALL, ENDLESS, &["--view-no-open"]])?;
+    let client = Client::of(&silent.address()?)?;
+    client.until("a pass", |state| state["snapshot"].is_object())?;
+    let was_opened = opened.exists();
+    let mut render = Render::on_screen(folder.path(), &[SMALL, ENDLESS])?;
+    let address = render.address()?;
+    let read = || std::fs::read_to_string(&opened).unwrap_or_default();
+    for _ in 0..2000 {
+        if read().trim() == address {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(30));
+    }
+    super::equal("the page", read().trim(), &*address)?;
+    super::check("it was opened although nobody wanted it", !was_opened)
+}
+
+/// Elsewhere the system opens them, which cannot be seen.
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+pub fn opens() -> Result<(), Failed> {
+    Ok(())
 }
 
 /// The bytes of a render that nobody looks at.

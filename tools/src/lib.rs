@@ -16,4 +16,4 @@ mod metrics;
 pub mod pixels;
 pub mod viewer;
 
-pub use metrics::{Errors, errors};
+pub use metrics::{Errors, errors, main_errors};

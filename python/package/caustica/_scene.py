@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import difflib
 import json
+import operator
 import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Any, TypedDict
+from typing import Any, TypedDict, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -43,6 +44,31 @@ def text(value: Setting) -> str:
 
 def pairs(values: Mapping[str, Setting]) -> list[tuple[str, str]]:
     return [(name, text(value)) for name, value in values.items()]
+
+
+def _wholes(name: str, values: Any, lowest: Sequence[int], expected: str) -> tuple[int, ...]:
+    """As many whole numbers as `lowest` has, none below those."""
+    try:
+        numbers = tuple(operator.index(value) for value in values)
+    except TypeError:
+        numbers = ()
+    # The native part has 32 bits for each.
+    fits = [low <= number < 2**32 for low, number in zip(lowest, numbers, strict=False)]
+    if len(numbers) != len(lowest) or not all(fits):
+        raise _refused(name, values, expected)
+    return numbers
+
+
+def _number(name: str, value: Any, kind: Callable[[Any], Any], expected: str) -> Any:
+    """A number that `kind` takes; what range it may have is found out later."""
+    try:
+        return None if value is None else kind(value)
+    except (TypeError, ValueError):
+        raise _refused(name, value, expected) from None
+
+
+def _refused(name: str, value: object, expected: str) -> SettingError:
+    return SettingError(f"invalid value `{value}` for `{name}`: expected {expected}")
 
 
 class Scene:
@@ -194,9 +220,15 @@ def load(
     :raises SceneError: with every problem of the scene
     :warns SceneWarning: for each thing that is not rendered as it is written
     """
+    if size is not None:
+        words = "(width, height), such as (640, 480)"
+        size = cast(tuple[int, int], _wholes("size", size, (1, 1), words))
+    if crop is not None:
+        words = "(x, y, width, height), such as (0, 0, 64, 64)"
+        crop = cast(tuple[int, int, int, int], _wholes("crop", crop, (0, 0, 1, 1), words))
     options = _Options(
         defines=pairs({**(defines or {}), **parameters}),
-        sensor=sensor,
+        sensor=_number("sensor", sensor, operator.index, "a whole number from 0"),
         size=size,
         crop=crop,
         filter=filter,
@@ -217,7 +249,7 @@ def _meant(error: Error, keywords: Mapping[str, Setting], arguments: Iterable[st
     known = arguments if error.suggestion is None else [*arguments, error.suggestion]
     for name in keywords:
         nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.7)
-        if nearest and nearest[0] in arguments and f"`{name}`" in str(error):
+        if nearest and nearest[0] != name and nearest[0] in arguments and f"`{name}`" in str(error):
             message = str(error).partition("; did you mean")[0]
             return type(error)(
                 f"{message}\n = help: did you mean the argument `{nearest[0]}`?", error.diagnostics, nearest[0]
@@ -270,9 +302,9 @@ def render(
             settings=pairs(settings),
             layers=layers if layers is None or isinstance(layers, str) else ",".join(layers) or "none",
             passes=passes is not None,
-            time=time,
-            target_error=target_error,
-            threads=threads,
+            time=_number("time", time, float, "a positive number of seconds"),
+            target_error=_number("target_error", target_error, float, "a positive number, such as 0.01"),
+            threads=_number("threads", threads, operator.index, "a whole number from 1"),
             checkpoint=None if checkpoint is None else os.fspath(checkpoint),
             resume=resume,
             pass_range=None,

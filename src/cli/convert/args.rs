@@ -43,8 +43,8 @@ pub struct ConvertArgs {
 /// A renderer that may be installed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Renderer {
-    /// Mitsuba 3, as a module of `python3`
+    /// Mitsuba 3, as a module of python3
     Mitsuba,
-    /// pbrt-v4, as `pbrt`
+    /// pbrt-v4, as the program pbrt
     Pbrt,
 }

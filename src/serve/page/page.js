@@ -50,9 +50,11 @@ async function load(layer, url) {
     filled += value.length;
     if (filled < 16) continue;
     const [number, w, h, channels] = four(0);
+    // An error map has its colours once all of it is there.
+    const paints = !layer.map && viewer.layers.includes(layer);
     if (!layer.data) {
       layer.data = new Uint16Array(w * h * channels);
-      if (viewer.layers.includes(layer)) viewer.paint(layer, 0, 0, w, h);
+      if (paints) viewer.paint(layer, 0, 0, w, h);
     }
     while (at + 16 <= filled) {
       const [x, y, tw, th] = four(at), size = tw * th * channels;
@@ -61,13 +63,17 @@ async function load(layer, url) {
       for (let row = 0; row < th; row++) {
         layer.data.set(values.subarray(row * tw * channels, (row + 1) * tw * channels), ((y + row) * w + x) * channels);
       }
-      if (viewer.layers.includes(layer)) viewer.paint(layer, x, y, tw, th);
+      if (paints) viewer.paint(layer, x, y, tw, th);
       at += 16 + 2 * size;
     }
     layer.number = number;
-    if (viewer.layers.includes(layer)) redraw();
+    if (paints) redraw();
   }
   if (at !== bytes.length) throw new Error('the answer broke off');
+  if (layer.map) {
+    viewer.paintMap(layer);
+    redraw();
+  }
   return true;
 }
 
@@ -103,7 +109,7 @@ function describeLayer() {
     return;
   }
   byId('readout').textContent = ended ? `${name} was not looked at before the end.`
-    : state.snapshot ? `${name} comes after the running pass.` : 'The first pass is running.';
+    : state.statistics.passes > 0 ? `${name} comes after the running pass.` : 'The first pass is running.';
 }
 
 function read(x, y) {
@@ -114,29 +120,29 @@ function read(x, y) {
 // --- words and numbers --------------------------------------------------------------------------
 
 const count = n => n >= 1e9 ? `${(n / 1e9).toFixed(2)} G` : n >= 1e6 ? `${(n / 1e6).toFixed(2)} M` : n >= 1e3 ? `${(n / 1e3).toFixed(2)} k` : String(Math.round(n));
-const megabytes = n => `${(n / 1e6).toFixed(1)} MB`;
+const megabytes = n => n > 0 && n < 1e5 ? `${(n / 1e3).toFixed(1)}\u00a0kB` : `${(n / 1e6).toFixed(1)}\u00a0MB`;
 const after = n => `after ${n} ${n === 1 ? 'pass' : 'passes'}`;
 const seconds = s => s < 60 ? `${s.toFixed(1)} s` : s < 3600 ? `${Math.floor(s / 60)} min ${Math.floor(s % 60)} s` : `${Math.floor(s / 3600)} h ${Math.floor(s / 60 % 60)} min`;
 
-const phases = { rendering: 'rendering', paused: 'paused', ended: 'the render has ended', lost: 'no connection to the render' };
+const phases = { rendering: 'rendering', paused: 'paused', ended: 'ended', lost: 'no connection to the render' };
 
 function say(phase) {
   const waits = state && phase === 'rendering' && (state.stopping ? 'stopping' : state.pausing ? 'pausing after the running pass' : state.saving ? 'saving after the running pass' : '');
   byId('phase').dataset.phase = phase;
-  byId('phase').textContent = waits || phases[phase];
+  byId('phase').textContent = waits || (phase === 'ended' && state.reason ? `ended: ${state.reason}` : phases[phase]);
   const over = phase === 'ended' || phase === 'lost';
   for (const id of ['pause', 'save', 'stop']) byId(id).disabled = over || state?.stopping;
-  byId('pause').textContent = state?.pausing ? 'go on' : 'pause';
+  byId('pause').textContent = state?.pausing ? 'resume' : 'pause';
   document.title = `${phase === 'rendering' ? '' : `${phases[phase]}: `}${state?.statistics.passes ?? 0} passes, ${info.scene}`;
 }
 
 function describe() {
   const s = state.statistics, made = s.passes - s.resumed_passes;
-  const rate = n => state.seconds > 0 ? `${count(n / state.seconds)}/s` : '–';
+  const rate = n => s.seconds > 0 ? `${count(n / s.seconds)}/s` : '–';
   const rows = [
     ['passes', s.passes + (info.passes ? ` of ${info.passes}` : '')],
-    ['time', seconds(state.seconds) + (info.seconds ? ` of ${seconds(info.seconds)}` : '')],
-    ['a pass', made > 0 ? seconds(state.seconds / made) : '–'],
+    ['time', ''],
+    ['a pass', made > 0 ? seconds(s.seconds / made) : '–'],
     ['rays', `${count(s.rays)} (${rate(s.rays)})`],
   ];
   if (s.light_paths > 0) {
@@ -145,7 +151,7 @@ function describe() {
   }
   if (s.last_radius > 0) rows.push(['radius', `${number(s.first_radius)} to ${number(s.last_radius)}`]);
   if (s.last_caustic_radius > 0) rows.push(['caustic radius', `${number(s.first_caustic_radius)} to ${number(s.last_caustic_radius)}`]);
-  rows.push(['memory', `maps ${megabytes(s.map_bytes)}, film ${megabytes(s.film_bytes)}, scene ${megabytes(s.scene_bytes)}`]);
+  rows.push(['memory', `maps\u00a0${megabytes(s.map_bytes)}, film\u00a0${megabytes(s.film_bytes)}, scene\u00a0${megabytes(s.scene_bytes)}`]);
   if (state.error) rows.push(['standard error', `${(100 * state.error[0]).toFixed(3)} % ${after(state.error[1])}${info.target ? `, target ${100 * info.target} %` : ''}`]);
   if (state.snapshot) rows.push(['picture shown', after(state.snapshot.passes)]);
   rows.push(['cost of viewing', `${(100 * state.load).toFixed(2)} % of the render's processor time`]);
@@ -157,19 +163,35 @@ function describe() {
   }
   byId('statistics').replaceChildren(element('tbody', {}, ...rows.map(([name, value]) =>
     element('tr', {}, element('th', { textContent: name }), element('td', { textContent: value })))));
-  byId('saved').hidden = state.saved.number === 0;
-  byId('saved').textContent = state.saved.text;
+  const time = rows.findIndex(([name]) => name === 'time');
+  byId('statistics').rows[time].cells[1].id = 'time';
+  tick();
+  if (state.saved.number > 0) byId('saved').textContent = state.saved.text.replaceAll('\n', ', ');
   if (info.reference) byId('chart').innerHTML = chart(state.curve);
+}
+
+/** When the state came, in milliseconds of the page. */
+let heard = 0;
+
+/** The time of the render goes on between two states. */
+function tick() {
+  if (!state || !byId('time')) return;
+  const since = state.phase === 'rendering' && byId('phase').dataset.phase !== 'lost' ? (performance.now() - heard) / 1000 : 0;
+  byId('time').textContent = seconds(state.seconds + since) + (info.seconds ? ` of ${seconds(info.seconds)}` : '');
 }
 
 // --- error against time -------------------------------------------------------------------------
 
-/** The numbers 1, 2 and 5 of every decade around values, from the last below them to the first above. */
+/** The numbers 1, 2 and 5 of every decade around values, from the last below them to the first above; four at least. */
 function ticks(values) {
   const all = Array.from({ length: 25 }, (_, i) => [1, 2, 5].map(k => Number(`${k}e${i - 12}`))).flat();
   const low = all.findLastIndex(t => t <= Math.min(...values)), high = all.findIndex(t => t >= Math.max(...values));
-  const first = Math.max(low, 0);
-  return all.slice(first, Math.max(high < 0 ? all.length - 1 : high, first + 1) + 1);
+  let first = Math.max(low, 0), last = high < 0 ? all.length - 1 : high;
+  while (last - first < 3) {
+    if (first > 0) first--;
+    if (last < all.length - 1) last++;
+  }
+  return all.slice(first, last + 1);
 }
 
 /** Logarithmic axes: seconds from left to right, errors upwards. Numbers only: nothing in it can be markup. */
@@ -177,7 +199,7 @@ function chart(curve) {
   const series = [['rmse', 'RMSE'], ['relmse', 'relMSE'], ['flip', 'LDR-FLIP']];
   const points = curve.filter(p => p.seconds > 0);
   const errors = points.flatMap(p => series.map(([key]) => p[key])).filter(v => v > 0);
-  if (errors.length === 0) return '<p class="hint">The first picture is not judged yet.</p>';
+  if (errors.length === 0) return '<p class="hint">The curve begins with the first picture.</p>';
   const left = 52, top = 8, w = 330, h = 200;
   const across = ticks(points.map(p => p.seconds)), up = ticks(errors);
   const place = (v, ends) => Math.log(v / ends[0]) / Math.log(ends.at(-1) / ends[0]);
@@ -192,7 +214,7 @@ function chart(curve) {
   const lines = series.map(([key]) => {
     const known = points.filter(p => p[key] > 0);
     const path = known.map((p, i) => `${i ? 'L' : 'M'}${x(p.seconds).toFixed(1)} ${y(p[key]).toFixed(1)}`).join('');
-    return `<path class="${key}" d="${path}"/>${known.map(p => `<circle class="${key}" cx="${x(p.seconds).toFixed(1)}" cy="${y(p[key]).toFixed(1)}" r="2"/>`).join('')}`;
+    return `<path class="${key}" d="${path}"/>${known.map(p => `<circle class="${key}" cx="${x(p.seconds).toFixed(1)}" cy="${y(p[key]).toFixed(1)}" r="${known.length < 3 ? 4 : 2}"/>`).join('')}`;
   });
   const legend = series.map(([key, text], i) => `<text class="${key}" x="${left + 8 + 95 * i}" y="${top + h + 48}">● ${text}</text>`);
   return `<svg viewBox="0 0 ${left + w + 14} ${top + h + 56}" role="img" aria-label="Error against time, both logarithmic">${grid.join('')}${lines.join('')}<text x="${left + w / 2}" y="${top + h + 31}" text-anchor="middle">seconds</text>${legend.join('')}</svg>`;
@@ -214,8 +236,9 @@ async function follow() {
       const response = await fetch(`state?client=${client}${state ? `&after=${state.version}` : ''}`);
       if (!response.ok) throw new Error(`status ${response.status}`);
       state = await response.json();
-      describe();
+      heard = performance.now();
       say(state.phase);
+      describe();
       await refresh();
       if (state.phase === 'ended') return await farewell();
     } catch {
@@ -253,6 +276,7 @@ function start() {
   })[key.toLowerCase()]);
   compose();
   say('rendering');
+  setInterval(tick, 250);
   follow();
 }
 

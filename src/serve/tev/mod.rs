@@ -131,12 +131,12 @@ impl Display {
         }
     }
 
-    /// The channels of the layers that are in every snapshot, with the place of the first number and the distance to
+    /// The channels of the picture and of its parts, with the place of the first number and the distance to
     /// the next in the data of a tile of so many pixels.
     fn channels(&self, pixels: usize) -> Vec<(String, usize, usize)> {
-        let always = self.shared.layers.iter().filter(|layer| layer.always());
+        let light = self.shared.layers.iter().filter(|layer| layer.is_light());
         let mut all = Vec::new();
-        for (l, layer) in always.enumerate() {
+        for (l, layer) in light.enumerate() {
             for (c, channel) in layer.channels.iter().take(CHANNELS).enumerate() {
                 let name = if l == 0 { (*channel).to_owned() } else { format!("{}.{channel}", layer.name) };
                 all.push((name, l * pixels * CHANNELS + c, CHANNELS));
@@ -147,8 +147,8 @@ impl Display {
 
     fn tile(&self, tile: &Tile) -> Vec<u8> {
         let width = self.size[0];
-        let always = self.shared.layers.iter().zip(&tile.layers).filter(|(layer, _)| layer.always());
-        let numbers = always.filter_map(|(layer, numbers)| Some((layer.channels.len(), numbers.as_ref()?)));
+        let light = self.shared.layers.iter().zip(&tile.layers).filter(|(layer, _)| layer.is_light());
+        let numbers = light.filter_map(|(layer, numbers)| Some((layer.channels.len(), numbers.as_ref()?)));
         let data: Vec<f32> = numbers
             .flat_map(|(channels, numbers)| numbers.chunks_exact(channels).flat_map(|p| &p[..CHANNELS]))
             .copied()

@@ -75,8 +75,8 @@ impl Draft {
         let Error::Scene(mut failure) = error else { return error };
         if !self.changed.is_empty() {
             let keys: Vec<String> = self.changed.keys().map(|key| format!("`{key}`")).collect();
-            let help = format!("changed since the file was read: {}", keys.join(", "));
-            failure.diagnostics.iter_mut().for_each(|problem| problem.help.push(help.clone()));
+            let changed = format!(" (changed since the file was read: {})", keys.join(", "));
+            failure.diagnostics.iter_mut().for_each(|problem| problem.message.push_str(&changed));
         }
         Error::Scene(failure)
     }
@@ -139,7 +139,10 @@ impl Draft {
         }
         let (leaf, part) = self.find(key)?;
         let leaf = match leaf.with(key, &array)? {
-            Some(leaf) => leaf,
+            Some(leaf) => {
+                self.check_range(key, &leaf)?;
+                leaf
+            }
             None => self.asset(key, leaf, part, &array)?,
         };
         let path = &key[..key.len() - part.len()];
@@ -155,6 +158,21 @@ impl Draft {
         });
         self.changed.insert(key.to_owned(), array);
         Ok(())
+    }
+
+    /// Makes sure that a surface may have this value, as compiling does, whose errors are about the file.
+    fn check_range(&self, key: &str, leaf: &Leaf) -> Result<(), ValueError> {
+        let field = key.rsplit('.').next().unwrap_or_default();
+        let bounded = ["reflectance", "transmittance", "base_color"].iter().any(|end| field.ends_with(end));
+        match leaf {
+            Leaf::Color(color) | Leaf::ColorInput(ColorInput::Color(color)) if bounded => {
+                self.rgb(key, color).map(drop)
+            }
+            Leaf::Ior(Ior::Value(index)) if *index <= 0.0 => {
+                Err(ValueError::invalid(key, format!("{index} is not a positive index of refraction")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The field of a key, and the part of the key that says which of its arrays is meant.

@@ -99,7 +99,7 @@ pub struct CompareArgs {
 /// What a variance image holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum VarianceOf {
-    /// Variance of one sample (Mitsuba's `moment` integrator)
+    /// Variance of one sample (Mitsuba's integrator moment)
     Sample,
     /// Variance of the pixel's mean
     Mean,

@@ -10,9 +10,9 @@ pub enum Tonemapper {
     /// Narkowicz's fit of ACES, with its pre-exposure of 0.6 cancelled.
     #[default]
     Aces,
-    /// Hable's curve of "Uncharted 2".
+    /// The curve of the game Uncharted 2, by Hable.
     Hable,
-    /// `x / (1 + x)` on luminance.
+    /// x / (1 + x) on luminance.
     Reinhard,
 }
 

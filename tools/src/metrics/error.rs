@@ -57,6 +57,22 @@ pub fn errors(image: &Pixels, reference: &Pixels, peak: f64) -> Errors {
     }
 }
 
+/// `rmse_all` and `relmse` of [`Errors`], in a fraction of the time of all.
+pub fn main_errors(image: &Pixels, reference: &Pixels) -> [f64; 2] {
+    let n = image.rgb.len().max(1) as f64;
+    let s = sum(image, reference, |x, r| {
+        let mut out = [0.0; 4];
+        for c in 0..3 {
+            let (x, r) = (f64::from(x[c]), f64::from(r[c]));
+            let square = (x - r) * (x - r);
+            out[c] = square;
+            out[3] += square / (r * r + RELMSE_EPSILON);
+        }
+        out
+    });
+    [((s[0] + s[1] + s[2]) / (3.0 * n)).sqrt(), s[3] / (3.0 * n)]
+}
+
 fn trimmed_relmse(image: &Pixels, reference: &Pixels) -> f64 {
     // f64: the square of an f32 may overflow f32.
     let mut values: Vec<f64> = image
@@ -92,6 +108,7 @@ mod tests {
         let i = Pixels::from_fn(40, 50, |_, _| [0.1, 1.0, 2.4]);
         let e = errors(&i, &r, 1.0);
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-6 * b.abs().max(1.0), "{a} {b}");
+        assert_eq!(main_errors(&i, &r), [e.rmse_all, e.relmse]);
         close(e.rmse[0], 0.1);
         close(e.rmse[1], 0.0);
         close(e.rmse[2], 0.4);

@@ -6,7 +6,7 @@ mod error;
 mod ztest;
 
 pub use bias::{Bias, bias};
-pub use error::{Errors, errors};
+pub use error::{Errors, errors, main_errors};
 pub use ztest::{Noise, Space, ZTest, ZTestOptions, rgb_to_xyz, z_test};
 
 use crate::pixels::Pixels;

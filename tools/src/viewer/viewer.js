@@ -50,6 +50,13 @@ function displayTable(stops, curve = 'sRGB') {
   return Uint8Array.from(halfValue, v => 255 * tone(Math.min(Math.max(v * factor, 0), 65504)) + 0.5);
 }
 
+/** The value of the brightest colour of an error map: 1, 2 or 5 times a power of ten that 99 % of the pixels reach at most. */
+function mapScale(data) {
+  // Half floats that are not negative are ordered as their bits.
+  const high = halfValue[Uint16Array.from(data).sort()[Math.floor(0.99 * (data.length - 1))]];
+  return [0.01, 0.02, 0.05, 0.1, 0.2, 0.5].find(scale => scale >= high) ?? 1;
+}
+
 // --- viewer -------------------------------------------------------------------------------------
 
 /** From this many screen pixels a picture's pixel on, its values are written into it. */
@@ -57,7 +64,7 @@ const LEGIBLE = 44;
 
 /**
  * Layers `{ name, data, map }` of one size: `data` holds half floats, three a pixel, or one where `map` asks for
- * the colours of an error map. A layer without data is blank. Position 0 shows the first layer, 1 the second;
+ * the colours of an error map, whose brightest stands for `scale`. A layer without data is blank. Position 0 shows the first layer, 1 the second;
  * between them a divider wipes from one to the other.
  *
  * `ui` names elements: panes, layers (buttons), slider, exposure, stops, fit, and if present beside and curve.
@@ -100,8 +107,16 @@ class Viewer {
   develop() {
     this.table = displayTable(this.stops, this.curve);
     for (const layer of this.layers) {
-      if (layer.data && (!layer.canvas || !layer.map)) this.paint(layer, 0, 0, this.width, this.height);
+      if (!layer.data || (layer.canvas && layer.map)) continue;
+      if (layer.map) this.paintMap(layer);
+      else this.paint(layer, 0, 0, this.width, this.height);
     }
+  }
+
+  /** Renews an error map with a scale for its values. */
+  paintMap(layer) {
+    layer.scale = mapScale(layer.data);
+    this.paint(layer, 0, 0, this.width, this.height);
   }
 
   /** Renews a rectangle of a layer whose data have changed; `draw` shows it. */
@@ -112,7 +127,7 @@ class Viewer {
     for (let y = 0, o = 0; y < height; y++) {
       for (let i = (top + y) * this.width + left, end = i + width; i < end; i++, o += 4) {
         if (map) {
-          const c = magma[clamp(Math.round(255 * halfValue[data[i]]), 0, 255)];
+          const c = magma[clamp(Math.round(255 * halfValue[data[i]] / layer.scale), 0, 255)];
           out[o] = c[0]; out[o + 1] = c[1]; out[o + 2] = c[2];
         } else {
           for (let k = 0; k < 3; k++) out[o + k] = table[data[3 * i + k]];
@@ -142,7 +157,7 @@ class Viewer {
       panes.replaceChildren(...Array.from({ length: count }, () => {
         const canvas = element('canvas');
         this.navigate(canvas);
-        return element('div', { className: 'pane' }, canvas, element('span'), element('span'));
+        return element('div', { className: 'pane' }, canvas, element('span'), element('span'), legend());
       }));
     }
     slider.disabled = beside || this.layers.length < 2;
@@ -187,6 +202,10 @@ class Viewer {
     left.textContent = this.layers[part > 0 ? below + 1 : below].name;
     right.textContent = part > 0 ? this.layers[below].name : '';
     right.hidden = part === 0;
+    const map = this.layers.slice(below, part > 0 ? below + 2 : below + 1).find(layer => layer.map && layer.canvas);
+    const key = pane.querySelector('.legend');
+    key.hidden = !map;
+    if (map) key.lastChild.textContent = map.scale < 1 ? `${map.scale} and more` : '1';
     if (part > 0) {
       // The divider crosses the picture, not the pane.
       const from = Math.max(-x * scale, 0), to = Math.min((width - x) * scale, canvas.clientWidth);
@@ -216,7 +235,7 @@ class Viewer {
     for (let row = Math.max(0, Math.floor(y)); row < low; row++) {
       for (let column = Math.max(0, Math.floor(x)); column < right; column++) {
         const i = row * this.width + column, values = this.values(layer, i);
-        const bright = layer.map ? values[0] > 0.6 : this.table[layer.data[3 * i + 1]] > 120;
+        const bright = layer.map ? values[0] > 0.6 * layer.scale : this.table[layer.data[3 * i + 1]] > 120;
         context.fillStyle = bright ? '#000' : '#fff';
         values.forEach((v, k) => context.fillText(short(v), (column + 0.5 - x) * side,
           (row - y + 0.5) * side + (k - (lines - 1) / 2) * size * 1.15));
@@ -307,6 +326,14 @@ class Viewer {
       action();
     };
   }
+}
+
+/** What the colours of an error map stand for; the end is filled in. */
+function legend() {
+  const stops = magma.filter((_, i) => i % 15 === 0).map(c => `rgb(${c})`);
+  const bar = element('i');
+  bar.style.background = `linear-gradient(to right, ${stops})`;
+  return element('div', { className: 'legend', hidden: true }, element('b', { textContent: '0' }), bar, element('b'));
 }
 
 /** A value in at most five characters or so. */
