@@ -88,6 +88,7 @@ impl<'a> PhotonMapper<'a> {
         let mut mapper = Self::unmeasured(task, settings, halts);
         let aims = known.map(|known| {
             mapper.clearance = known.clearance;
+            mapper.volume.aim = known.media_aim;
             known.aims.map(Some)
         });
         mapper.prepare(aims.unwrap_or_default(), [None; 2]);

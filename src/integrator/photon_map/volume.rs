@@ -8,7 +8,9 @@ use serde::Serialize;
 use super::super::{PassStats, Task};
 use super::Plan;
 use super::maps::job;
+use crate::emitter::{Aim, Aimed};
 use crate::math::Color;
+use crate::photon::aim::{Lines, aim_in_media};
 use crate::photon::radius;
 use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
 use crate::photon::volume::{BeamMap, Found, Passage, PointMap, Segment, VolumeGather};
@@ -57,6 +59,8 @@ pub(super) struct VolumeMap {
     job: TraceJob,
     mode: Mode,
     alpha: f64,
+    /// Where light is sent, if at all; `None` before it was looked for.
+    pub aim: Option<Option<Aim>>,
     /// Light paths a pass; 0 where it is not needed.
     pub paths: u64,
     /// Search radius of the first pass.
@@ -83,6 +87,8 @@ pub struct VolumeChoice {
     pub radius: f32,
     /// Way of light between collisions, or between a collision and a surface; on average over a pilot.
     pub free_path: f32,
+    /// Where the paths are sent, if not as lamps emit.
+    pub aim: Option<Aimed>,
 }
 
 impl fmt::Display for VolumeChoice {
@@ -90,7 +96,8 @@ impl fmt::Display for VolumeChoice {
         let kind = if self.beams { "beams" } else { "photons at collisions" };
         let Self { paths, radius, free_path, .. } = self;
         write!(f, "{kind} of {paths} light paths a pass; radius {radius:.2e}, light goes {free_path:.2e} ")?;
-        f.write_str("between collisions")
+        f.write_str("between collisions")?;
+        self.aim.as_ref().map_or(Ok(()), |aim| write!(f, "\nmedia aim            {aim}"))
     }
 }
 
@@ -98,7 +105,21 @@ impl VolumeMap {
     /// Not measured yet.
     pub fn new(s: &Settings, plan: &Plan) -> Self {
         let job = job(s, plan, Owner::VolumeMaps);
-        Self { job, mode: s.mode, alpha: f64::from(s.volume_alpha), most: 1.0, paths: 0, radius: 0.0 }
+        Self {
+            job,
+            mode: s.mode,
+            alpha: f64::from(s.volume_alpha),
+            most: 1.0,
+            aim: None,
+            paths: 0,
+            radius: 0.0,
+        }
+    }
+
+    /// Decides where light is sent, by where camera rays find it.
+    pub fn take_aim(&mut self, scene: &Scene, lines: &Lines<'_>, halt: Halt<'_>) {
+        let key = mix(self.job.key ^ (u64::from(u32::MAX) << 2 | 3));
+        self.aim = Some(aim_in_media(scene, &TraceJob { key, ..self.job }, lines, halt));
     }
 
     /// Measures what the settings leave open, by segments of camera rays in media and the size of a pixel there.
@@ -145,7 +166,9 @@ impl VolumeMap {
                 found,
             );
         }
-        VolumeChoice { beams: self.job.beams, paths: self.paths, radius: self.radius, free_path }
+        let (beams, paths, radius) = (self.job.beams, self.paths, self.radius);
+        let aim = self.aim.as_ref().and_then(Option::as_ref).map(|aim| aim.aimed(&task.scene.emission));
+        VolumeChoice { beams, paths, radius, free_path, aim }
     }
 
     /// What the paths of a pilot left, and how many there were.
@@ -192,7 +215,8 @@ impl VolumeMap {
 
     fn trace(&self, scene: &Scene, pass: u32, paths: u64, halt: Halt<'_>) -> Traced {
         let key = mix(self.job.key ^ (u64::from(pass) << 2 | 2));
-        trace_until(scene, &TraceJob { key, paths, ..self.job }, None, halt)
+        let aim = self.aim.as_ref().and_then(Option::as_ref);
+        trace_until(scene, &TraceJob { key, paths, ..self.job }, aim, halt)
     }
 
     /// Radius of pass i, of which its kernel's area (points) or width (beams) shrinks like that of other maps.

@@ -1,17 +1,19 @@
 //! Where the light paths of a map are sent, learned from pilots by the photons that land where the map is read.
 
 mod bodies;
+mod lines;
 mod pilot;
 mod seen;
 
+pub use lines::{Line, Lines};
 pub use seen::Sights;
 
 use super::trace::{Halt, TraceJob};
 use crate::emitter::{Aim, EmissionBounds, Emitter, EntrySegment, PathFound, SceneSphere, Starts, Targets};
 use crate::scene::Scene;
 use crate::transport::Owner;
-use pilot::{Pilot, Task, Tried, gain};
-use seen::Seen;
+use pilot::{Pilot, Seen, Task, Tried, gain};
+use seen::Discs;
 
 /// Paths of the first pilot, of one that looks closer where that found little, and of those that learned densities start.
 const FIRST: u64 = 1 << 14;
@@ -42,15 +44,28 @@ pub fn aim(scene: &Scene, job: &TraceJob, sights: &Sights<'_>, halt: Halt<'_>) -
     if scene.emitters.is_empty() {
         return None;
     }
-    let seen = Seen::new(scene, sights);
-    let bodies = match job.owner {
-        Owner::CausticMap => bodies::sharp_bodies(scene, job.glossy),
+    let discs = Discs::new(scene, sights);
+    found(&Task { scene, job, around: discs.around, seen: &Seen::Surfaces(discs), halt })
+}
+
+/// The same for a map of light in media that is read along `lines`.
+pub fn aim_in_media(scene: &Scene, job: &TraceJob, lines: &Lines<'_>, halt: Halt<'_>) -> Option<Aim> {
+    if scene.emitters.is_empty() {
+        return None;
+    }
+    // Beams tell more of a path than photons at collisions, which have the same mean.
+    let job = &TraceJob { beams: true, ..*job };
+    found(&Task { scene, job, around: lines.around(), seen: &Seen::Media(*lines), halt })
+}
+
+fn found(task: &Task<'_>) -> Option<Aim> {
+    let bodies = match task.job.owner {
+        Owner::CausticMap | Owner::VolumeMaps => bodies::sharp_bodies(task.scene, task.job.glossy),
         _ => Vec::new(),
     };
-    let task = Task { scene, job, seen: &seen, halt };
     let aim =
-        Aim { entrances: entrances(&task, &bodies), headings: None, starts: None, landing: 0.0, cost: 1.0 };
-    match starts(&task, &aim, &bodies) {
+        Aim { entrances: entrances(task, &bodies), headings: None, starts: None, landing: 0.0, cost: 1.0 };
+    match starts(task, &aim, &bodies) {
         Ok(found) => Some(found),
         Err(_) if aim.entrances.is_none() => None,
         Err(landing) => Some(Aim { landing, ..aim }),
@@ -64,7 +79,7 @@ fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
     if !scene.emitters.iter().any(Emitter::is_infinite) {
         return None;
     }
-    if let Some(entrances) = Targets::around(&scene.sphere, &task.seen.around) {
+    if let Some(entrances) = Targets::around(&scene.sphere, &task.around) {
         return Some(entrances);
     }
     let segments = |entrances: Option<&Targets>| {
@@ -93,8 +108,9 @@ fn starts(task: &Task<'_>, aim: &Aim, bodies: &[SceneSphere]) -> Result<Aim, f32
     pilot.run(task, FIRST, None, &aim.bounds(task.scene.sphere));
     let found = pilot.found(task);
     let share = pilot.share(&found);
-    let few = share < ENOUGH;
-    let headings = if few { headings(task, bodies, &pilot) } else { None };
+    // In media most paths bring something, and those through glass most of all.
+    let focused = task.job.owner == Owner::VolumeMaps && !bodies.is_empty();
+    let headings = if share < ENOUGH || focused { headings(task, bodies, &pilot) } else { None };
     if headings.is_some() {
         let mut pilot = Pilot::default();
         let aim = Aim { headings, ..aim.clone() };
@@ -116,8 +132,8 @@ fn headings(task: &Task<'_>, bodies: &[SceneSphere], pilot: &Pilot) -> Option<Ta
     let scene = task.scene;
     if scene.emitters.iter().all(Emitter::is_infinite) {
         None
-    } else if task.job.owner != Owner::CausticMap {
-        Targets::around(&scene.sphere, &task.seen.around)
+    } else if bodies.is_empty() && task.job.owner != Owner::CausticMap {
+        Targets::around(&scene.sphere, &task.around)
     } else if bodies.len() <= bodies::MOST {
         Targets::toward(&scene.sphere, bodies)
     } else {
