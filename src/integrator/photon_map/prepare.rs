@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::super::Task;
 use super::maps::Map;
 use super::medium::Look;
-use super::{PhotonMapper, Plan, VolumeChoice};
+use super::{MOST_COST, PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::Aim;
 use crate::photon::aim::{Line, Lines, Sights};
 use crate::photon::trace::{Halt, Traced};
@@ -29,9 +29,6 @@ const MOST_PATHS_A_PHOTON: u64 = 100;
 
 /// Half the width of a line that beams of pilots come near, of the distance between lines.
 const LINE: f32 = 0.25;
-
-/// Aimed light paths are at most this many times fewer than others would be.
-const MOST_COST: f64 = 8.0;
 
 impl PhotonMapper<'_> {
     /// Measures what the settings leave open. Where the `aims` of a map are given they are taken, and from a map that is

@@ -6,8 +6,8 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::super::{PassStats, Task};
-use super::Plan;
 use super::maps::job;
+use super::{MOST_COST, Plan};
 use crate::emitter::{Aim, Aimed};
 use crate::math::Color;
 use crate::photon::aim::{Lines, aim_in_media};
@@ -61,6 +61,8 @@ pub(super) struct VolumeMap {
     alpha: f64,
     /// Where light is sent, if at all; `None` before it was looked for.
     pub aim: Option<Option<Aim>>,
+    /// How many times as much paths leave with it.
+    aimed: f64,
     /// Light paths a pass; 0 where it is not needed.
     pub paths: u64,
     /// Search radius of the first pass.
@@ -132,6 +134,11 @@ impl VolumeMap {
     ) -> VolumeChoice {
         self.job.beams = true;
         let (pilot, traced) = self.pilot(task.scene, halt);
+        if self.aim_in_use().is_some() {
+            let plain = self.trace(task.scene, (u32::MAX, None), PILOT, halt).beams.len().max(1);
+            let aimed = pilot.beams.len() as f64 * PILOT as f64 / (plain as f64 * traced as f64);
+            self.aimed = aimed.clamp(1.0, MOST_COST);
+        }
         let lengths: f64 = pilot.beams.iter().map(|beam| f64::from(beam.length)).sum();
         let free_path = (lengths / pilot.beams.len().max(1) as f64) as f32;
         let mut ways: Vec<f32> = segments.iter().map(|segment| segment.length).collect();
@@ -167,16 +174,17 @@ impl VolumeMap {
             );
         }
         let (beams, paths, radius) = (self.job.beams, self.paths, self.radius);
-        let aim = self.aim.as_ref().and_then(Option::as_ref).map(|aim| aim.aimed(&task.scene.emission));
+        let aim = self.aim_in_use().map(|aim| aim.aimed(&task.scene.emission));
         VolumeChoice { beams, paths, radius, free_path, aim }
     }
 
     /// What the paths of a pilot left, and how many there were.
     fn pilot(&self, scene: &Scene, halt: Halt<'_>) -> (Traced, u64) {
-        let few = self.trace(scene, u32::MAX, FEW, halt);
+        let all = (u32::MAX, self.aim_in_use());
+        let few = self.trace(scene, all, FEW, halt);
         let left = few.beams.len().max(few.points.len()).max(1) as u64;
         let paths = (FEW * ENOUGH / left).clamp(FEW, PILOT);
-        let pilot = if paths > FEW { self.trace(scene, u32::MAX, paths, halt) } else { few };
+        let pilot = if paths > FEW { self.trace(scene, all, paths, halt) } else { few };
         (pilot, paths)
     }
 
@@ -192,7 +200,7 @@ impl VolumeMap {
     ) {
         let (s, sphere) = (task.settings, task.scene.sphere.radius);
         let each = (left as f64 / traced as f64).max(1e-3);
-        self.paths = count_paths(s, plan, each, most as f64 * self.most);
+        self.paths = count_paths(s, plan, [each, self.aimed], most as f64 * self.most);
         let share = self.paths as f32 / traced as f32;
         let (wanted, power) = match self.job.beams {
             true => ((s.volume_neighbours as f32 * FEWER_BEAMS).max(1.0), 1.0),
@@ -213,9 +221,13 @@ impl VolumeMap {
         }
     }
 
-    fn trace(&self, scene: &Scene, pass: u32, paths: u64, halt: Halt<'_>) -> Traced {
+    fn aim_in_use(&self) -> Option<&Aim> {
+        self.aim.as_ref().and_then(Option::as_ref)
+    }
+
+    /// What paths of a pass leave that start by an aim.
+    fn trace(&self, scene: &Scene, (pass, aim): (u32, Option<&Aim>), paths: u64, halt: Halt<'_>) -> Traced {
         let key = mix(self.job.key ^ (u64::from(pass) << 2 | 2));
-        let aim = self.aim.as_ref().and_then(Option::as_ref);
         trace_until(scene, &TraceJob { key, paths, ..self.job }, aim, halt)
     }
 
@@ -243,7 +255,7 @@ impl VolumeMap {
             return None;
         }
         let start = Instant::now();
-        let traced = self.trace(scene, pass, self.paths, halt);
+        let traced = self.trace(scene, (pass, self.aim_in_use()), self.paths, halt);
         stats.cut |= traced.paths < self.paths;
         stats.trace_seconds += start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -277,10 +289,13 @@ impl PassVolume {
     }
 }
 
-/// Light paths of a pass, of which each leaves so many: where the number was left open, no more than leave `most`.
-fn count_paths(s: &Settings, plan: &Plan, each: f64, most: f64) -> u64 {
+/// Light paths of a pass, of which each leaves so many: where the number was left open, no more than leave `most`, and
+/// as many times fewer as they leave more because they are `aimed`.
+fn count_paths(s: &Settings, plan: &Plan, [each, aimed]: [f64; 2], most: f64) -> u64 {
     match plan.volume_paths {
-        Count::Paths(n) if s.volume_photons == Count::Auto => n.min(((most / each) as u64).max(1)),
+        Count::Paths(n) if s.volume_photons == Count::Auto => {
+            (n as f64 / aimed).min(most / each).max(1.0) as u64
+        }
         Count::Paths(n) => n,
         Count::Stored(n) => ((n as f64 / each) as u64).max(1),
         Count::Auto => 0,

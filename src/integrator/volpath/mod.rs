@@ -39,6 +39,7 @@ pub struct VolumePathTracer<'a> {
     see_through: bool,
     /// A lamp stands at a finite distance.
     near_lamps: bool,
+    wide: f32,
 }
 
 impl<'a> VolumePathTracer<'a> {
@@ -55,6 +56,7 @@ impl<'a> VolumePathTracer<'a> {
             hide_emitters: settings.hide_emitters,
             see_through: task.view.hidden_lamps_are_transparent,
             near_lamps: task.scene.emitters.iter().any(|e| e.place(Vec2::splat(0.5)).is_some()),
+            wide: std::env::var("EQ").ok().and_then(|x| x.parse().ok()).unwrap_or(0.5),
         }
     }
 }
@@ -183,7 +185,8 @@ impl VolumePathTracer<'_> {
         let t = medium.fly(part, &mut walk.carried, &mut emitted, &mut sample.sampler);
         sample.out.add(walk.class.layer(), emitted);
         let t = t?;
-        let share = pivot.map_or(1.0, |pivot| pivot.share_of_flight(medium, &before, t));
+        let share =
+            pivot.map_or(1.0, |pivot| pivot.share_of_flight((medium, part), [&before, &walk.carried], t));
         Some(self.scatter_in(medium, walk, part.at(t), (lamp, share), sample, scratch))
     }
 
@@ -316,6 +319,6 @@ impl VolumePathTracer<'_> {
             return None;
         }
         let place = self.scene.lamp_place(lamp.0, lamp.1)?;
-        Pivot::new(medium, part, place)
+        Pivot::new(medium, part, place, self.wide)
     }
 }

@@ -20,6 +20,9 @@ const FIRST: u64 = 1 << 14;
 const CLOSER: u64 = 1 << 16;
 const LATER: u64 = 1 << 14;
 
+/// If what the paths leave ends a pilot after this part of it, light is scattered so often that its start hardly matters.
+const CUT: u64 = 4;
+
 /// A pilot of fewer paths that bring something says little.
 const FEW: f64 = 512.0;
 
@@ -60,7 +63,7 @@ pub fn aim_in_media(scene: &Scene, job: &TraceJob, lines: &Lines<'_>, halt: Halt
 
 fn found(task: &Task<'_>) -> Option<Aim> {
     let bodies = match task.job.owner {
-        Owner::CausticMap | Owner::VolumeMaps => bodies::sharp_bodies(task.scene, task.job.glossy),
+        Owner::CausticMap => bodies::sharp_bodies(task.scene, task.job.glossy),
         _ => Vec::new(),
     };
     let aim =
@@ -85,7 +88,7 @@ fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
     let segments = |entrances: Option<&Targets>| {
         let mut pilot = Pilot::default();
         let bounds = EmissionBounds { sphere: scene.sphere, entrances, headings: None };
-        pilot.run(task, CLOSER, None, &bounds);
+        pilot.run(task, task.paths(CLOSER), None, &bounds);
         let (met, mut found) = pilot.entry_segments(&pilot.found(task));
         let useful = found.len();
         found = found.iter().step_by(useful.div_ceil(SEGMENTS).max(1)).copied().collect();
@@ -105,22 +108,23 @@ fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
 /// If these gain little, the share of paths that bring something as it is.
 fn starts(task: &Task<'_>, aim: &Aim, bodies: &[SceneSphere]) -> Result<Aim, f32> {
     let mut pilot = Pilot::default();
-    pilot.run(task, FIRST, None, &aim.bounds(task.scene.sphere));
+    pilot.run(task, task.paths(FIRST), None, &aim.bounds(task.scene.sphere));
     let found = pilot.found(task);
     let share = pilot.share(&found);
-    // In media most paths bring something, and those through glass most of all.
-    let focused = task.job.owner == Owner::VolumeMaps && !bodies.is_empty();
-    let headings = if share < ENOUGH || focused { headings(task, bodies, &pilot) } else { None };
+    if matches!(task.seen, Seen::Media(_)) && found.len() as u64 * CUT < task.paths(FIRST) {
+        return Err(share as f32);
+    }
+    let headings = if share < ENOUGH { headings(task, bodies, &pilot) } else { None };
     if headings.is_some() {
         let mut pilot = Pilot::default();
         let aim = Aim { headings, ..aim.clone() };
-        pilot.run(task, LATER, None, &aim.bounds(task.scene.sphere));
+        pilot.run(task, task.paths(LATER), None, &aim.bounds(task.scene.sphere));
         if let Some(refined) = refined(task, &aim, pilot) {
             return Ok(refined);
         }
     }
     if share * (found.len() as f64) < FEW {
-        pilot.run(task, CLOSER, None, &aim.bounds(task.scene.sphere));
+        pilot.run(task, task.paths(CLOSER), None, &aim.bounds(task.scene.sphere));
     } else if halves_gain(task, &found) < PROMISING {
         return Err(share as f32);
     }
@@ -132,7 +136,7 @@ fn headings(task: &Task<'_>, bodies: &[SceneSphere], pilot: &Pilot) -> Option<Ta
     let scene = task.scene;
     if scene.emitters.iter().all(Emitter::is_infinite) {
         None
-    } else if bodies.is_empty() && task.job.owner != Owner::CausticMap {
+    } else if task.job.owner != Owner::CausticMap {
         Targets::around(&scene.sphere, &task.around)
     } else if bodies.len() <= bodies::MOST {
         Targets::toward(&scene.sphere, bodies)
@@ -146,9 +150,9 @@ fn refined(task: &Task<'_>, aim: &Aim, mut pilot: Pilot) -> Option<Aim> {
     let learn = |found: &[PathFound]| Starts::learn(&task.scene.emission, found, EVEN);
     let bounds = aim.bounds(task.scene.sphere);
     let first = learn(&pilot.found(task))?;
-    pilot.run(task, LATER, Some(first), &bounds);
+    pilot.run(task, task.paths(LATER), Some(first), &bounds);
     let second = learn(&pilot.found(task))?;
-    pilot.run(task, LATER, Some(second), &bounds);
+    pilot.run(task, task.paths(LATER), Some(second), &bounds);
     let found = pilot.found(task);
     let gain = pilot.last_gain(&found);
     if gain.time < WORTH {

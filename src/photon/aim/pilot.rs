@@ -22,6 +22,16 @@ pub(super) struct Task<'a> {
     pub halt: Halt<'a>,
 }
 
+impl Task<'_> {
+    /// How many paths a pilot traces instead of `paths`: in media they tell more.
+    pub fn paths(&self, paths: u64) -> u64 {
+        match self.seen {
+            Seen::Surfaces(_) => paths,
+            Seen::Media(_) => paths / 2,
+        }
+    }
+}
+
 /// Parts of the picture, by which photons are valued.
 #[derive(Debug)]
 pub(super) enum Seen<'a> {
@@ -98,7 +108,7 @@ const OVERHEAD: f32 = 0.5;
 /// Photons on discs after which a chunk of paths ends: where light hardly loses anything a path leaves hundreds, each on
 /// several discs, and fewer paths tell as much.
 const MOST_LANDED: usize = 1 << 16;
-const MOST_BEAMS: usize = 1 << 13;
+const MOST_BEAMS: usize = 1 << 12;
 
 impl Pilot {
     /// Traces `paths` more, started by `starts`.

@@ -22,7 +22,7 @@ use crate::transport::Vertex;
 const LONGEST: u32 = 16;
 
 /// Camera samples that tell how much light there is besides what the map of media holds.
-const LOOKS: u32 = 8;
+const LOOKS: u32 = 4;
 
 /// A ray of a camera path through a medium.
 #[derive(Debug)]
