@@ -113,6 +113,7 @@ impl VolumeMap {
             alpha: f64::from(s.volume_alpha),
             most: 1.0,
             aim: None,
+            aimed: 1.0,
             paths: 0,
             radius: 0.0,
         }

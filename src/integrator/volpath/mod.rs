@@ -39,7 +39,6 @@ pub struct VolumePathTracer<'a> {
     see_through: bool,
     /// A lamp stands at a finite distance.
     near_lamps: bool,
-    wide: f32,
 }
 
 impl<'a> VolumePathTracer<'a> {
@@ -56,7 +55,6 @@ impl<'a> VolumePathTracer<'a> {
             hide_emitters: settings.hide_emitters,
             see_through: task.view.hidden_lamps_are_transparent,
             near_lamps: task.scene.emitters.iter().any(|e| e.place(Vec2::splat(0.5)).is_some()),
-            wide: std::env::var("EQ").ok().and_then(|x| x.parse().ok()).unwrap_or(0.5),
         }
     }
 }
@@ -319,6 +317,6 @@ impl VolumePathTracer<'_> {
             return None;
         }
         let place = self.scene.lamp_place(lamp.0, lamp.1)?;
-        Pivot::new(medium, part, place, self.wide)
+        Pivot::new(medium, part, place)
     }
 }

@@ -15,6 +15,10 @@ use crate::sampling::Sampler;
 /// Farther away than so many mean free paths, what a lamp adds is smooth along a ray, and flights find it.
 const NEAR: f32 = 4.0;
 
+/// In a grid a place costs as much as a flight. It is drawn where the lamp sees the part of the ray in there under an angle
+/// larger than this: otherwise it is as far from all of it.
+const WIDE: f32 = 1.0;
+
 /// How a lamp's place sees a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pivot {
@@ -28,10 +32,10 @@ pub(super) struct Pivot {
 
 impl Pivot {
     /// For a ray of a unit direction through a medium. `None` where it is not worth while.
-    pub fn new(medium: &Medium, part: &Ray, place: Vec3, wide: f32) -> Option<Self> {
+    pub fn new(medium: &Medium, part: &Ray, place: Vec3) -> Option<Self> {
         let (range, sigma, least) = match medium {
             Medium::Homogeneous(_) => ([0.0, part.tmax], medium.uniform()?.sigma_t, 0.0),
-            Medium::Heterogeneous(m) => (m.majorants().along(part).range()?, medium.mean().sigma_t, wide),
+            Medium::Heterogeneous(m) => (m.majorants().along(part).range()?, medium.mean().sigma_t, WIDE),
         };
         let nearest = (place - part.o).dot(part.d);
         // A lamp on the ray itself must not make the angles meet.
