@@ -140,7 +140,7 @@ impl VolumeMap {
             let aimed = pilot.beams.len() as f64 * PILOT as f64 / (plain as f64 * traced as f64);
             self.aimed = aimed.clamp(1.0, MOST_COST);
         }
-        let lengths: f64 = pilot.beams.iter().map(|beam| f64::from(beam.length)).sum();
+        let lengths = pilot.beams.iter().fold(0.0, |sum, beam| sum + f64::from(beam.length));
         let free_path = (lengths / pilot.beams.len().max(1) as f64) as f32;
         let mut ways: Vec<f32> = segments.iter().map(|segment| segment.length).collect();
         let way = radius::quantile(&mut ways, 0.5).unwrap_or(0.0);
