@@ -186,6 +186,7 @@ fn nothing_is_found_where_nothing_is() {
 }
 
 /// A medium that scatters evenly, and takes of the light by the way.
+#[derive(Debug)]
 struct Hazy;
 
 impl Passage for Hazy {
@@ -252,6 +253,7 @@ fn flat_boundaries_take_no_light_and_let_none_through() {
 }
 
 /// A medium that scatters evenly and takes nothing.
+#[derive(Debug)]
 struct Even;
 
 impl Passage for Even {

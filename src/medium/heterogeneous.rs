@@ -52,6 +52,12 @@ impl Heterogeneous {
         &self.majorants
     }
 
+    /// Density per length of a flight that came to a collision at the distance `t` of a ray of unit direction, over the
+    /// probability of all that it drew on the way there and of the collision.
+    pub fn rate(&self, ray: &Ray, t: f32) -> f32 {
+        if self.constant.is_some() { 1.0 } else { self.majorants.at(ray, t) }
+    }
+
     /// [`Participate::fly`] where the extinction is a constant.
     fn fly_evenly(
         &self,

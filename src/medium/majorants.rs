@@ -73,6 +73,11 @@ impl Majorants {
         Segments { majorants: self, o, d, cell, t: begin, end, done: begin >= end || !p.is_finite() }
     }
 
+    /// The bound at a distance along the ray; 0 outside of the box.
+    pub fn at(&self, ray: &Ray, t: f32) -> f32 {
+        self.along(ray).find(|part| t < part.end).map_or(0.0, |part| part.majorant)
+    }
+
     /// The greatest bound.
     pub fn largest(&self) -> f32 {
         self.values.iter().copied().fold(0.0, f32::max)
@@ -140,6 +145,11 @@ impl<'a> Segments<'a> {
             end,
             done: end <= 0.0 || end.is_nan(),
         }
+    }
+
+    /// The part of the ray that is in the box; `None` of one that misses it.
+    pub fn range(&self) -> Option<[f32; 2]> {
+        (!self.done).then_some([self.t, self.end])
     }
 
     /// Where the ray leaves the cell, and through which axis.

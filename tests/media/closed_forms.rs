@@ -99,6 +99,55 @@ fn light_scattered_once_in_endless_fog_is_the_airlight_integral() {
     }
 }
 
+/// The same in a grid whose 32 layers across the ray differ, by colour too, with the lamp close to the ray: places drawn
+/// by the angle share its light with those that flights come to. Flights alone leave a deviation of seven times the mean
+/// for each of the 32 768 samples, 4 % of it together; with both it is 1.3 times the mean, 0.7 %.
+#[test]
+fn light_of_a_lamp_in_a_grid_is_the_airlight_integral() {
+    let (h, zl, layers) = (0.02f64, 0.3, 32);
+    let value = |z: usize, c: usize| ((z * 5 + c * 3) % 7) as f32 / 7.0;
+    let bytes = vol([2, 3, layers], 3, |[_, _, z]| (0..3).map(|c| value(z, c)).collect());
+    let grid = lookup("<translate x='-0.5' y='-0.5' z='-0.5'/><scale value='2'/>");
+    let medium = |name: &str| {
+        format!(
+            "<medium type='heterogeneous' name='{name}'>{grid}<float name='scale' value='2'/>
+             <float name='albedo' value='0.8'/></medium>"
+        )
+    };
+    let lamp = format!(
+        "<emitter type='point'><point name='position' value='{h},0,{zl}'/>
+         <rgb name='intensity' value='1,1,1'/>{}</emitter>",
+        medium("medium")
+    );
+    let body = [eye("0,0,-5", 0.002, 2, ""), lamp, container("", &medium("interior"))].concat();
+    let stage = scene_with_bytes(&body, vec![("a.vol", bytes)]);
+    let picture = render(&stage, &[PATH, ("max_depth", "2")], 8192);
+    let sigma = |z: f64, c: usize| {
+        let layer = ((z + 1.0) * 0.5 * layers as f64).clamp(0.0, layers as f64 - 1.0);
+        2.0 * f64::from(value(layer as usize, c))
+    };
+    let exact = [0, 1, 2].map(|c| {
+        let steps = 320_000;
+        let dz = 2.0 / f64::from(steps);
+        let at = |i: i32| -1.0 + (f64::from(i) + 0.5) * dz;
+        let mut depths = vec![0.0];
+        (0..steps).for_each(|i| depths.push(depths[i as usize] + sigma(at(i), c) * dz));
+        let depth = |z: f64| depths[((z + 1.0) / dz).round() as usize];
+        let scattered = |i: i32| {
+            let (z, away) = (at(i), (at(i) - zl).abs());
+            let r = h.hypot(away);
+            let to_lamp = (depth(z) - depth(zl)).abs() * r / away.max(1e-9);
+            0.8 * sigma(z, c) / (4.0 * PI) * (-depth(z) - to_lamp).exp() / (r * r) * dz
+        };
+        (0..steps).map(scattered).sum::<f64>()
+    });
+    shows("lamp in a grid", &picture, exact, 0.04);
+    for c in 0..3 {
+        let seen = picture.beauty(c);
+        assert!(seen.sigma < 0.01 * seen.mean, "{seen:?}");
+    }
+}
+
 /// A ball of fog in parallel light from behind the camera: light that is scattered back once has passed the fog twice,
 /// σs·p·∫e^−2σt dt over the diameter.
 #[test]

@@ -1,6 +1,7 @@
 //! Photon mapping in media: the pictures of path tracing, layer by layer, and the power that photons carry.
 
 use caustica::film::Layer;
+use caustica::integrator::photon_map::decided;
 use caustica::photon::trace::{TraceJob, Traced, trace};
 use caustica::transport::Owner;
 
@@ -86,6 +87,60 @@ fn boundaries_at_a_slant_keep_their_light() {
         let mapped = render(&stage, &fixed, 96).estimate(&[Layer::Medium], 1);
         assert_agree(beams, mapped, path, 0.025);
     }
+}
+
+/// A cube of fog on a floor of a kilometre under the sun: of a million light paths over all of the disk four meet the
+/// cube. They are sent there, and the light that the fog scatters again and again is not lost. The floor is black: from
+/// afar it would send the fog few photons that carry much.
+#[test]
+fn fog_on_a_vast_floor_is_lit() {
+    let floor = rectangle(500.0, "<rotate x='1' angle='-90'/><translate y='-1.05'/>", &diffuse("0,0,0"));
+    let sun = "<emitter type='directional'><vector name='direction' value='1,-1,0.5'/>
+               <rgb name='irradiance' value='3,3,3'/></emitter>";
+    let medium = fog("interior", "0.9,0.9,0.9", "0.95,0.95,0.95", "");
+    let stage = scene(&[eye("0,0,-6", 25.0, 16, ""), floor, sun.to_owned(), container("", &medium)].concat());
+    let path = render(&stage, &[("integrator", "path")], 512);
+    for kind in ["points", "beams"] {
+        let set = [("beams", kind), ("volume_radius", "0.05")];
+        let mapped = render(&stage, &set, 24);
+        let what = format!("{kind} on a vast floor");
+        let layer = [Layer::Medium];
+        assert_agree(&what, mapped.estimate(&layer, 0), path.estimate(&layer, 0), 0.05);
+    }
+}
+
+/// Three lamps in three foggy rooms: nearly all light paths start in the one that is seen.
+#[test]
+fn light_paths_in_fog_start_where_they_are_seen() {
+    let fog = |name| fog(name, "0.3,0.3,0.3", "0.9,0.9,0.9", "");
+    let rooms = "<scale x='9' y='1' z='1'/>";
+    let gray = format!("<bsdf type='twosided'>{}</bsdf>", diffuse("0.5,0.5,0.5"));
+    let shell = format!(
+        "<shape type='cube'><transform name='to_world'>{rooms}</transform>{gray}{}</shape>",
+        fog("interior")
+    );
+    let wall = |x: &str| rectangle(1.0, &format!("<rotate y='1' angle='90'/><translate x='{x}'/>"), &gray);
+    let lamp = |x: &str| {
+        format!(
+            "<emitter type='point'><point name='position' value='{x},0.5,0'/>
+             <rgb name='intensity' value='9,9,9'/>{}</emitter>",
+            fog("medium")
+        )
+    };
+    let parts = [
+        eye("0,0,-0.9", 60.0, 16, &fog("medium")),
+        shell,
+        wall("-3"),
+        wall("3"),
+        lamp("-6"),
+        lamp("0"),
+        lamp("6"),
+    ];
+    let volume = decided(scene(&parts.concat()).0.task()).volume.expect("photons in fog");
+    let aim = volume.aim.expect("a third of the paths start in the room");
+    assert!(aim.landing > 0.25, "{aim:?}");
+    // All but the even share of the paths, which is a fifth: 1 − 0.2·2/3 of them, over a third, is 2.6.
+    assert!(matches!(aim.lamps[..], [(1, times)] if times > 2.4), "{aim:?}");
 }
 
 /// Smoke in a grid of colours that differ: flights change their colours on the way.

@@ -75,6 +75,9 @@ const PILOT: u64 = 1 << 17;
 /// them.
 const MANY: u64 = 4 << 20;
 
+/// Aimed light paths are at most this many times fewer than others would be.
+const MOST_COST: f64 = 8.0;
+
 impl<'a> PhotonMapper<'a> {
     /// Measures what the settings leave open: path counts from a pilot, radii from the density of the
     /// first pass. Deterministic: a resumed render measures the same.
@@ -88,6 +91,7 @@ impl<'a> PhotonMapper<'a> {
         let mut mapper = Self::unmeasured(task, settings, halts);
         let aims = known.map(|known| {
             mapper.clearance = known.clearance;
+            mapper.volume.aim = known.media_aim;
             known.aims.map(Some)
         });
         mapper.prepare(aims.unwrap_or_default(), [None; 2]);

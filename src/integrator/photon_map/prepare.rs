@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use super::super::Task;
 use super::maps::Map;
-use super::{PhotonMapper, Plan, VolumeChoice};
+use super::medium::Look;
+use super::{MOST_COST, PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::Aim;
-use crate::photon::aim::Sights;
+use crate::photon::aim::{Line, Lines, Sights};
 use crate::photon::trace::{Halt, Traced};
+use crate::photon::volume::Segment;
 use crate::photon::{Clearance, Stored, radius};
 use crate::scene::Scene;
 use crate::settings::{Count, Indirect, Radius};
@@ -25,8 +27,8 @@ const ENOUGH_COUNTED: u64 = 16;
 /// Most light paths for each photon wanted: a map that hardly fills would otherwise take forever.
 const MOST_PATHS_A_PHOTON: u64 = 100;
 
-/// Aimed light paths are at most this many times fewer than others would be.
-const MOST_COST: f64 = 8.0;
+/// Half the width of a line that beams of pilots come near, of the distance between lines.
+const LINE: f32 = 0.25;
 
 impl PhotonMapper<'_> {
     /// Measures what the settings leave open. Where the `aims` of a map are given they are taken, and from a map that is
@@ -60,17 +62,30 @@ impl PhotonMapper<'_> {
 
     /// Measures what the settings leave open of light in media.
     pub(super) fn measure_media(&mut self, plan: &Plan) -> VolumeChoice {
-        let (segments, pixel) = self.segments();
+        let (looks, pixel) = self.looks();
+        if self.volume.aim.is_none() {
+            let max_depth = self.settings.max_depth.0;
+            let lines: Vec<Line<'_>> = looks.iter().map(|look| look.line(max_depth)).collect();
+            let radius = LINE * pixel * self.apart();
+            let lines = Lines { lines: &lines, light: &self.light_without_maps(), radius };
+            self.volume.take_aim(self.task.scene, &lines, self.halts[0]);
+        }
+        let segments: Vec<Segment> = looks.iter().map(Look::segment).collect();
         let task = Task { settings: &self.settings, ..self.task };
         self.volume.measure(&task, plan, (&segments, pixel), self.halts[0])
     }
 
     /// What the camera sees, for [`Map::take_aim`].
     pub(super) fn sights<'p>(&self, places: &'p [radius::Place]) -> Sights<'p> {
-        let [_, _, w, h] = self.task.view.film.crop.map(|v| v as f32);
-        let apart = (w * h / radius::PLACES as f32).sqrt();
+        let apart = self.apart();
         let second = self.settings.indirect != Indirect::Density;
         Sights { places, apart, first: true, second, direct: true }
+    }
+
+    /// Pixels from one place of the film's grid to the next.
+    fn apart(&self) -> f32 {
+        let [_, _, w, h] = self.task.view.film.crop.map(|v| v as f32);
+        (w * h / radius::PLACES as f32).sqrt()
     }
 }
 

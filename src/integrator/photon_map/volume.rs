@@ -6,9 +6,11 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::super::{PassStats, Task};
-use super::Plan;
 use super::maps::job;
+use super::{MOST_COST, Plan};
+use crate::emitter::{Aim, Aimed};
 use crate::math::Color;
+use crate::photon::aim::{Lines, aim_in_media};
 use crate::photon::radius;
 use crate::photon::trace::{Halt, TraceJob, Traced, trace_until};
 use crate::photon::volume::{BeamMap, Found, Passage, PointMap, Segment, VolumeGather};
@@ -57,6 +59,10 @@ pub(super) struct VolumeMap {
     job: TraceJob,
     mode: Mode,
     alpha: f64,
+    /// Where light is sent, if at all; `None` before it was looked for.
+    pub aim: Option<Option<Aim>>,
+    /// How many times as much paths leave with it.
+    aimed: f64,
     /// Light paths a pass; 0 where it is not needed.
     pub paths: u64,
     /// Search radius of the first pass.
@@ -83,6 +89,8 @@ pub struct VolumeChoice {
     pub radius: f32,
     /// Way of light between collisions, or between a collision and a surface; on average over a pilot.
     pub free_path: f32,
+    /// Where the paths are sent, if not as lamps emit.
+    pub aim: Option<Aimed>,
 }
 
 impl fmt::Display for VolumeChoice {
@@ -90,7 +98,8 @@ impl fmt::Display for VolumeChoice {
         let kind = if self.beams { "beams" } else { "photons at collisions" };
         let Self { paths, radius, free_path, .. } = self;
         write!(f, "{kind} of {paths} light paths a pass; radius {radius:.2e}, light goes {free_path:.2e} ")?;
-        f.write_str("between collisions")
+        f.write_str("between collisions")?;
+        self.aim.as_ref().map_or(Ok(()), |aim| write!(f, "\nmedia aim            {aim}"))
     }
 }
 
@@ -98,7 +107,22 @@ impl VolumeMap {
     /// Not measured yet.
     pub fn new(s: &Settings, plan: &Plan) -> Self {
         let job = job(s, plan, Owner::VolumeMaps);
-        Self { job, mode: s.mode, alpha: f64::from(s.volume_alpha), most: 1.0, paths: 0, radius: 0.0 }
+        Self {
+            job,
+            mode: s.mode,
+            alpha: f64::from(s.volume_alpha),
+            most: 1.0,
+            aim: None,
+            aimed: 1.0,
+            paths: 0,
+            radius: 0.0,
+        }
+    }
+
+    /// Decides where light is sent, by where camera rays find it.
+    pub fn take_aim(&mut self, scene: &Scene, lines: &Lines<'_>, halt: Halt<'_>) {
+        let key = mix(self.job.key ^ (u64::from(u32::MAX) << 2 | 3));
+        self.aim = Some(aim_in_media(scene, &TraceJob { key, ..self.job }, lines, halt));
     }
 
     /// Measures what the settings leave open, by segments of camera rays in media and the size of a pixel there.
@@ -111,7 +135,12 @@ impl VolumeMap {
     ) -> VolumeChoice {
         self.job.beams = true;
         let (pilot, traced) = self.pilot(task.scene, halt);
-        let lengths: f64 = pilot.beams.iter().map(|beam| f64::from(beam.length)).sum();
+        if self.aim_in_use().is_some() {
+            let plain = self.trace(task.scene, (u32::MAX, None), PILOT, halt).beams.len().max(1);
+            let aimed = pilot.beams.len() as f64 * PILOT as f64 / (plain as f64 * traced as f64);
+            self.aimed = aimed.clamp(1.0, MOST_COST);
+        }
+        let lengths = pilot.beams.iter().fold(0.0, |sum, beam| sum + f64::from(beam.length));
         let free_path = (lengths / pilot.beams.len().max(1) as f64) as f32;
         let mut ways: Vec<f32> = segments.iter().map(|segment| segment.length).collect();
         let way = radius::quantile(&mut ways, 0.5).unwrap_or(0.0);
@@ -145,15 +174,18 @@ impl VolumeMap {
                 found,
             );
         }
-        VolumeChoice { beams: self.job.beams, paths: self.paths, radius: self.radius, free_path }
+        let (beams, paths, radius) = (self.job.beams, self.paths, self.radius);
+        let aim = self.aim_in_use().map(|aim| aim.aimed(&task.scene.emission));
+        VolumeChoice { beams, paths, radius, free_path, aim }
     }
 
     /// What the paths of a pilot left, and how many there were.
     fn pilot(&self, scene: &Scene, halt: Halt<'_>) -> (Traced, u64) {
-        let few = self.trace(scene, u32::MAX, FEW, halt);
+        let all = (u32::MAX, self.aim_in_use());
+        let few = self.trace(scene, all, FEW, halt);
         let left = few.beams.len().max(few.points.len()).max(1) as u64;
         let paths = (FEW * ENOUGH / left).clamp(FEW, PILOT);
-        let pilot = if paths > FEW { self.trace(scene, u32::MAX, paths, halt) } else { few };
+        let pilot = if paths > FEW { self.trace(scene, all, paths, halt) } else { few };
         (pilot, paths)
     }
 
@@ -169,7 +201,7 @@ impl VolumeMap {
     ) {
         let (s, sphere) = (task.settings, task.scene.sphere.radius);
         let each = (left as f64 / traced as f64).max(1e-3);
-        self.paths = count_paths(s, plan, each, most as f64 * self.most);
+        self.paths = count_paths(s, plan, [each, self.aimed], most as f64 * self.most);
         let share = self.paths as f32 / traced as f32;
         let (wanted, power) = match self.job.beams {
             true => ((s.volume_neighbours as f32 * FEWER_BEAMS).max(1.0), 1.0),
@@ -190,9 +222,14 @@ impl VolumeMap {
         }
     }
 
-    fn trace(&self, scene: &Scene, pass: u32, paths: u64, halt: Halt<'_>) -> Traced {
+    fn aim_in_use(&self) -> Option<&Aim> {
+        self.aim.as_ref().and_then(Option::as_ref)
+    }
+
+    /// What paths of a pass leave that start by an aim.
+    fn trace(&self, scene: &Scene, (pass, aim): (u32, Option<&Aim>), paths: u64, halt: Halt<'_>) -> Traced {
         let key = mix(self.job.key ^ (u64::from(pass) << 2 | 2));
-        trace_until(scene, &TraceJob { key, paths, ..self.job }, None, halt)
+        trace_until(scene, &TraceJob { key, paths, ..self.job }, aim, halt)
     }
 
     /// Radius of pass i, of which its kernel's area (points) or width (beams) shrinks like that of other maps.
@@ -219,7 +256,7 @@ impl VolumeMap {
             return None;
         }
         let start = Instant::now();
-        let traced = self.trace(scene, pass, self.paths, halt);
+        let traced = self.trace(scene, (pass, self.aim_in_use()), self.paths, halt);
         stats.cut |= traced.paths < self.paths;
         stats.trace_seconds += start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -253,10 +290,13 @@ impl PassVolume {
     }
 }
 
-/// Light paths of a pass, of which each leaves so many: where the number was left open, no more than leave `most`.
-fn count_paths(s: &Settings, plan: &Plan, each: f64, most: f64) -> u64 {
+/// Light paths of a pass, of which each leaves so many: where the number was left open, no more than leave `most`, and
+/// as many times fewer as they leave more because they are `aimed`.
+fn count_paths(s: &Settings, plan: &Plan, [each, aimed]: [f64; 2], most: f64) -> u64 {
     match plan.volume_paths {
-        Count::Paths(n) if s.volume_photons == Count::Auto => n.min(((most / each) as u64).max(1)),
+        Count::Paths(n) if s.volume_photons == Count::Auto => {
+            (n as f64 / aimed).min(most / each).max(1.0) as u64
+        }
         Count::Paths(n) => n,
         Count::Stored(n) => ((n as f64 / each) as u64).max(1),
         Count::Auto => 0,

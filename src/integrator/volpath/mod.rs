@@ -183,7 +183,8 @@ impl VolumePathTracer<'_> {
         let t = medium.fly(part, &mut walk.carried, &mut emitted, &mut sample.sampler);
         sample.out.add(walk.class.layer(), emitted);
         let t = t?;
-        let share = pivot.map_or(1.0, |pivot| pivot.share_of_flight(medium, &before, t));
+        let share =
+            pivot.map_or(1.0, |pivot| pivot.share_of_flight((medium, part), [&before, &walk.carried], t));
         Some(self.scatter_in(medium, walk, part.at(t), (lamp, share), sample, scratch))
     }
 

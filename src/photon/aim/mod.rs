@@ -1,22 +1,27 @@
 //! Where the light paths of a map are sent, learned from pilots by the photons that land where the map is read.
 
 mod bodies;
+mod lines;
 mod pilot;
 mod seen;
 
+pub use lines::{Line, Lines};
 pub use seen::Sights;
 
 use super::trace::{Halt, TraceJob};
 use crate::emitter::{Aim, EmissionBounds, Emitter, EntrySegment, PathFound, SceneSphere, Starts, Targets};
 use crate::scene::Scene;
 use crate::transport::Owner;
-use pilot::{Pilot, Task, Tried, gain};
-use seen::Seen;
+use pilot::{Pilot, Seen, Task, Tried, gain};
+use seen::Discs;
 
 /// Paths of the first pilot, of one that looks closer where that found little, and of those that learned densities start.
 const FIRST: u64 = 1 << 14;
 const CLOSER: u64 = 1 << 16;
 const LATER: u64 = 1 << 14;
+
+/// If what the paths leave ends a pilot after this part of it, light is scattered so often that its start hardly matters.
+const CUT: u64 = 4;
 
 /// A pilot of fewer paths that bring something says little.
 const FEW: f64 = 512.0;
@@ -34,6 +39,9 @@ const PROMISING: f64 = 1.1;
 /// If more than this share of the paths from infinity leave photons, they need no entrances.
 const ENOUGH: f64 = 0.2;
 
+/// The same in media, where paths that leave nothing cost hardly any time.
+const ENOUGH_IN_MEDIA: f64 = 0.02;
+
 /// Most entry segments that entrances are made from.
 const SEGMENTS: usize = 2048;
 
@@ -42,15 +50,28 @@ pub fn aim(scene: &Scene, job: &TraceJob, sights: &Sights<'_>, halt: Halt<'_>) -
     if scene.emitters.is_empty() {
         return None;
     }
-    let seen = Seen::new(scene, sights);
-    let bodies = match job.owner {
-        Owner::CausticMap => bodies::sharp_bodies(scene, job.glossy),
+    let discs = Discs::new(scene, sights);
+    found(&Task { scene, job, around: discs.around, seen: &Seen::Surfaces(discs), halt })
+}
+
+/// The same for a map of light in media that is read along `lines`.
+pub fn aim_in_media(scene: &Scene, job: &TraceJob, lines: &Lines<'_>, halt: Halt<'_>) -> Option<Aim> {
+    if scene.emitters.is_empty() {
+        return None;
+    }
+    // Beams tell more of a path than photons at collisions, which have the same mean.
+    let job = &TraceJob { beams: true, ..*job };
+    found(&Task { scene, job, around: lines.around(), seen: &Seen::Media(*lines), halt })
+}
+
+fn found(task: &Task<'_>) -> Option<Aim> {
+    let bodies = match task.job.owner {
+        Owner::CausticMap => bodies::sharp_bodies(task.scene, task.job.glossy),
         _ => Vec::new(),
     };
-    let task = Task { scene, job, seen: &seen, halt };
     let aim =
-        Aim { entrances: entrances(&task, &bodies), headings: None, starts: None, landing: 0.0, cost: 1.0 };
-    match starts(&task, &aim, &bodies) {
+        Aim { entrances: entrances(task, &bodies), headings: None, starts: None, landing: 0.0, cost: 1.0 };
+    match starts(task, &aim, &bodies) {
         Ok(found) => Some(found),
         Err(_) if aim.entrances.is_none() => None,
         Err(landing) => Some(Aim { landing, ..aim }),
@@ -64,20 +85,24 @@ fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
     if !scene.emitters.iter().any(Emitter::is_infinite) {
         return None;
     }
-    if let Some(entrances) = Targets::around(&scene.sphere, &task.seen.around) {
+    if let Some(entrances) = Targets::around(&scene.sphere, &task.around) {
         return Some(entrances);
     }
+    let enough = match task.seen {
+        Seen::Surfaces(_) => ENOUGH,
+        Seen::Media(_) => ENOUGH_IN_MEDIA,
+    };
     let segments = |entrances: Option<&Targets>| {
         let mut pilot = Pilot::default();
         let bounds = EmissionBounds { sphere: scene.sphere, entrances, headings: None };
-        pilot.run(task, CLOSER, None, &bounds);
+        pilot.run(task, task.paths(CLOSER), None, &bounds);
         let (met, mut found) = pilot.entry_segments(&pilot.found(task));
         let useful = found.len();
         found = found.iter().step_by(useful.div_ceil(SEGMENTS).max(1)).copied().collect();
-        (pilot, useful as f64 > ENOUGH * met as f64, found)
+        (pilot, useful as f64 > enough * met as f64, found)
     };
-    let (pilot, enough, found): (Pilot, bool, Vec<EntrySegment>) = segments(None);
-    if enough {
+    let (pilot, many, found): (Pilot, bool, Vec<EntrySegment>) = segments(None);
+    if many {
         return None;
     }
     let toward = || Targets::toward(&scene.sphere, &bodies::missed(bodies, &pilot));
@@ -90,21 +115,23 @@ fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
 /// If these gain little, the share of paths that bring something as it is.
 fn starts(task: &Task<'_>, aim: &Aim, bodies: &[SceneSphere]) -> Result<Aim, f32> {
     let mut pilot = Pilot::default();
-    pilot.run(task, FIRST, None, &aim.bounds(task.scene.sphere));
+    pilot.run(task, task.paths(FIRST), None, &aim.bounds(task.scene.sphere));
     let found = pilot.found(task);
     let share = pilot.share(&found);
-    let few = share < ENOUGH;
-    let headings = if few { headings(task, bodies, &pilot) } else { None };
+    if matches!(task.seen, Seen::Media(_)) && found.len() as u64 * CUT < task.paths(FIRST) {
+        return Err(share as f32);
+    }
+    let headings = if share < ENOUGH { headings(task, bodies, &pilot) } else { None };
     if headings.is_some() {
         let mut pilot = Pilot::default();
         let aim = Aim { headings, ..aim.clone() };
-        pilot.run(task, LATER, None, &aim.bounds(task.scene.sphere));
+        pilot.run(task, task.paths(LATER), None, &aim.bounds(task.scene.sphere));
         if let Some(refined) = refined(task, &aim, pilot) {
             return Ok(refined);
         }
     }
     if share * (found.len() as f64) < FEW {
-        pilot.run(task, CLOSER, None, &aim.bounds(task.scene.sphere));
+        pilot.run(task, task.paths(CLOSER), None, &aim.bounds(task.scene.sphere));
     } else if halves_gain(task, &found) < PROMISING {
         return Err(share as f32);
     }
@@ -117,7 +144,7 @@ fn headings(task: &Task<'_>, bodies: &[SceneSphere], pilot: &Pilot) -> Option<Ta
     if scene.emitters.iter().all(Emitter::is_infinite) {
         None
     } else if task.job.owner != Owner::CausticMap {
-        Targets::around(&scene.sphere, &task.seen.around)
+        Targets::around(&scene.sphere, &task.around)
     } else if bodies.len() <= bodies::MOST {
         Targets::toward(&scene.sphere, bodies)
     } else {
@@ -130,9 +157,9 @@ fn refined(task: &Task<'_>, aim: &Aim, mut pilot: Pilot) -> Option<Aim> {
     let learn = |found: &[PathFound]| Starts::learn(&task.scene.emission, found, EVEN);
     let bounds = aim.bounds(task.scene.sphere);
     let first = learn(&pilot.found(task))?;
-    pilot.run(task, LATER, Some(first), &bounds);
+    pilot.run(task, task.paths(LATER), Some(first), &bounds);
     let second = learn(&pilot.found(task))?;
-    pilot.run(task, LATER, Some(second), &bounds);
+    pilot.run(task, task.paths(LATER), Some(second), &bounds);
     let found = pilot.found(task);
     let gain = pilot.last_gain(&found);
     if gain.time < WORTH {

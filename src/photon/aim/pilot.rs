@@ -2,10 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::seen::Seen;
-use crate::emitter::{EmissionBounds, EntrySegment, PathFound, Start, Starts};
+use super::lines::{Brought, Lines};
+use super::seen::Discs;
+use crate::emitter::{EmissionBounds, EntrySegment, PathFound, SceneSphere, Start, Starts};
 use crate::math::Vec3;
 use crate::photon::trace::{self, Halt, TraceJob, follow, in_chunks, path_sampler};
+use crate::photon::volume::Beam;
 use crate::sampling::{Discrete, Found, Sampler, mix};
 use crate::scene::Scene;
 
@@ -14,8 +16,53 @@ use crate::scene::Scene;
 pub(super) struct Task<'a> {
     pub scene: &'a Scene,
     pub job: &'a TraceJob,
-    pub seen: &'a Seen,
+    pub seen: &'a Seen<'a>,
+    /// Around most of what the camera sees.
+    pub around: SceneSphere,
     pub halt: Halt<'a>,
+}
+
+impl Task<'_> {
+    /// How many paths a pilot traces instead of `paths`: in media they tell more.
+    pub fn paths(&self, paths: u64) -> u64 {
+        match self.seen {
+            Seen::Surfaces(_) => paths,
+            Seen::Media(_) => paths / 2,
+        }
+    }
+}
+
+/// Parts of the picture, by which photons are valued.
+#[derive(Debug)]
+pub(super) enum Seen<'a> {
+    Surfaces(Discs),
+    Media(Lines<'a>),
+}
+
+impl Seen<'_> {
+    /// Whether the map is read nowhere, as far as is known: photons are worth the same everywhere then.
+    fn is_empty(&self) -> bool {
+        match self {
+            Self::Surfaces(discs) => discs.is_empty(),
+            Self::Media(lines) => lines.lines.is_empty(),
+        }
+    }
+
+    /// How many parts there are.
+    fn len(&self) -> usize {
+        match self {
+            Self::Surfaces(discs) => discs.len(),
+            Self::Media(lines) => lines.light.len(),
+        }
+    }
+
+    /// By part: what the square of a photon's flux is worth, or of the radiance that it brings, from what all bring.
+    fn worth(&self, landed: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Surfaces(discs) => discs.worth(landed),
+            Self::Media(lines) => lines.worth(landed),
+        }
+    }
 }
 
 /// A path and what it met.
@@ -32,7 +79,7 @@ struct Path {
     weight: f32,
 }
 
-/// A photon on a disc: its path, the disc, and its flux.
+/// A photon on a disc: its path, the disc, and its flux. Or a piece of a beam near a line, and what it brings there.
 #[derive(Clone, Copy, Debug)]
 struct Landed {
     path: u32,
@@ -61,6 +108,7 @@ const OVERHEAD: f32 = 0.5;
 /// Photons on discs after which a chunk of paths ends: where light hardly loses anything a path leaves hundreds, each on
 /// several discs, and fewer paths tell as much.
 const MOST_LANDED: usize = 1 << 16;
+const MOST_BEAMS: usize = 1 << 12;
 
 impl Pilot {
     /// Traces `paths` more, started by `starts`.
@@ -70,7 +118,7 @@ impl Pilot {
         let chunks = in_chunks(paths, 0, task.halt, |range| {
             let mut part = Part::default();
             for i in range {
-                if task.halt.stopped() || part.landed.len() > MOST_LANDED {
+                if task.halt.stopped() || part.is_full() {
                     break;
                 }
                 let mut sampler = path_sampler(&job, i);
@@ -82,10 +130,17 @@ impl Pilot {
             part
         });
         let before = self.paths.len();
+        let (mut beams, mut path_of) = (Vec::new(), Vec::new());
         for part in chunks {
             let first = self.paths.len() as u32;
             self.landed.extend(part.landed.iter().map(|l| Landed { path: l.path + first, ..*l }));
+            path_of.extend(part.path_of.iter().map(|path| path + first));
+            beams.extend(part.out.beams);
             self.paths.extend(part.paths);
+        }
+        if let Seen::Media(lines) = task.seen {
+            let landed = |b: Brought| Landed { path: path_of[b.beam as usize], spot: b.place, flux: b.light };
+            self.landed.extend(lines.each(&beams).into_iter().map(landed));
         }
         self.rounds.push(Round { count: self.paths.len() - before, starts });
     }
@@ -104,7 +159,7 @@ impl Pilot {
 
     /// By path: the square of what it brings to the picture, if it had started by power and even numbers, in units of the
     /// mean.
-    fn values(&self, seen: &Seen, weights: &[f32]) -> Vec<f64> {
+    fn values(&self, seen: &Seen<'_>, weights: &[f32]) -> Vec<f64> {
         let mut values: Vec<f64> = if seen.is_empty() {
             self.paths.iter().map(|p| f64::from(p.flux).powi(2)).collect()
         } else {
@@ -220,9 +275,16 @@ struct Part {
     paths: Vec<Path>,
     landed: Vec<Landed>,
     out: trace::Part,
+    /// Of each beam.
+    path_of: Vec<u32>,
 }
 
 impl Part {
+    /// Whether this tells enough.
+    fn is_full(&self) -> bool {
+        self.landed.len() > MOST_LANDED || self.out.beams.len() > MOST_BEAMS
+    }
+
     fn add(
         &mut self,
         task: &Task<'_>,
@@ -240,15 +302,35 @@ impl Part {
             path.way = first.map(|to| [light.emission.o, to]);
             path.from_infinity = light.from_infinity;
             path.weight = if light.from_infinity { 1.0 } else { light.emission.weight };
-            let scale = start.density * job.paths as f32;
-            for photon in &self.out.photons {
-                let flux = photon.flux.max_element() * scale;
-                path.flux += flux;
-                let landed = |spot| Landed { path: self.paths.len() as u32, spot, flux };
-                task.seen.each(photon, |spot| self.landed.push(landed(spot)));
-            }
-            path.cost += self.out.rays as f32 + OVERHEAD * self.out.photons.len() as f32;
+            let left = self.keep(task, start.density * job.paths as f32, &mut path);
+            path.cost += self.out.rays as f32 + OVERHEAD * left as f32;
         }
         self.paths.push(path);
+    }
+
+    /// Keeps what the path left, its flux times `scale`. Returns how much that is.
+    fn keep(&mut self, task: &Task<'_>, scale: f32, path: &mut Path) -> usize {
+        let number = self.paths.len() as u32;
+        match task.seen {
+            Seen::Surfaces(discs) => {
+                for photon in &self.out.photons {
+                    let flux = photon.flux.max_element() * scale;
+                    path.flux += flux;
+                    let landed = |spot| Landed { path: number, spot, flux };
+                    discs.each(photon, |spot| self.landed.push(landed(spot)));
+                }
+                self.out.photons.len()
+            }
+            Seen::Media(_) => {
+                let new: &mut [Beam] = &mut self.out.beams[self.path_of.len()..];
+                for beam in new.iter_mut() {
+                    beam.flux *= scale;
+                    path.flux += beam.flux.max_element();
+                }
+                let left = new.len();
+                self.path_of.resize(self.out.beams.len(), number);
+                left
+            }
+        }
     }
 }

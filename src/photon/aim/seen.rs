@@ -37,7 +37,7 @@ struct Spot {
 
 /// Discs around the places where a map is read, which are found by a grid.
 #[derive(Debug)]
-pub(super) struct Seen {
+pub(super) struct Discs {
     spots: Vec<Spot>,
     cells: HashMap<[i32; 3], Vec<u32>>,
     size: f32,
@@ -54,7 +54,7 @@ const LOOKS: usize = 8;
 /// No place is darker than this share of the mean: the error of what is black does not matter.
 const DARKEST: f64 = 0.1;
 
-impl Seen {
+impl Discs {
     pub fn new(scene: &Scene, sights: &Sights<'_>) -> Self {
         let mut rng = CounterRng::new(0x5ee4, 0);
         let mut spots: Vec<Spot> = Vec::new();

@@ -6,12 +6,14 @@
 //!
 //! A photon is one random point of a beam, with density σ_t per length: so both have the same mean.
 
+use std::fmt::Debug;
+
 use super::{BeamMap, Crossing, Near, PointMap, Segment};
 use crate::math::kernel::{Epanechnikov, Kernel};
 use crate::math::{Color, Vec3, decode_direction};
 
 /// What the medium of a segment says.
-pub trait Passage {
+pub trait Passage: Debug + Sync {
     /// Share of the light that gets from the place at distance `t` of the segment to its start, and on to the camera.
     fn transmittance(&self, t: f32) -> Color;
     /// Phase function at `p`, 1/sr, of light that comes from the unit direction `wi` and goes back along the segment.
@@ -22,7 +24,7 @@ pub trait Passage {
 
 /// The segment that light is wanted for, and what of the photons counts.
 #[derive(Clone, Copy, Debug)]
-pub struct VolumeGather<'a, P> {
+pub struct VolumeGather<'a, P: ?Sized> {
     /// Where.
     pub segment: &'a Segment,
     /// Photons of other media are no light in this one.
@@ -67,11 +69,23 @@ impl PointMap {
 
 impl BeamMap {
     /// Radiance at the start of a segment.
-    pub fn radiance<P: Passage>(&self, at: &VolumeGather<'_, P>, found: &mut Found) -> Color {
+    pub fn radiance<P: Passage + ?Sized>(&self, at: &VolumeGather<'_, P>, found: &mut Found) -> Color {
+        let mut sum = Color::ZERO;
+        self.each(at, found, |_, light| sum += light);
+        sum
+    }
+
+    /// The same piece by piece: calls `brings` with the number of each beam and what a piece of it adds.
+    #[inline]
+    pub fn each<P: Passage + ?Sized>(
+        &self,
+        at: &VolumeGather<'_, P>,
+        found: &mut Found,
+        mut brings: impl FnMut(u32, Color),
+    ) {
         found.lookups += 1;
         self.along(at.segment, &mut found.beams);
         found.photons += found.beams.len() as u64;
-        let mut sum = Color::ZERO;
         for crossing in &found.beams {
             let i = crossing.beam as usize;
             if self.medium[i] != at.medium || u32::from(self.depth[i]) > at.max_photon_depth {
@@ -80,8 +94,10 @@ impl BeamMap {
             let phase = at.passage.phase(crossing.p, -crossing.d);
             let flux = Color::from_lanes(self.flux.each_ref().map(|lane| lane[i]));
             let scattered = flux * at.passage.scattering(crossing.p, crossing.d);
-            sum += scattered * at.passage.transmittance(crossing.t) * (phase * crossing.weight);
+            brings(
+                crossing.beam,
+                scattered * at.passage.transmittance(crossing.t) * (phase * crossing.weight),
+            );
         }
-        sum
     }
 }

@@ -70,7 +70,7 @@ pub(super) fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settin
     let others = (0..rated.len()).filter(|&i| i != best).map(|i| (candidates[i].name.to_owned(), factor(i)));
     let others: Vec<_> = others.collect();
     let Candidate { mapper, .. } = candidates.swap_remove(best);
-    let PhotonMapper { settings: ref tried, global, caustic, clearance, .. } = mapper;
+    let PhotonMapper { settings: ref tried, global, caustic, volume, clearance, .. } = mapper;
     let samples = Samples(Some(task.settings.camera_samples.0.unwrap_or(rated[best].samples)));
     let settings = Settings { seed: task.settings.seed, camera_samples: samples, ..tried.clone() };
     let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
@@ -85,7 +85,8 @@ pub(super) fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settin
         aims: [&global, &caustic].map(|map| map.aim.as_ref().map(|aim| aim.aimed(power))),
         others,
     };
-    Some((settings, choice, Known { aims: [global.aim, caustic.aim], clearance }))
+    let known = Known { aims: [global.aim, caustic.aim], media_aim: volume.aim, clearance };
+    Some((settings, choice, known))
 }
 
 /// The ways that the settings leave open, each with settings that mean it.
@@ -129,6 +130,7 @@ fn pilot<'a>(
     let mut mapper = PhotonMapper::unmeasured(task, settings, halts);
     let known = first.filter(|_| same).map_or([None; 2], |first| first.maps().map(Some));
     mapper.volume.most = most;
+    mapper.volume.aim = first.and_then(|first| first.volume.aim.clone());
     mapper.clearance = first.and_then(|first| first.clearance.clone());
     mapper.prepare([None, None], known);
     mapper

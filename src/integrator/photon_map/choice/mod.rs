@@ -63,6 +63,8 @@ const PASSES: u32 = 16;
 pub(in super::super) struct Known {
     /// Where each map sends its light.
     pub aims: [Option<Aim>; 2],
+    /// The same of light in media; `None` where it was not looked for.
+    pub media_aim: Option<Option<Aim>>,
     /// Where discs lie free.
     pub clearance: Option<Arc<Clearance>>,
 }
@@ -147,13 +149,14 @@ pub struct Decided {
 
 /// The maps of a render, and what pilots chose where something was open.
 pub fn decided(task: Task<'_>) -> Decided {
-    let (settings, choice) = match choose(task, [Halt::default(); 2]) {
-        Some((settings, choice, _)) => (settings, Some(choice)),
-        None => (without_choice(&task), None),
+    let (settings, choice, media_aim) = match choose(task, [Halt::default(); 2]) {
+        Some((settings, choice, known)) => (settings, Some(choice), known.media_aim),
+        None => (without_choice(&task), None, None),
     };
     let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
     let volume = plan.volume_map.then(|| {
         let mut mapper = PhotonMapper::unmeasured(task, settings, [Halt::default(); 2]);
+        mapper.volume.aim = media_aim;
         mapper.measure_media(&plan)
     });
     Decided { plan, indirect: choice, volume }
@@ -216,7 +219,8 @@ fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settings, Choice,
     let chosen = candidates.swap_remove(best.at).mapper;
     let power = &task.scene.emission;
     choice.aims = chosen.maps().map(|map| map.aim.as_ref().map(|aim| aim.aimed(power)));
-    let known = Known { aims: [chosen.global.aim, chosen.caustic.aim], clearance: chosen.clearance };
+    let aims = [chosen.global.aim, chosen.caustic.aim];
+    let known = Known { aims, media_aim: None, clearance: chosen.clearance };
     Some((settings, choice, known))
 }
 

@@ -20,6 +20,7 @@ use crate::scene::{Hit, Surface};
 use crate::transport::media::{MOST_PASSED, within};
 use crate::transport::roulette::Length;
 use crate::transport::{PathClass, Vertex, roulette};
+pub(super) use places::Look;
 use stretch::Stretch;
 
 /// A camera path between two surfaces.
