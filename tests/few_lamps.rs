@@ -69,7 +69,7 @@ fn furnished(more: &str) -> Stage {
 /// Light adds up: the lamps together bring what each brings alone, where there is nothing to choose, by all kinds of
 /// direct light: of path tracing, of photon mapping and of a scene with fog. Shares of shadow rays and of scattered
 /// rays that did not add up to 1 would show on the ball, under the wide lamp and the sky, and in the fog. Both sides
-/// have 0.2 % of noise at most, of which 4.5 standard errors are allowed for.
+/// have 0.3 % of noise together at most, of which 4.5 standard errors are allowed for.
 #[test]
 fn lamps_together_bring_what_each_brings_alone() {
     let layers = [Layer::Direct, Layer::Indirect];
@@ -86,6 +86,6 @@ fn lamps_together_bring_what_each_brings_alone() {
         let each: Vec<Estimate> = (0..LAMPS).map(|lamp| seen(&|i| i == lamp)).collect();
         let mean = each.iter().map(|e| e.mean).sum();
         let sigma = each.iter().map(|e| e.sigma.powi(2)).sum::<f64>().sqrt();
-        assert_agree(name, all, Estimate { mean, sigma }, 0.01);
+        assert_agree(name, all, Estimate { mean, sigma }, 0.015);
     }
 }

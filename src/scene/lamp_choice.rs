@@ -1,6 +1,6 @@
 //! Which lamp lights a point most: the choice of next event estimation.
 //!
-//! Of few lamps, surfaces compare a sample of each (`integrator::direct`); where that is not done, the choice is the same
+//! Of few lamps, a sample of each is compared (`integrator::direct`); where that is not done, the choice is the same
 //! everywhere. Of many lamps, most are far away, so the scene is divided into cells, each with a distribution of its
 //! own: by the irradiance that a lamp would bring to the cell were nothing in its way (power over squared distance),
 //! mixed with the choice of the whole scene, because things are in the way.
