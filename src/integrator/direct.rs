@@ -91,8 +91,9 @@ impl Candidate {
         if self.pdf > 0.0 && self.light.pdf > 0.0 { power_heuristic(self.light.pdf, self.pdf) } else { 1.0 }
     }
 
-    /// Of one emitter. Of few, a point of each is looked at, and one is drawn in proportion to what it brings unless
-    /// something stands between (resampled importance sampling: Talbot et al. 2005).
+    /// Of one emitter. Of few, a point of each is looked at, and one is drawn in proportion to what it would bring were
+    /// nothing in its way (resampled importance sampling: Talbot et al. 2005), times the share of that which arrives where
+    /// the camera looks.
     #[inline(always)]
     pub fn choose(scene: &Scene, receiver: &impl Receiver, (pick, u): (f32, Vec2)) -> Option<Self> {
         let p = receiver.place();
@@ -100,26 +101,36 @@ impl Candidate {
             return Self::new(scene.sample_direct(p, pick, u)?, receiver);
         }
         // First all, then the choice, which a processor cannot foresee: it would wait for it lamp by lamp.
-        let (mut found, mut total) = ([None; LampChoice::FEW], 0.0);
+        let (mut found, mut total, mut count) = ([None; LampChoice::FEW], 0.0, 0.0);
         for (lamp, found) in found.iter_mut().enumerate().take(scene.emitters.len()) {
             let Some(light) = scene.sample_lamp(lamp, p, u) else { continue };
             let Some(one) = Self::new(light, receiver) else { continue };
             let worth = (one.f * light.value).max_element() * one.weight();
-            total += worth;
-            *found = Some((one, worth));
+            if worth > 0.0 {
+                let arriving = worth * scene.direct.arriving(lamp);
+                total += arriving;
+                count += 1.0;
+                *found = Some((one, arriving));
+            }
         }
-        let mut rest = pick * total;
+        let even = if total > 0.0 { scene.direct.even() } else { 1.0 };
+        let probability =
+            |arriving: f32| even / count + if even < 1.0 { (1.0 - even) * arriving / total } else { 0.0 };
+        let mut rest = pick;
         let mut chosen = None;
-        for (one, worth) in found.iter().flatten().filter(|(_, worth)| *worth > 0.0) {
+        for (one, arriving) in found.iter().flatten() {
             // Rounding goes to the last.
-            chosen = Some((one, worth));
-            if rest < *worth {
+            let probability = probability(*arriving);
+            if probability > 0.0 {
+                chosen = Some((one, probability));
+            }
+            if rest < probability {
                 break;
             }
-            rest -= worth;
+            rest -= probability;
         }
-        let (one, worth) = chosen?;
-        let light = DirectSample { value: one.light.value * (total / worth), ..one.light };
+        let (one, probability) = chosen?;
+        let light = DirectSample { value: one.light.value / probability, ..one.light };
         Some(Self { light, ..*one })
     }
 }

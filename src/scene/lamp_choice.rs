@@ -9,6 +9,12 @@ use crate::emitter::{Emitter, SceneSphere};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::Discrete;
 
+/// Of the choice among few lamps, the share that is even where some are hidden.
+const DOUBT: f32 = 0.2;
+
+/// Lamps of which a larger share of the light arrives count as seen everywhere.
+const SEEN: f32 = 0.95;
+
 /// Entries of all cells together.
 const ENTRIES: usize = 1 << 20;
 
@@ -24,6 +30,8 @@ pub struct LampChoice {
     whole: Discrete,
     cells: Option<Cells>,
     few: bool,
+    arriving: [f32; LampChoice::FEW],
+    even: f32,
 }
 
 /// Distributions on a grid over the sphere around the scene.
@@ -47,13 +55,40 @@ impl LampChoice {
         let side = ((ENTRIES / emitters.len().max(1)) as f64).cbrt() as usize;
         let many = emitters.len() > Self::FEW && side > 1 && sphere.radius > 0.0 && sphere.radius.is_finite();
         let cells = many.then(|| Cells::new(&whole, emitters, power, sphere, side.min(MOST)));
-        Self { whole, cells, few: (2..=Self::FEW).contains(&emitters.len()) }
+        Self {
+            whole,
+            cells,
+            few: (2..=Self::FEW).contains(&emitters.len()),
+            arriving: [1.0; Self::FEW],
+            even: 0.0,
+        }
     }
 
     /// There are several lamps, so few that a sample of each can be looked at.
     #[inline]
     pub fn few(&self) -> bool {
         self.few
+    }
+
+    /// Of the light that each of a few lamps would bring where the camera looks were nothing in its way, the shares that
+    /// arrive.
+    pub fn set_arriving(&mut self, shares: [f32; Self::FEW]) {
+        self.arriving = shares;
+        let hidden = shares.iter().any(|share| *share < SEEN);
+        self.even = if hidden { DOUBT } else { 0.0 };
+    }
+
+    /// See [`LampChoice::set_arriving`]; 1 for all where nobody has looked.
+    #[inline]
+    pub fn arriving(&self, lamp: usize) -> f32 {
+        self.arriving[lamp]
+    }
+
+    /// Share of the choice among a few lamps that makes no difference between them, since a lamp may be hidden in one place
+    /// and not in another; 0 where all are seen.
+    #[inline]
+    pub fn even(&self) -> f32 {
+        self.even
     }
 
     /// What multiple importance sampling counts of a lamp's own density at `p`: the probability of the lamp; all of it

@@ -8,6 +8,7 @@ mod coats;
 mod emitters;
 mod integrator;
 mod interfaces;
+mod lamp_sight;
 mod lamps;
 mod light_image;
 mod materials;
@@ -182,6 +183,11 @@ pub fn compile(
     let view =
         View { sensor, medium, film, filter, response, hidden_lamps_are_transparent, aovs: Vec::new() };
     let facts = Facts::of(&scene);
+    // In media, shadow rays pass through boundaries that would hide everything here.
+    if scene.direct.few() && !facts.media {
+        let shares = lamp_sight::shares(&scene, &view);
+        scene.direct.set_arriving(shares);
+    }
     if facts.media {
         b.diagnostics.extend(media::check(ir, &scene, &view));
         scene.place_lamps(view.sensor.position, view.medium);
