@@ -39,9 +39,6 @@ const PROMISING: f64 = 1.1;
 /// If more than this share of the paths from infinity leave photons, they need no entrances.
 const ENOUGH: f64 = 0.2;
 
-/// The same in media, where paths that leave nothing cost hardly any time.
-const ENOUGH_IN_MEDIA: f64 = 0.02;
-
 /// Most entry segments that entrances are made from.
 const SEGMENTS: usize = 2048;
 
@@ -88,10 +85,10 @@ fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
     if let Some(entrances) = Targets::around(&scene.sphere, &task.around) {
         return Some(entrances);
     }
-    let enough = match task.seen {
-        Seen::Surfaces(_) => ENOUGH,
-        Seen::Media(_) => ENOUGH_IN_MEDIA,
-    };
+    // In media, finding windows gains nothing: paths that miss them cost hardly any time.
+    if matches!(task.seen, Seen::Media(_)) {
+        return None;
+    }
     let segments = |entrances: Option<&Targets>| {
         let mut pilot = Pilot::default();
         let bounds = EmissionBounds { sphere: scene.sphere, entrances, headings: None };
@@ -99,10 +96,10 @@ fn entrances(task: &Task<'_>, bodies: &[SceneSphere]) -> Option<Targets> {
         let (met, mut found) = pilot.entry_segments(&pilot.found(task));
         let useful = found.len();
         found = found.iter().step_by(useful.div_ceil(SEGMENTS).max(1)).copied().collect();
-        (pilot, useful as f64 > enough * met as f64, found)
+        (pilot, useful as f64 > ENOUGH * met as f64, found)
     };
-    let (pilot, many, found): (Pilot, bool, Vec<EntrySegment>) = segments(None);
-    if many {
+    let (pilot, enough, found): (Pilot, bool, Vec<EntrySegment>) = segments(None);
+    if enough {
         return None;
     }
     let toward = || Targets::toward(&scene.sphere, &bodies::missed(bodies, &pilot));
