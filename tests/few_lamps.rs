@@ -89,3 +89,38 @@ fn lamps_together_bring_what_each_brings_alone() {
         assert_agree(name, all, Estimate { mean, sigma }, 0.015);
     }
 }
+
+/// A closed room with a lamp, in the middle of a bright sky that no light of comes in.
+fn closed_room(sky: &str) -> Stage {
+    let two_sided = format!("<bsdf type='twosided'>{}</bsdf>", diffuse("0.5"));
+    let walls = [
+        format!("{UP}<translate y='-1'/>"),
+        format!("{DOWN}<translate y='1'/>"),
+        "<translate z='-1'/>".to_owned(),
+        "<rotate y='1' angle='180'/><translate z='1'/>".to_owned(),
+        "<rotate y='1' angle='90'/><translate x='-1'/>".to_owned(),
+        "<rotate y='1' angle='-90'/><translate x='1'/>".to_owned(),
+    ];
+    let walls = walls.map(|place| rectangle(1.0, &place, &two_sided)).concat();
+    let lamp = rectangle(0.2, &format!("{DOWN}<translate y='0.95'/>"), &area("5"));
+    scene(&format!("{}{walls}{lamp}{sky}", camera("0,0,0.9", "0,-0.3,-1", 60.0, 12)))
+}
+
+/// The sky would outshine the lamp a thousand times. A tenth of the shadow rays go there in spite of the walls: half of what
+/// is chosen evenly. A sample x of the lamp that is taken nine times in ten has the variance (var x + x̄²/10)/0.9, and
+/// variances over 144 pixels and 256 passes are known to 2 %; a tenth more is allowed.
+#[test]
+fn a_hidden_sky_takes_few_rays_from_a_lamp() {
+    let measured = |sky: &str| {
+        let picture = render(&closed_room(sky), &[("integrator", "path"), ("max_depth", "2")], 256);
+        let pixels = 0..picture.pixels.len();
+        let square: f64 = pixels.clone().map(|i| picture.pixel(i)[1].powi(2)).sum();
+        let variance: f64 = pixels.map(|i| picture.pixels.variance(i, 256) * 256.0).sum();
+        [variance, square]
+    };
+    let sky = "<emitter type='constant'><rgb name='radiance' value='100'/></emitter>";
+    let ([alone, square], [hidden, _]) = (measured(""), measured(sky));
+    let bound = 1.1 * (alone + 0.1 * square) / 0.9;
+    println!("{alone} {hidden}, at most {bound}");
+    assert!(hidden < bound, "{hidden} {bound}");
+}

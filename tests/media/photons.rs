@@ -102,7 +102,7 @@ fn fog_on_a_vast_floor_is_lit() {
     let path = render(&stage, &[("integrator", "path")], 512);
     for kind in ["points", "beams"] {
         let set = [("beams", kind), ("volume_radius", "0.05")];
-        let mapped = render(&stage, &set, 24);
+        let mapped = render(&stage, &set, 32);
         let what = format!("{kind} on a vast floor");
         let layer = [Layer::Medium];
         assert_agree(&what, mapped.estimate(&layer, 0), path.estimate(&layer, 0), 0.05);
