@@ -56,7 +56,7 @@ pub fn borders(task: Task<'_>) -> Vec<Image> {
     let size = film.size();
     let corner = |x: u32, y: u32| {
         // Where glass splits light too often, ways are chosen by chance.
-        let key = mix(task.settings.seed ^ 0xb04d_e45);
+        let key = mix(task.settings.seed ^ 0x0b04_de45);
         let mut sampler = Sampler::new(key, y * (width + 1) + x).stratified(0);
         let at = Vec2::new((x0 + x) as f32, (y0 + y) as f32);
         let ray = task.view.sensor.ray(at / size, Vec2::ZERO);
