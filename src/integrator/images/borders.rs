@@ -15,9 +15,6 @@ use crate::spectrum::luminance;
 /// A pixel sees a border if its darkest corner sees less than this share of what its brightest one sees.
 const DARKER: f32 = 0.5;
 
-/// Half the side of a pixel's square: what lies on the border of two pixels shall belong to one.
-const HALF: f32 = 0.499;
-
 /// The same for the square around a small lamp, as a multiple of its radius: seen at an angle it is longer.
 const MARGIN: f32 = 1.2;
 
@@ -66,7 +63,7 @@ pub fn borders(task: Task<'_>) -> Vec<Image> {
         (0..=height).into_par_iter().map(|y| (0..=width).map(|x| corner(x, y)).collect()).collect();
     let square = |x: usize, y: usize| {
         let centre = Vec2::new((x0 as usize + x) as f32 + 0.5, (y0 as usize + y) as f32 + 0.5);
-        Image::new(centre, Mat2::from_diagonal(Vec2::splat(HALF)))
+        Image::new(centre, Mat2::from_diagonal(Vec2::splat(0.5)))
     };
     let pairs = rows.windows(2).enumerate();
     let pixels = pairs.flat_map(|(y, rows)| {

@@ -26,6 +26,9 @@ const SHARE: u64 = 20;
 /// Extra samples of a pixel for each of its samples, at most.
 const MOST: u64 = 32;
 
+/// Share of an image's size that has to be within reach of a filter: a pixel that it only touches gains nothing by it.
+const INSIDE: f32 = 0.999;
+
 /// A parallelogram of the film around the image of a lamp. Film positions are in pixels from the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Image {
@@ -81,7 +84,8 @@ impl Images {
         };
         let mut seen = Vec::new();
         for (i, image) in found.iter().enumerate() {
-            let (low, high) = (image.centre - image.half(), image.centre + image.half());
+            let half = image.half() * INSIDE;
+            let (low, high) = (image.centre - half, image.centre + half);
             for y in reached(low.y, high.y, radius[1], y0, height) {
                 let columns = reached(low.x, high.x, radius[0], x0, width);
                 seen.extend(columns.map(|x| ((y - y0) * width + (x - x0), i)));
