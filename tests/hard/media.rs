@@ -221,7 +221,7 @@ fn mean_free_paths_from_a_thousandth_to_a_thousand_agree() {
         let path = render(&stage, PATH.1, 1024);
         // Thin fog has the narrow bounds; in the densest, few camera rays find a photon.
         let passes =
-            [(1.0, 128), (1e2, 64)].into_iter().find(|(most, _)| sigma < *most).map_or(1024, |(_, n)| n);
+            [(1.0, 128), (1e2, 64)].into_iter().find(|(most, _)| sigma < *most).map_or(2048, |(_, n)| n);
         let maps = render(&stage, MAPS.1, passes);
         let case = format!("box of fog, mean free path {:e} of it, photon map", 1.0 / sigma);
         agree(&case, "as path", maps.beauty(1), path.beauty(1), bound);
