@@ -23,6 +23,9 @@ pub use shine::shine;
 /// Extra samples of a picture: one in so many of all samples at most, unless pixels have a single one each.
 const SHARE: u64 = 20;
 
+/// Most segments of the paths that extra samples share with the others: between mirrors there is no end.
+pub const LONGEST: u32 = 16;
+
 /// Extra samples of a pixel for each of its samples, at most.
 const MOST: u64 = 32;
 

@@ -1,6 +1,7 @@
 //! What the lamps send to a film position through specular surfaces alone.
 
 use super::super::Task;
+use super::LONGEST;
 use crate::bsdf::Transport;
 use crate::math::{Color, Ray};
 use crate::sampling::Sampler;
@@ -20,7 +21,8 @@ struct Way {
     seen: bool,
 }
 
-/// Radiance of lamps that have a surface, along a camera ray and whatever it becomes in mirrors and glass. Paths split
+/// Radiance of lamps that have a surface, along a camera ray and whatever it becomes in mirrors and glass, by paths of
+/// [`LONGEST`] segments at most. Paths split
 /// instead of choosing by chance, so that reflections in glass are not missed. Counts rays.
 pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, rays: &mut u64) -> Color {
     let Task { scene, settings, .. } = task;
@@ -29,7 +31,7 @@ pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, rays: &mut u64) ->
     let mut splits = SPLITS;
     let mut ways = vec![Way { ray, throughput: Color::ONE, depth: 1, seen: false }];
     while let Some(mut way) = ways.pop() {
-        if way.depth > settings.max_depth.0 {
+        if way.depth > settings.max_depth.0.min(LONGEST) {
             continue;
         }
         *rays += 1;

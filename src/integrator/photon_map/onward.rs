@@ -5,6 +5,7 @@
 //! blurred.
 
 use super::super::direct::propose;
+use super::super::images::LONGEST;
 use super::super::shadows::Shadows;
 use super::super::sight::{Carried, Sight};
 use super::super::{CameraSample, Scratch};
@@ -174,7 +175,7 @@ impl PhotonMapper<'_> {
             pdf: walk.pdf,
             from: walk.from,
             left: walk.chain.on_the_way(),
-            share: if walk.specular && walk.at_first() { sample.share } else { 1.0 },
+            share: if walk.specular && walk.at_first() && walk.depth <= LONGEST { sample.share } else { 1.0 },
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
         let Some(hit) = hit else {

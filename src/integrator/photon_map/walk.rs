@@ -1,6 +1,7 @@
 //! A camera path: through mirrors, glass and glossy surfaces to the first rough one.
 
 use super::super::direct::propose;
+use super::super::images::LONGEST;
 use super::super::sight::{Carried, Sight};
 use super::super::{CameraSample, Scratch};
 use super::{Maps, PhotonMapper};
@@ -69,7 +70,7 @@ impl PhotonMapper<'_> {
                 pdf,
                 from,
                 left: chain.on_the_way(),
-                share: if specular { share } else { 1.0 },
+                share: if specular && depth <= LONGEST { share } else { 1.0 },
             };
             let Some(hit) = scene.geometry.closest(&ray) else {
                 sight.add_background(scene, ray.d, path, &mut out);
