@@ -101,18 +101,21 @@ impl Scatter for RoughConductor {
 
 /// The normal between two directions above the surface, D·G there, and [`reflected_pdf`].
 pub(super) fn reflected(microfacet: &Microfacet, wi: Vec3, wo: Vec3) -> (Vec3, f32, f32) {
-    let h = wi + wo;
-    let cos = (0.5 * h.length()).max(f32::MIN_POSITIVE);
-    let m = h.normalize_or(Vec3::Z);
+    let (m, cos) = between(wi, wo);
     let (dg, pdf) = microfacet.dg_pdf(wi, wo, m, cos);
     (m, dg, pdf / (4.0 * cos))
 }
 
 /// Density of reflection about a sampled normal; both directions above the surface.
 pub(super) fn reflected_pdf(microfacet: &Microfacet, wi: Vec3, wo: Vec3) -> f32 {
+    let (m, cos) = between(wi, wo);
+    microfacet.pdf(wi, m, cos) / (4.0 * cos)
+}
+
+/// The normal between two directions, and its cosine to them.
+fn between(wi: Vec3, wo: Vec3) -> (Vec3, f32) {
     let h = wi + wo;
     // wi·m = wo·m = |wi + wo|/2. Towards grazing the sum is all rounding: dot products with it would
     // differ, and f·cos/pdf with them, which is to be Fresnel's factor times masking and no more.
-    let cos = (0.5 * h.length()).max(f32::MIN_POSITIVE);
-    microfacet.pdf(wi, h.normalize_or(Vec3::Z), cos) / (4.0 * cos)
+    (h.normalize_or(Vec3::Z), (0.5 * h.length()).max(f32::MIN_POSITIVE))
 }

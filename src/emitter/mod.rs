@@ -33,7 +33,7 @@ pub use projector::Projector;
 pub use spot::{Falloff, Spot, Stretched};
 pub use sunsky::{Dome, SunDisc, SunSky};
 
-use crate::math::{Color, Vec2, Vec3, closed_enum};
+use crate::math::{Color, Ray, Vec2, Vec3, closed_enum};
 use crate::sampling::Density;
 use crate::texture::{Site, Textures};
 
@@ -51,6 +51,15 @@ pub struct DirectSample {
 }
 
 impl DirectSample {
+    /// The shadow ray from a point that has left its surface.
+    #[inline(always)]
+    pub fn ray_from(&self, o: Vec3) -> Ray {
+        match self.target {
+            Some(target) => Ray { o, d: target - o, tmax: 1.0 },
+            None => Ray::new(o, self.dir),
+        }
+    }
+
     /// Light from infinity: a direction, the radiance over its density, and the density.
     fn of_background((dir, value, pdf): (Vec3, Color, f32)) -> Self {
         Self { dir, target: None, value, pdf }

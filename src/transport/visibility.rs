@@ -69,8 +69,5 @@ pub fn shadow_ray(s: &Surface, sample: &DirectSample) -> Ray {
 /// The same from a point that has left its surface.
 #[inline(always)]
 pub fn ray_to(o: Vec3, sample: &DirectSample) -> Ray {
-    match sample.target {
-        Some(target) => Ray { o, d: target - o, tmax: 1.0 },
-        None => Ray::new(o, sample.dir),
-    }
+    sample.ray_from(o)
 }

@@ -1,7 +1,7 @@
 //! How much of the light of each lamp arrives where the camera looks. Surfaces compare a point of each of a few lamps as if
 //! nothing stood between: without this, a sky would outshine the lamps of a room that it never enters.
 
-use crate::math::{Ray, Vec2};
+use crate::math::Vec2;
 use crate::sampling::{CounterRng, mix};
 use crate::scene::{LampChoice, Scene, View};
 use crate::spectrum::luminance;
@@ -27,8 +27,7 @@ pub(super) fn shares(scene: &Scene, view: &View) -> [f32; LampChoice::FEW] {
             if !same_side || !light_there.is_finite() {
                 continue;
             }
-            let o = s.origin(light.dir);
-            let shadow = light.target.map_or(Ray::new(o, light.dir), |end| Ray { o, d: end - o, tmax: 1.0 });
+            let shadow = light.ray_from(s.origin(light.dir));
             sums[0] += light_there;
             sums[1] += if scene.geometry.occluded(&shadow) { 0.0 } else { light_there };
         }
