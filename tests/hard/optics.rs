@@ -156,7 +156,7 @@ fn mirrors_show_the_geometric_series() {
             let rho: f64 = reflectance.parse().expect("a number");
             let limit = depth.to_string();
             let settings = [settings, &[("max_depth", &*limit), ("rr_depth", "1000000")]].concat();
-            let picture = render(&scene(&mirrors(reflectance)), &settings, 16);
+            let picture = render(&scene(&mirrors(reflectance)), &settings, 2);
             let truth = (0..depth).map(|k| rho.powi(k as i32)).sum();
             let case = format!("box of mirrors of {reflectance}, {depth} bounces, {name}");
             agree(&case, "Σ ρ^k", picture.beauty(1), Estimate::exact(truth), 1e-3);

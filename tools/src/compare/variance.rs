@@ -32,6 +32,10 @@ pub struct Variance {
     pub from: String,
 }
 
+/// Mean squares less squared means are off by so much of the squared values where both were stored as half floats, whose
+/// rounding error is 2⁻¹¹: once for the mean square, twice for the mean.
+const ROUNDING: f64 = 3.0 / 2048.0;
+
 /// A variance file that the command line names.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Given<'a> {
@@ -53,7 +57,7 @@ pub fn find(
     let named = given.file.map(|file| (file.to_path_buf(), kind_by_name(file)));
     let Some((file, kind)) = named.or_else(|| beside(path)) else {
         let found = if layers { in_layers(image, path) } else { None };
-        return found.map(checked).transpose();
+        return found.map(|found| checked(found, image)).transpose();
     };
     let pixels = load::load(&file, None)?.pixels;
     if [pixels.width, pixels.height] != [image.width, image.height] {
@@ -64,7 +68,8 @@ pub fn find(
             reference_size: [pixels.width, pixels.height],
         });
     }
-    checked(of_file(&pixels, given.kind.unwrap_or(kind), file.display().to_string())).map(Some)
+    let found = of_file(&pixels, given.kind.unwrap_or(kind), file.display().to_string());
+    checked(found, image).map(Some)
 }
 
 /// Camera samples of each pixel, where the picture says: the layer `samples`, or the attribute of the header that
@@ -150,18 +155,28 @@ fn moments(image: &Image, path: &Path) -> Option<Variance> {
     Some(Variance { values, space: Space::Xyz, kind: VarianceKind::OfSample, lost: 1.0, from })
 }
 
-/// Refuses what says nothing about noise: a render of one pass stores the largest number.
-fn checked(variance: Variance) -> Result<Variance, CompareError> {
-    let why = variance.values.iter().flatten().find_map(|v| match v {
-        v if !v.is_finite() => Some("a value is not finite"),
-        v if *v < 0.0 => Some("a value is below 0"),
-        v if *v >= f64::from(f32::MAX) => Some("a single pass was rendered"),
-        _ => None,
-    });
-    match why {
-        Some(why) => Err(CompareError::NotVariance { from: variance.from, why }),
-        None => Ok(variance),
+/// Refuses what says nothing about noise: a render of one pass stores the largest number. What rounding has left below 0
+/// where there is no noise becomes 0; `image` is the picture.
+fn checked(mut variance: Variance, image: &Image) -> Result<Variance, CompareError> {
+    let rgb = image.rgb();
+    let largest =
+        |p: &[f32]| rgb.map_or(0.0, |rgb| rgb.into_iter().map(|i| f64::from(p[i]).abs()).fold(0.0, f64::max));
+    for (values, pixel) in variance.values.iter_mut().zip(per_pixel(image)) {
+        let rounding = ROUNDING * largest(pixel).powi(2);
+        for v in values {
+            let why = match *v {
+                v if !v.is_finite() => "a value is not finite",
+                v if v < -rounding => "a value is below 0",
+                v if v >= f64::from(f32::MAX) => "a single pass was rendered",
+                _ => {
+                    *v = v.max(0.0);
+                    continue;
+                }
+            };
+            return Err(CompareError::NotVariance { from: variance.from, why });
+        }
     }
+    Ok(variance)
 }
 
 #[cfg(test)]
@@ -213,9 +228,25 @@ mod tests {
 
     #[test]
     fn a_single_pass_has_no_variance() {
-        let one = in_layers(&picture(&[("R", 1.0), ("variance.Y", f32::MAX)]), Path::new("a.exr")).unwrap();
-        let said = checked(one).unwrap_err().to_string();
+        let said = of_layer(f32::MAX).unwrap_err().to_string();
         assert_eq!(said, "layer `variance` of a.exr holds no variance: a single pass was rendered");
+    }
+
+    fn of_layer(variance: f32) -> Result<f64, CompareError> {
+        let picture = picture(&[("R", 0.5), ("G", 2.0), ("B", 1.0), ("variance.Y", variance)]);
+        let found = in_layers(&picture, Path::new("a.exr")).expect("the layer is there");
+        checked(found, &picture).map(|found| found.values[0][1])
+    }
+
+    /// Mitsuba's own files of variances have such values.
+    #[test]
+    fn what_rounding_leaves_below_zero_is_no_variance() {
+        assert_eq!(of_layer(0.125).unwrap(), 0.125);
+        // Of the squared value 4 it is 0.0059.
+        assert_eq!(of_layer(-0.005).unwrap(), 0.0);
+        let said = of_layer(-0.0078).unwrap_err().to_string();
+        assert_eq!(said, "layer `variance` of a.exr holds no variance: a value is below 0");
+        assert!(of_layer(f32::NAN).is_err());
     }
 
     #[test]
