@@ -46,7 +46,7 @@ pub(super) fn follow(
         job,
         ray: Ray::new(start.emission.o, start.emission.d),
         gap: 0.0,
-        medium: scene.lamp_media[start.start.lamp],
+        medium: scene.lamp_medium(start.start.lamp, start.emission.o),
         flux: start.emission.flux / job.paths as f32,
         class: PathClass::FROM_LAMP,
         depth: 1,

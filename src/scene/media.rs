@@ -6,6 +6,25 @@
 use super::{Scene, ShapeRecord, Surface};
 use crate::math::{Ray, Vec2, Vec3};
 use crate::medium::{Medium, MediumId};
+use crate::sampling::CounterRng;
+
+/// What a lamp stands in.
+#[derive(Clone, Copy, Debug)]
+pub enum LampMedium {
+    /// All of it.
+    One(Option<MediumId>),
+    /// Not every place of it stands in the same: what is there is found by looking towards a camera in `medium`.
+    ByPlace {
+        /// Where the camera is.
+        camera: Vec3,
+        /// What it stands in.
+        medium: Option<MediumId>,
+    },
+}
+
+/// Places of a lamp that are looked at, of a single one and of all together, at most.
+const PLACES: usize = 256;
+const PLACES_OF_ALL: usize = 1 << 18;
 
 impl Scene {
     /// What a ray that goes on from `s` along `d` is in, if it was in `now` before.
@@ -45,17 +64,43 @@ impl Scene {
 }
 
 impl Scene {
-    /// Finds out what lamps stand in, seen from a camera in `medium`: those that are boundaries shine outwards.
+    /// Finds out what lamps stand in, seen from a camera in `medium`, whatever the file says of them: camera paths that look
+    /// for them go by the boundaries. Shapes that are boundaries shine outwards. Light from infinity starts in what the
+    /// file says.
     pub(super) fn place_lamps(&mut self, camera: Vec3, medium: Option<MediumId>) {
-        for shape in 0..self.shapes.len() {
-            let ShapeRecord { emitter: Some(lamp), boundary, .. } = self.shapes[shape] else {
-                continue;
-            };
-            if let Some(boundary) = boundary {
-                self.lamp_media[lamp as usize] = boundary.outside;
-            } else if let Some(p) = self.emitters[lamp as usize].place(Vec2::splat(0.5)) {
-                self.lamp_media[lamp as usize] = self.medium_at(p, camera, medium);
+        let mut boundaries = vec![None; self.emitters.len()];
+        for shape in &self.shapes {
+            if let ShapeRecord { emitter: Some(lamp), boundary, .. } = *shape {
+                boundaries[lamp as usize] = boundary;
             }
+        }
+        for (lamp, boundary) in boundaries.into_iter().enumerate() {
+            self.lamp_media[lamp] = match boundary {
+                Some(boundary) => LampMedium::One(boundary.outside),
+                None => self.look_around(lamp, camera, medium),
+            };
+        }
+    }
+
+    /// What a lamp stands in that is no boundary.
+    fn look_around(&self, lamp: usize, camera: Vec3, medium: Option<MediumId>) -> LampMedium {
+        let count = (PLACES_OF_ALL / self.emitters.len().max(1)).clamp(1, PLACES);
+        let mut rng = CounterRng::new(0x1a3b_3d1a, lamp as u64);
+        let places = (0..count).filter_map(|_| self.emitters[lamp].place(Vec2::from(rng.next_2d())));
+        let mut found = places.filter(|p| p.is_finite()).map(|p| self.medium_at(p, camera, medium));
+        match found.next() {
+            None => self.lamp_media[lamp],
+            Some(first) if found.all(|other| other == first) => LampMedium::One(first),
+            Some(_) => LampMedium::ByPlace { camera, medium },
+        }
+    }
+
+    /// What light of a lamp is in where it starts, at `o`.
+    #[inline]
+    pub fn lamp_medium(&self, lamp: usize, o: Vec3) -> Option<MediumId> {
+        match self.lamp_media[lamp] {
+            LampMedium::One(medium) => medium,
+            LampMedium::ByPlace { camera, medium } => self.medium_at(o, camera, medium),
         }
     }
 }

@@ -14,13 +14,14 @@ pub use facts::Facts;
 pub use geometry::{Face, Geometry, Hit, Instance, Kind, Level, NO_INSTANCE, Near, Placement};
 pub use lamp_choice::LampChoice;
 pub use lamps::LightStart;
+pub use media::LampMedium;
 pub use shown::{Numbers, Primitives};
 pub use surface::{PhotonSide, Surface};
 pub use view::View;
 
 use crate::bsdf::Material;
 use crate::emitter::{Emitter, SceneSphere};
-use crate::medium::{Boundary, Medium, MediumId};
+use crate::medium::{Boundary, Medium};
 use crate::sampling::Discrete;
 use crate::texture::Textures;
 
@@ -69,8 +70,8 @@ pub struct Scene {
     pub medium_names: Vec<String>,
     /// Lamps of all kinds: shapes that emit first.
     pub emitters: Vec<Emitter>,
-    /// What each lamp stands in, where its own shape is no boundary.
-    pub lamp_media: Vec<Option<MediumId>>,
+    /// What each lamp stands in.
+    pub lamp_media: Vec<LampMedium>,
     /// By power, for photons.
     pub emission: Discrete,
     /// For direct light: half uniform, half by power, because a weak lamp nearby may matter most; of many

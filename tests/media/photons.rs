@@ -89,6 +89,25 @@ fn boundaries_at_a_slant_keep_their_light() {
     }
 }
 
+/// Lamps that say nothing of what they stand in: one that reaches through the border of the fog, and a point within it.
+/// Were light to start in vacuum there, or in fog outside, the layer would be off by tens of percent.
+#[test]
+fn light_starts_in_what_its_place_is_in() {
+    let tall = "<scale x='0.2' y='1.6' z='1'/><translate y='0.9'/>";
+    let reaching = rectangle(1.0, tall, &format!("{}{}", area("3"), diffuse("0,0,0")));
+    let point = "<emitter type='point'><point name='position' value='0.3,0.2,0.4'/>
+                 <rgb name='intensity' value='2,2,2'/></emitter>";
+    for (what, lamp) in [("a lamp through the border", &*reaching), ("a point within", point)] {
+        let medium = fog("interior", "1.5,1.5,1.5", "0.95,0.95,0.95", "");
+        let stage = scene(&[&eye("1,0.5,5", 35.0, 12, ""), lamp, &container("", &medium)].concat());
+        let path = render(&stage, &[("integrator", "path")], 2048).estimate(&[Layer::Medium], 1);
+        for beams in ["points", "beams"] {
+            let mapped = render(&stage, &[("beams", beams), ("volume_radius", "0.05")], 64);
+            assert_agree(&format!("{what}, {beams}"), mapped.estimate(&[Layer::Medium], 1), path, 0.03);
+        }
+    }
+}
+
 /// A cube of fog on a floor of a kilometre under the sun: of a million light paths over all of the disk four meet the
 /// cube. They are sent there, and the light that the fog scatters again and again is not lost. The floor is black: from
 /// afar it would send the fog few photons that carry much.

@@ -10,7 +10,7 @@ use crate::emitter::{
     Constant, Directional, Emitter, Environment, EnvironmentMapping, Falloff, Point, Spot, Stretched,
 };
 use crate::math::{Frame, Vec3};
-use crate::medium::MediumId;
+use crate::scene::LampMedium;
 
 fn vec3(v: [f64; 3]) -> Vec3 {
     Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)
@@ -26,7 +26,7 @@ pub fn build(
     b: &mut Compiler<'_>,
     origin: [f64; 3],
     emitters: &mut Vec<Emitter>,
-    media: &mut Vec<Option<MediumId>>,
+    media: &mut Vec<LampMedium>,
 ) -> Vec<u32> {
     let relative = |p: [f64; 3]| vec3([p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]);
     let mut environments = Vec::new();
@@ -94,7 +94,7 @@ pub fn build(
             }
         };
         emitters.push(emitter);
-        media.push(medium);
+        media.push(LampMedium::One(medium));
     }
     environments
 }

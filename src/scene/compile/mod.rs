@@ -27,7 +27,7 @@ use caustica_formats::ir;
 use caustica_formats::spectrum::to_linear_rgb;
 
 use super::lamps::emitter_distributions;
-use super::{Facts, Scene, View};
+use super::{Facts, LampMedium, Scene, View};
 use crate::math::Color;
 use crate::settings::Settings;
 use crate::spectrum::rgb;
@@ -148,7 +148,7 @@ pub fn compile(
         shapes::build(&mut b, meshes, camera)
     });
     let mut emitters = shapes.emitters;
-    let mut lamp_media = vec![None; emitters.len()];
+    let mut lamp_media = vec![LampMedium::One(None); emitters.len()];
     let environments = emitters::build(&mut b, shapes.origin, &mut emitters, &mut lamp_media);
     let medium = sensor.and_then(|s| b.medium(s.medium));
     let camera = sensor.map(|s| (sensor::build(&mut b, s, shapes.origin), sensor::response(&s.film)));
