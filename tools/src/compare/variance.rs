@@ -32,9 +32,10 @@ pub struct Variance {
     pub from: String,
 }
 
-/// Mean squares less squared means are off by so much of the squared values where both were stored as half floats, whose
-/// rounding error is 2⁻¹¹: once for the mean square, twice for the mean.
-const ROUNDING: f64 = 3.0 / 2048.0;
+/// Mean squares less squared means are off by up to 1.5e-3 of the squared values where both were stored as half floats,
+/// whose rounding error is 2⁻¹¹: once for the mean square, twice for the mean. Files of Mitsuba's tests, which were
+/// converted from XYZ to RGB as well, have up to 2.4e-3.
+const ROUNDING: f64 = 1.0 / 256.0;
 
 /// A variance file that the command line names.
 #[derive(Clone, Copy, Debug, Default)]
@@ -242,9 +243,9 @@ mod tests {
     #[test]
     fn what_rounding_leaves_below_zero_is_no_variance() {
         assert_eq!(of_layer(0.125).unwrap(), 0.125);
-        // Of the squared value 4 it is 0.0059.
-        assert_eq!(of_layer(-0.005).unwrap(), 0.0);
-        let said = of_layer(-0.0078).unwrap_err().to_string();
+        // Of the squared value 4 it may be 0.0156.
+        assert_eq!(of_layer(-0.0096).unwrap(), 0.0);
+        let said = of_layer(-0.0157).unwrap_err().to_string();
         assert_eq!(said, "layer `variance` of a.exr holds no variance: a value is below 0");
         assert!(of_layer(f32::NAN).is_err());
     }
