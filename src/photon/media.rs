@@ -41,12 +41,18 @@ pub(super) fn follow(
     sampler: &mut Sampler,
     out: &mut Part,
 ) -> Option<Vec3> {
+    let (o, d) = (start.emission.o, start.emission.d);
+    let medium = scene.lamp_medium(start.start.lamp, o, d);
+    // A medium without end lets nothing through from infinity.
+    if start.from_infinity && medium.is_some() {
+        return None;
+    }
     let mut walk = Walk {
         scene,
         job,
-        ray: Ray::new(start.emission.o, start.emission.d),
+        ray: Ray::new(o, d),
         gap: 0.0,
-        medium: scene.lamp_medium(start.start.lamp, start.emission.o),
+        medium,
         flux: start.emission.flux / job.paths as f32,
         class: PathClass::FROM_LAMP,
         depth: 1,

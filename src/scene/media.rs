@@ -20,6 +20,11 @@ pub enum LampMedium {
         /// What it stands in.
         medium: Option<MediumId>,
     },
+    /// Light from infinity is in what the first boundary on its way says, and in `medium` without one.
+    OnItsWay {
+        /// What the camera stands in.
+        medium: Option<MediumId>,
+    },
 }
 
 /// Places of a lamp that are looked at, of a single one and of all together, at most.
@@ -65,8 +70,7 @@ impl Scene {
 
 impl Scene {
     /// Finds out what lamps stand in, seen from a camera in `medium`, whatever the file says of them: camera paths that look
-    /// for them go by the boundaries. Shapes that are boundaries shine outwards. Light from infinity starts in what the
-    /// file says.
+    /// for them go by the boundaries. Shapes that are boundaries shine outwards.
     pub(super) fn place_lamps(&mut self, camera: Vec3, medium: Option<MediumId>) {
         let mut boundaries = vec![None; self.emitters.len()];
         for shape in &self.shapes {
@@ -84,9 +88,16 @@ impl Scene {
 
     /// What a lamp stands in that is no boundary.
     fn look_around(&self, lamp: usize, camera: Vec3, medium: Option<MediumId>) -> LampMedium {
+        let emitter = &self.emitters[lamp];
+        if emitter.is_infinite() {
+            return match (medium, self.lamp_media[lamp]) {
+                (None, LampMedium::One(None)) => LampMedium::One(None),
+                _ => LampMedium::OnItsWay { medium },
+            };
+        }
         let count = (PLACES_OF_ALL / self.emitters.len().max(1)).clamp(1, PLACES);
         let mut rng = CounterRng::new(0x1a3b_3d1a, lamp as u64);
-        let places = (0..count).filter_map(|_| self.emitters[lamp].place(Vec2::from(rng.next_2d())));
+        let places = (0..count).filter_map(|_| emitter.place(Vec2::from(rng.next_2d())));
         let mut found = places.filter(|p| p.is_finite()).map(|p| self.medium_at(p, camera, medium));
         match found.next() {
             None => self.lamp_media[lamp],
@@ -95,12 +106,13 @@ impl Scene {
         }
     }
 
-    /// What light of a lamp is in where it starts, at `o`.
+    /// What light of a lamp is in where it starts, at `o` along the unit direction `d`.
     #[inline]
-    pub fn lamp_medium(&self, lamp: usize, o: Vec3) -> Option<MediumId> {
+    pub fn lamp_medium(&self, lamp: usize, o: Vec3, d: Vec3) -> Option<MediumId> {
         match self.lamp_media[lamp] {
             LampMedium::One(medium) => medium,
             LampMedium::ByPlace { camera, medium } => self.medium_at(o, camera, medium),
+            LampMedium::OnItsWay { medium } => self.medium_at(o, o + d * (4.0 * self.sphere.radius), medium),
         }
     }
 }

@@ -108,6 +108,24 @@ fn light_starts_in_what_its_place_is_in() {
     }
 }
 
+/// Fog without end lets nothing through from infinity. A cube with air in it, which the sky is not in either, changes
+/// nothing.
+#[test]
+fn endless_fog_hides_the_sky() {
+    let medium = |name| fog(name, "0.3,0.3,0.3", "0.9,0.9,0.9", "");
+    let sky = "<emitter type='constant'><rgb name='radiance' value='1,1,1'/></emitter>";
+    let floor = rectangle(2.0, "<rotate x='1' angle='-90'/>", &diffuse("0.5,0.5,0.5"));
+    let camera = eye("0,1,-4", 45.0, 12, &medium("medium"));
+    let air = container("<scale value='0.3'/><translate y='0.5'/>", &medium("exterior"));
+    for more in ["", &*air] {
+        let stage = scene(&[&camera, sky, &floor, more].concat());
+        for integrator in ["path", "photonmap"] {
+            let picture = render(&stage, &[("integrator", integrator)], 4);
+            assert!(picture.beauty(1).mean == 0.0, "{integrator}: {:?}", picture.beauty(1));
+        }
+    }
+}
+
 /// A cube of fog on a floor of a kilometre under the sun: of a million light paths over all of the disk four meet the
 /// cube. They are sent there, and the light that the fog scatters again and again is not lost. The floor is black: from
 /// afar it would send the fog few photons that carry much.
