@@ -7,7 +7,9 @@ use caustica::math::Ray;
 use caustica::sampling::Sampler;
 use caustica::transport::Vertex;
 
-use crate::support::{Stage, area, camera, diffuse, film, rectangle, render, scene, walls};
+use crate::support::{
+    Estimate, Picture, Stage, area, camera, diffuse, estimate, film, rectangle, render, scene, walls,
+};
 
 /// Light paths of a chunk.
 const CHUNK: u64 = 2048;
@@ -84,14 +86,6 @@ fn sensors() -> [(&'static str, String); 3] {
 
 const RUNS: u64 = 16;
 
-/// The mean of one value of each run, and its standard error.
-fn estimate(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
-    let n = RUNS as f64;
-    let mean = values.clone().sum::<f64>() / n;
-    let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, (variance / n).sqrt())
-}
-
 /// Every pixel of direct light, by 16 independent light tracings of 2¹⁷ paths (standard error 2 % at most, in the
 /// darkest pixel) and 16 independent path tracings of 4096 samples a pixel (0.6 %): their difference is within 5 of its
 /// standard errors, which 144 values of Student's distribution with about 15 degrees of freedom exceed once in 50 choices
@@ -109,10 +103,11 @@ fn light_tracing_gives_the_direct_light_of_path_tracing() {
         let runs: Vec<Pixels> = (0..RUNS).map(|seed| light_traced(&stage, 100 + seed, 64)).collect();
         for pixel in 0..(SIDE * SIDE) as usize {
             for channel in 0..3 {
-                let (want, noise) =
-                    estimate(paths.iter().map(|p| p.pixels.layer(pixel, Layer::Direct, p.passes)[channel]));
-                let (mean, sigma) =
-                    estimate(runs.iter().map(|run| run.layer(pixel, Layer::Direct, 1)[channel]));
+                let of_path = |p: &Picture| p.pixels.layer(pixel, Layer::Direct, p.passes)[channel];
+                let of_run = |run: &Pixels| run.layer(pixel, Layer::Direct, 1)[channel];
+                let Estimate { mean: want, sigma: noise } =
+                    estimate(&paths.iter().map(of_path).collect::<Vec<_>>());
+                let Estimate { mean, sigma } = estimate(&runs.iter().map(of_run).collect::<Vec<_>>());
                 assert!(
                     sigma < 0.04 * want && noise < 0.01 * want,
                     "{what}, pixel {pixel}: {mean} ± {sigma}, {want} ± {noise}"

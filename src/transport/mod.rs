@@ -12,4 +12,4 @@ pub mod walk;
 pub use class::{Owner, PathClass};
 pub use glint::{Chain, Smallness};
 pub use vertex::Vertex;
-pub use visibility::{passage, ray_to, shadow_ray, transparency, visibility};
+pub use visibility::{passage, shadow_ray, transparency, visibility};

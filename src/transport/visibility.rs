@@ -63,11 +63,5 @@ fn transparency_along(scene: &Scene, mut ray: Ray, sample: &DirectSample, segmen
 /// The ray that decides whether a direct sample is visible from `s`.
 #[inline(always)]
 pub fn shadow_ray(s: &Surface, sample: &DirectSample) -> Ray {
-    ray_to(s.origin(sample.dir), sample)
-}
-
-/// The same from a point that has left its surface.
-#[inline(always)]
-pub fn ray_to(o: Vec3, sample: &DirectSample) -> Ray {
-    sample.ray_from(o)
+    sample.ray_from(s.origin(sample.dir))
 }

@@ -216,7 +216,7 @@ impl Picture {
 }
 
 /// Mean of the values of passes, with the error measured from batches.
-fn estimate(values: &[f64]) -> Estimate {
+pub fn estimate(values: &[f64]) -> Estimate {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let batch = 1 << (values.len() / 16).max(1).ilog2();
     let batches: Vec<f64> =

@@ -22,8 +22,8 @@ struct Way {
 }
 
 /// Radiance of lamps that have a surface, along a camera ray and whatever it becomes in mirrors and glass, by paths of
-/// [`LONGEST`] segments at most. Paths split
-/// instead of choosing by chance, so that reflections in glass are not missed. Counts rays.
+/// [`LONGEST`] segments at most. Paths split instead of choosing by chance, so that reflections in glass are not missed.
+/// Counts rays.
 pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, rays: &mut u64) -> Color {
     let Task { scene, settings, .. } = task;
     let transparent = settings.hide_emitters && task.view.hidden_lamps_are_transparent;

@@ -8,8 +8,8 @@ use crate::integrator::direct::{AtSurface, Candidate, Receiver, power_heuristic}
 use crate::integrator::{CameraSample, Scratch};
 use crate::math::{Color, Vec2, Vec3};
 use crate::medium::{Carried, MediumId, Phase};
+use crate::transport::Vertex;
 use crate::transport::media::Way;
-use crate::transport::{Vertex, ray_to};
 
 /// A path where it scatters.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ impl VolumePathTracer<'_> {
         }
         let receiver = InMedium { phase, p, wi };
         let Some(chosen) = Candidate::choose(self.scene, &receiver, numbers) else { return };
-        let way = Way { ray: ray_to(p, &chosen.light), gap: 0.0, medium: at.medium };
+        let way = Way { ray: chosen.light.ray_from(p), gap: 0.0, medium: at.medium };
         self.connect(at, &chosen, &way, sample, scratch);
     }
 

@@ -8,7 +8,6 @@ use crate::photon::Photon;
 use crate::photon::radius::{self, Place};
 use crate::sampling::{CounterRng, warp};
 use crate::scene::Scene;
-use crate::transport::ray_to;
 
 /// Where a map is read.
 #[derive(Clone, Copy, Debug)]
@@ -151,7 +150,7 @@ fn direct_light(scene: &Scene, spot: &Spot, rng: &mut CounterRng) -> f32 {
         let (pick, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
         let light = scene.sample_direct(spot.p, pick, u)?;
         let value = light.value.max_element() * light.dir.dot(spot.n);
-        (value > 0.0 && value.is_finite() && !scene.geometry.occluded(&ray_to(o, &light))).then_some(value)
+        (value > 0.0 && value.is_finite() && !scene.geometry.occluded(&light.ray_from(o))).then_some(value)
     };
     (0..LOOKS).filter_map(one).sum::<f32>() / LOOKS as f32
 }
