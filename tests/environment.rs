@@ -78,8 +78,8 @@ fn several_environments_add_up() {
         let rgb = scene.background(Vec3::ZERO, Vec3::Z).map(|(light, _)| light).sum::<Color>();
         assert!((rgb - Color::splat(1.5)).abs().max_element() < 1e-5, "{rgb}");
         for integrator in ["path", "photonmap"] {
-            let got = render(&scene, &[("integrator", integrator)], 4096).beauty(1);
-            // Light and direction are sampled; the noise of 4096 samples is measured, and below 1 %.
+            let got = render(&scene, &[("integrator", integrator)], 1024).beauty(1);
+            // Light and direction are sampled; the noise of 1024 samples is measured, and below 1 %.
             assert_agree(&format!("{what}, {integrator}"), got, Estimate::exact(expected), 0.01);
         }
     }
@@ -94,10 +94,10 @@ fn photons_and_paths_agree() {
     let ball = sphere("0,1,0", 1.0, &diffuse("0.3,0.6,0.7"));
     let view = camera("0,4,7", "0,0.5,0", 35.0, 24);
     let scene = lit(sky(), "<rotate y='1' angle='30'/>", &format!("{view}{floor}{ball}"));
-    let path = render(&scene, &[("integrator", "path"), ("max_depth", "5")], 1024);
+    let path = render(&scene, &[("integrator", "path"), ("max_depth", "5")], 256);
     for nee in ["true", "false"] {
         let settings = [("max_depth", "5"), ("nee", nee), ("photons", "40000"), ("radius", "0.06")];
-        let mapped = render(&scene, &settings, 1024);
+        let mapped = render(&scene, &settings, 128);
         for c in 0..3 {
             let what = format!("nee {nee}, channel {c}");
             assert_agree(&what, mapped.estimate(ALL, c), path.estimate(ALL, c), 0.012);

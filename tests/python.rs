@@ -71,7 +71,8 @@ fn prepared() -> Environment {
         pip.env("PATH", &path);
         pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(arguments);
         // Compiled as this test is, so that it shares what is compiled already.
-        pip.env("CARGO_TARGET_DIR", root().join("target")).env("MATURIN_PEP517_ARGS", "--profile dev --features as-in-tests");
+        pip.env("CARGO_TARGET_DIR", root().join("target"))
+            .env("MATURIN_PEP517_ARGS", "--profile dev --features as-in-tests");
         pip.current_dir(root()).output()
     };
     match pip(&requirements()) {

@@ -54,7 +54,7 @@ fn owners_spheres_agree_with_path_tracing() {
 #[test]
 fn classic_mode_and_nearest_lookups_agree_with_path_tracing() {
     let scene = scene(&[box_camera(24), walls("0.6"), lamp(0.5, "4")].concat());
-    let path = render(&scene, &[("integrator", "path")], 2048);
+    let path = render(&scene, &[("integrator", "path")], 1024);
     let classic = [("mode", "classic"), ("photons", "500000"), ("radius", "0.08")];
     let nearest = [("lookup", "nearest"), ("neighbours", "200"), ("radius", "0.3")];
     let off = [("nee", "false")];
@@ -63,7 +63,7 @@ fn classic_mode_and_nearest_lookups_agree_with_path_tracing() {
         ("classic, nearest", [&classic[..2], &nearest[..]].concat()),
         ("classic, nearest, nee off", [&classic[..2], &nearest[..], &off[..]].concat()),
     ] {
-        let picture = render(&scene, &changes, 128);
+        let picture = render(&scene, &changes, 32);
         for channel in 0..3 {
             assert_agree(what, picture.beauty(channel), path.beauty(channel), 0.015);
         }

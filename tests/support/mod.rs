@@ -267,8 +267,8 @@ pub fn render(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Picture {
     Picture { pixels: outcome.pixels, passes, means }
 }
 
-/// Asserts |a − b| ≤ `relative`·b, and that this bound is at least [`SIGMAS`] standard errors, so that the test
-/// neither fails by chance nor passes because of noise. What `relative` allows beyond the noise is room for bias;
+/// Asserts |a − b| ≤ `relative`·b, that b is not 0, and that the bound is at least [`SIGMAS`] standard errors, so that
+/// the test neither fails by chance nor passes because of noise or darkness. What `relative` allows beyond the noise is room for bias;
 /// the caller says where it comes from.
 #[track_caller]
 pub fn assert_agree(what: &str, a: Estimate, b: Estimate, relative: f64) {
@@ -282,6 +282,7 @@ pub fn assert_agree(what: &str, a: Estimate, b: Estimate, relative: f64) {
         100.0 * sigma / b.mean.abs(),
         100.0 * relative
     );
+    assert!(b.mean != 0.0, "{what}: nothing is seen");
     assert!(SIGMAS * sigma <= bound, "{what}: noise {sigma:e} is too large for the bound {bound:e}");
     assert!((a.mean - b.mean).abs() <= bound, "{what}: {a:?} against {b:?}, bound {bound:e}");
 }
