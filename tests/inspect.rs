@@ -135,3 +135,18 @@ fn the_same_scene_is_described_alike_in_both_languages() {
     let text = inspect(&scenes, &["cornell-glass.pbrt"]);
     assert!(text.contains("nothing: all of the scene is rendered"), "{text}");
 }
+
+/// Media are described by what they scatter and where; a note on surfaces in media only where they take photons.
+#[test]
+fn media_are_described() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/media");
+    let milk = inspect(&folder, &["milk.xml", "--size", "16x16", "--threads", "1"]);
+    assert!(milk.contains("Henyey-Greenstein phase function, g 0."), "{milk}");
+    let smoke = inspect(&folder, &["smoke.xml", "--size", "16x16", "--set", "indirect=trace"]);
+    assert!(smoke.contains("varies, in the mean of its box, mean free path 3.2"), "{smoke}");
+    assert!(smoke.contains("Henyey-Greenstein phase function, g 0.3"), "{smoke}");
+    let note = "media: light of surfaces from photons at the first rough surface";
+    assert!(!smoke.contains(note), "{smoke}");
+    let photons = inspect(&folder, &["smoke.xml", "--size", "16x16", "--set", "indirect=density"]);
+    assert!(photons.contains(note), "{photons}");
+}

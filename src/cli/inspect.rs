@@ -5,12 +5,15 @@ use clap::Args;
 use super::failure::Failure;
 use super::report;
 use super::scene::SceneArgs;
+use super::threads::ThreadArgs;
 
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
 pub struct InspectArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Print JSON instead of text
     #[arg(long)]
     json: bool,
@@ -22,6 +25,7 @@ pub struct InspectArgs {
 /// # Errors
 /// When what was asked for is wrong.
 pub fn run(args: &InspectArgs) -> Result<u8, Failure> {
+    args.threads.apply()?;
     let inspection = args.scene.inspect()?;
     let description = inspection.describe();
     match &inspection.failure {

@@ -14,6 +14,7 @@ mod report;
 mod scene;
 mod submit;
 mod summary;
+mod threads;
 mod version;
 mod view;
 mod words;

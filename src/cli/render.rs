@@ -12,6 +12,7 @@ use super::interrupt::Interrupt;
 use super::picture::PictureArgs;
 use super::scene::SceneArgs;
 use super::summary::Cost;
+use super::threads::ThreadArgs;
 use super::view::ViewArgs;
 use super::{report, summary};
 use crate::math::kernel::KernelKind;
@@ -27,15 +28,14 @@ pub struct RenderArgs {
     scene: SceneArgs,
     #[command(flatten)]
     picture: PictureArgs,
-    /// End after this many seconds of rendering
+    /// End after this many seconds of rendering; what is prepared before the first pass is prepared in full
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     time: Option<Duration>,
     /// End when the standard error of the picture relative to its mean is this small
     #[arg(long, value_name = "E", value_parser = error, allow_negative_numbers = true)]
     target_error: Option<f64>,
-    /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS), allow_negative_numbers = true)]
-    threads: Option<u32>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Save the state of the render here after every pass
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
@@ -60,9 +60,6 @@ pub struct RenderArgs {
     #[arg(short, long)]
     verbose: bool,
 }
-
-/// More would only wait for each other, and every one takes memory before the first ray.
-const MAX_THREADS: i64 = 1024;
 
 fn range(text: &str) -> Result<Range<u32>, String> {
     let wrong = || "expected A..B, such as 64..128 for the passes 64 to 127".to_owned();
@@ -97,9 +94,7 @@ pub fn run(args: &RenderArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     if args.help_settings {
         return Ok(help_settings()?);
     }
-    if let Some(n) = args.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(n as usize).build_global().map_err(|e| e.to_string())?;
-    }
+    args.threads.apply()?;
     // Found before the scene is read, which may take long.
     let layers = args.picture.layers()?;
     args.check_range()?;

@@ -22,8 +22,10 @@ struct MediumLine {
     /// The same everywhere.
     homogeneous: bool,
     emits: bool,
+    /// In which directions it scatters.
+    phase: String,
     /// Mean way of light between two collisions, by channel; nothing where there are none. Where the medium varies,
-    /// that of its mean extinction.
+    /// that of the mean extinction in its bounding box.
     mean_free_path: [Option<f64>; 3],
     /// Share of light that a collision scatters.
     albedo: [f64; 3],
@@ -42,7 +44,8 @@ impl Media {
                 let mean = medium.mean();
                 let line = MediumLine::new(mean, f64::from(scene.sphere.radius));
                 let homogeneous = medium.uniform().is_some();
-                MediumLine { name: name.clone(), homogeneous, emits: medium.emits(), ..line }
+                let phase = medium.phase().describe();
+                MediumLine { name: name.clone(), homogeneous, emits: medium.emits(), phase, ..line }
             })
             .collect();
         let camera = view.medium.map(|m| scene.medium_names[m.0 as usize].clone());
@@ -67,6 +70,7 @@ impl MediumLine {
             name: String::new(),
             homogeneous: true,
             emits: false,
+            phase: String::new(),
             mean_free_path: extinction.map(|s| (s > 0.0).then_some(1.0 / s)),
             albedo: std::array::from_fn(
                 |i| if extinction[i] > 0.0 { scattered[i] / extinction[i] } else { 0.0 },
@@ -79,14 +83,15 @@ impl MediumLine {
         let path = |p: &Option<f64>| p.map_or("none".to_owned(), |p| format!("{p:.4}"));
         let [a, b, c] = &self.mean_free_path;
         let [x, y, z] = self.albedo;
-        let kind = if self.homogeneous { "homogeneous" } else { "varies" };
+        let kind = if self.homogeneous { "homogeneous" } else { "varies, in the mean of its box" };
         let emits = if self.emits { ", emits" } else { "" };
-        let radii = self.of_radius.map_or(String::new(), |r| format!(" ({r:.3} of the radius)"));
+        let radii = self.of_radius.map_or(String::new(), |r| format!(" ({r:.3} of the scene's radius)"));
         format!(
-            "{kind}{emits}, mean free path {}, {}, {}{radii}, albedo {x:.3}, {y:.3}, {z:.3}",
+            "{kind}{emits}, mean free path {}, {}, {}{radii}, albedo {x:.3}, {y:.3}, {z:.3}, {}",
             path(a),
             path(b),
-            path(c)
+            path(c),
+            self.phase
         )
     }
 }

@@ -69,8 +69,9 @@ impl Plan {
                 nothing
             }
             IntegratorKind::PhotonMap => {
-                notes.extend(photon_map::Plan::notes(facts, settings));
-                photon_map::decided(task)
+                let decided = photon_map::decided(task);
+                notes.extend(decided.plan.notes(facts, settings));
+                decided
             }
         };
         Self {

@@ -268,8 +268,8 @@ pub fn render(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Picture {
 }
 
 /// Asserts |a − b| ≤ `relative`·b, that b is not 0, and that the bound is at least [`SIGMAS`] standard errors, so that
-/// the test neither fails by chance nor passes because of noise or darkness. What `relative` allows beyond the noise is room for bias;
-/// the caller says where it comes from.
+/// the test neither fails by chance nor passes because of noise or darkness. What `relative` allows beyond the noise is
+/// room for bias; the caller says where it comes from.
 #[track_caller]
 pub fn assert_agree(what: &str, a: Estimate, b: Estimate, relative: f64) {
     let sigma = a.sigma.hypot(b.sigma);

@@ -200,3 +200,8 @@ record! {
         pub exterior: Option<Id<Medium>>,
     }
 }
+
+/// A sum, product or quotient of decimal numbers, without the noise that it has in its last digits.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.12e}").parse().expect("a number that was written")
+}

@@ -36,6 +36,7 @@ pub use interface::{
     Coat, Conductor, ConductorMaterial, Dielectric, Ior, Microfacet, MicrofacetDistribution, Plastic,
     RoughnessRemap, Shadowing,
 };
+pub(crate) use medium::rounded;
 pub use medium::{Coefficients, Medium, MediumEmission, MediumInterface, Phase};
 pub use query::{Nature, Query, emits, panes_pass_in_media, uses_textures};
 pub use references::{Uses, canonical, parts};

@@ -8,7 +8,7 @@ use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{
     Coefficients, Color, ColorSlot, GridSamples, GridValues, Id, Medium, MediumInterface, Phase, Transform,
-    Volume, VolumeData, VolumeFilter, VolumeGrid, WrapMode,
+    Volume, VolumeData, VolumeFilter, VolumeGrid, WrapMode, rounded,
 };
 use crate::plugin::{Plugin, read};
 use crate::spectrum::{medium_preset, medium_preset_names, to_linear_rgb};
@@ -155,7 +155,7 @@ fn measured<'a>(reader: &mut Reader<'a>, props: &mut Props<'a>) -> Option<Coeffi
         return None;
     };
     // 0.6 takes the numbers of 1/mm for 1/cm.
-    let [preset_s, preset_a] = [preset.sigma_s, preset.sigma_a].map(|v| v.map(|c| round(c * 100.0)));
+    let [preset_s, preset_a] = [preset.sigma_s, preset.sigma_a].map(|v| v.map(|c| rounded(c * 100.0)));
     let mut color = |name, default: [f64; 3]| {
         reader.optional_color(props, name, ColorSlot::Unbounded).unwrap_or(Color::Rgb(default))
     };
@@ -199,7 +199,7 @@ impl Given {
                 let sigma_t = reader.linear(props, "sigma_t", &sigma_t)?;
                 let albedo = reader.linear(props, "albedo", &albedo)?;
                 let by_lane = |f: fn(f64, f64, f64) -> f64| {
-                    constant(Color::Rgb([0, 1, 2].map(|i| round(f(sigma_t[i], albedo[i], g[i])))))
+                    constant(Color::Rgb([0, 1, 2].map(|i| rounded(f(sigma_t[i], albedo[i], g[i])))))
                 };
                 Coefficients::Parts {
                     sigma_a: by_lane(|t, a, _| t * (1.0 - a)),
@@ -212,18 +212,13 @@ impl Given {
                     [r, g, b] if r == g && g == b => times(sigma_s, 1.0 - r),
                     _ => {
                         let sigma_s = reader.linear(props, "sigma_s", &sigma_s)?;
-                        Color::Rgb([0, 1, 2].map(|i| round(sigma_s[i] * (1.0 - g[i]))))
+                        Color::Rgb([0, 1, 2].map(|i| rounded(sigma_s[i] * (1.0 - g[i]))))
                     }
                 };
                 Coefficients::Parts { sigma_a: constant(sigma_a), sigma_s: constant(sigma_s) }
             }
         })
     }
-}
-
-/// Without the noise that products of decimal numbers have in their last digits.
-fn round(value: f64) -> f64 {
-    format!("{value:.12e}").parse().expect("a number that was written")
 }
 
 impl<'a> Reader<'a> {

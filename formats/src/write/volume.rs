@@ -4,7 +4,7 @@ use super::mesh::stem;
 use super::{Output, WriteError};
 use crate::ir::{
     Coefficients, ColorSlot, GridSamples, Medium, Origin, Transform, Volume, VolumeData, VolumeFilter,
-    VolumeGrid, WrapMode,
+    VolumeGrid, WrapMode, rounded,
 };
 use crate::volume::{self, Grid};
 
@@ -232,8 +232,8 @@ impl Output<'_> {
         Some(match medium.coefficients {
             Coefficients::Extinction { .. } => [first, second],
             Coefficients::Parts { .. } => {
-                let sum = [0, 1, 2].map(|i| first[i] + second[i]);
-                [sum, [0, 1, 2].map(|i| if sum[i] > 0.0 { second[i] / sum[i] } else { 0.0 })]
+                let sum = [0, 1, 2].map(|i| rounded(first[i] + second[i]));
+                [sum, [0, 1, 2].map(|i| if sum[i] > 0.0 { rounded(second[i] / sum[i]) } else { 0.0 })]
             }
         })
     }

@@ -162,6 +162,23 @@ fn from_mitsuba_to_pbrt() {
     }
 }
 
+/// What is computed of decimal numbers is written without the noise of their last digits, both ways.
+#[test]
+fn sums_are_written_as_decimals() {
+    let fog =
+        "<scene version='3.0.0'><medium type='homogeneous' id='fog'><rgb name='sigma_t' value='.5, .12, 1'/>
+        <rgb name='albedo' value='.9, .8, .998'/></medium>
+        <shape type='cube'><bsdf type='null'/><ref name='interior' id='fog'/></shape></scene>";
+    let (written, again, files) = copied(read("scene.xml", fog), "copy.pbrt");
+    for said in ["\"rgb sigma_a\" [0.05 0.024 0.002]", "\"rgb sigma_s\" [0.45 0.096 0.998]"] {
+        assert!(written.text.contains(said), "{}", written.text);
+    }
+    let (written, ..) = copied((again, files), "copy.xml");
+    for said in ["name=\"sigma_t\" value=\"0.5, 0.12, 1\"", "name=\"albedo\" value=\"0.9, 0.8, 0.998\""] {
+        assert!(written.text.contains(said), "{}", written.text);
+    }
+}
+
 /// Of a table by its definition, in many small steps.
 fn mean_cosine(values: &[f64]) -> f64 {
     let (mut sum, mut first) = (0.0, 0.0);

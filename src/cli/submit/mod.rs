@@ -15,6 +15,7 @@ use super::failure::Failure;
 use super::picture::PictureArgs;
 use super::report;
 use super::scene::{SceneArgs, whole};
+use super::threads::MAX_THREADS;
 use crate::session::Error;
 
 /// Arguments of `submit`.
@@ -31,7 +32,7 @@ pub struct SubmitArgs {
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     jobs: u32,
     /// Threads of a task [default: those that the scheduler gives to it, or all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS), allow_negative_numbers = true)]
     threads: Option<u32>,
     /// Folder for scripts, parts and logs, which all machines share [default: SCENE-passes here]
     #[arg(long, value_name = "DIR")]

@@ -91,12 +91,12 @@ impl Plan {
     }
 
     /// Why a map is left out, for people.
-    pub fn notes(facts: &Facts, settings: &Settings) -> Vec<String> {
+    pub fn notes(&self, facts: &Facts, settings: &Settings) -> Vec<String> {
         let mut notes = Vec::new();
         if !facts.sharper_than(settings.glossy) {
             notes.push("no specular surface: no caustic map".to_owned());
         }
-        if facts.media && settings.indirect != Indirect::Trace {
+        if facts.media && self.global_map {
             notes.push("media: light of surfaces from photons at the first rough surface".to_owned());
         }
         if settings.nee && settings.max_depth.0 == 2 {

@@ -46,4 +46,8 @@ impl Scatter for HenyeyGreenstein {
         let wo = around(axis, h.clamp(0.0, 2.0), u.y);
         Some(PhaseSample { wo, weight: 1.0, pdf: self.eval(p, wi, wo) })
     }
+
+    fn describe(&self) -> String {
+        format!("Henyey-Greenstein phase function, g {}", self.g)
+    }
 }

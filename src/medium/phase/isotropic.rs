@@ -19,4 +19,8 @@ impl Scatter for Isotropic {
     fn sample(&self, _: Vec3, _: Vec3, _: f32, u: Vec2) -> Option<PhaseSample> {
         Some(PhaseSample { wo: warp::sphere(u), weight: 1.0, pdf: EVEN })
     }
+
+    fn describe(&self) -> String {
+        "isotropic phase function".to_owned()
+    }
 }

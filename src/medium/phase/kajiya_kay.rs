@@ -61,4 +61,8 @@ impl Scatter for KajiyaKay {
         let weight = self.eval(p, wi, wo) / pdf;
         (weight > 0.0).then_some(PhaseSample { wo, weight, pdf })
     }
+
+    fn describe(&self) -> String {
+        "phase function of Kajiya and Kay".to_owned()
+    }
 }

@@ -151,6 +151,10 @@ impl Scatter for Microflake {
     fn has_area(&self) -> bool {
         true
     }
+
+    fn describe(&self) -> String {
+        "microflakes".to_owned()
+    }
 }
 
 #[cfg(test)]

@@ -60,6 +60,10 @@ impl Scatter for Mixture {
     fn has_area(&self) -> bool {
         self.parts.iter().any(Phase::has_area)
     }
+
+    fn describe(&self) -> String {
+        format!("mixture of {} phase functions", self.parts.len())
+    }
 }
 
 /// Two phase functions; a volume says how much of the second.
@@ -113,5 +117,9 @@ impl Scatter for Blend {
 
     fn has_area(&self) -> bool {
         self.parts.iter().any(Phase::has_area)
+    }
+
+    fn describe(&self) -> String {
+        "blend of two phase functions".to_owned()
     }
 }

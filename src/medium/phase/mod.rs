@@ -52,6 +52,9 @@ closed_enum! {
         #[inline(always)]
         fn sample(&self, p: Vec3, wi: Vec3, pick: f32, u: Vec2) -> Option<PhaseSample>;
 
+        /// What it is called, with its numbers: for people.
+        fn describe(&self) -> String;
+
         /// What a direction of travel ±`w` multiplies the extinction by: 1 but for flakes, whose projected area
         /// differs. `area(wi)·eval(wi, wo)` is symmetric.
         #[inline(always)]

@@ -23,4 +23,8 @@ impl Scatter for Rayleigh {
         let wo = around(wi, 1.0 - cos, u.y);
         Some(PhaseSample { wo, weight: 1.0, pdf: self.eval(p, wi, wo) })
     }
+
+    fn describe(&self) -> String {
+        "Rayleigh phase function".to_owned()
+    }
 }

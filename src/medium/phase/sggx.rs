@@ -78,4 +78,8 @@ impl Scatter for Sggx {
     fn has_area(&self) -> bool {
         true
     }
+
+    fn describe(&self) -> String {
+        "SGGX phase function".to_owned()
+    }
 }

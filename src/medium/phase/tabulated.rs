@@ -69,4 +69,8 @@ impl Scatter for Tabulated {
         let wo = around(-wi, (1.0 - cos).clamp(0.0, 2.0), u.y);
         (pdf > 0.0).then_some(PhaseSample { wo, weight: 1.0, pdf })
     }
+
+    fn describe(&self) -> String {
+        "tabulated phase function".to_owned()
+    }
 }

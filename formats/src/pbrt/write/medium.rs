@@ -4,7 +4,7 @@ use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
     Coefficients, Color, ColorSlot, GridSamples, Id, Medium, MediumEmission, MediumInterface, Origin, Phase,
-    Transform, Volume, VolumeData, VolumeFile, VolumeFilter, VolumeFormat, VolumeGrid, WrapMode,
+    Transform, Volume, VolumeData, VolumeFile, VolumeFilter, VolumeFormat, VolumeGrid, WrapMode, rounded,
 };
 use crate::pbrt::medium::Y_INTEGRAL;
 use crate::write::{Names, WriteError};
@@ -83,7 +83,7 @@ impl Writer<'_, '_> {
             Some(Volume::Cloud(cloud)) if constant => {
                 let mut p = self.parts(Params::default(), medium);
                 if medium.scale != 1.0 {
-                    let [sigma_a, sigma_s] = self.scaled_parts(medium);
+                    let [sigma_a, sigma_s] = self.parts_times(medium, medium.scale);
                     p = Params::default().rgb("sigma_a", sigma_a).rgb("sigma_s", sigma_s);
                 }
                 let p = p
@@ -104,7 +104,7 @@ impl Writer<'_, '_> {
                     && self.out.field(grid)?.grid.channels == 1
                 {
                     let albedo = self.out.rgb(albedo, ColorSlot::Unbounded, origin);
-                    let p = Params::default().rgb("sigma_a", albedo.map(|a| (1.0 - a).max(0.0)));
+                    let p = Params::default().rgb("sigma_a", albedo.map(|a| rounded(1.0 - a).max(0.0)));
                     let p = p.rgb("sigma_s", albedo).float_unless("scale", medium.scale, 1.0);
                     return self.uniform_grid(p, grid, medium);
                 }
@@ -200,15 +200,15 @@ impl Writer<'_, '_> {
             let p = self.color(p, "sigma_a", a, slot, origin);
             return self.color(p, "sigma_s", s, slot, origin);
         }
-        let [sigma_t, albedo] = self.out.constant_coefficients(medium).unwrap_or_default();
-        let scattered = [0, 1, 2].map(|i| sigma_t[i] * albedo[i]);
-        p.rgb("sigma_a", [0, 1, 2].map(|i| (sigma_t[i] - scattered[i]).max(0.0))).rgb("sigma_s", scattered)
+        let [absorbed, scattered] = self.parts_times(medium, 1.0);
+        p.rgb("sigma_a", absorbed).rgb("sigma_s", scattered)
     }
 
-    fn scaled_parts(&mut self, medium: &Medium) -> [[f64; 3]; 2] {
+    /// Absorption and scattering times `scale`.
+    fn parts_times(&mut self, medium: &Medium, scale: f64) -> [[f64; 3]; 2] {
         let [sigma_t, albedo] = self.out.constant_coefficients(medium).unwrap_or_default();
-        let scattered = [0, 1, 2].map(|i| sigma_t[i] * albedo[i] * medium.scale);
-        [[0, 1, 2].map(|i| (sigma_t[i] * medium.scale - scattered[i]).max(0.0)), scattered]
+        let scattered = [0, 1, 2].map(|i| rounded(sigma_t[i] * albedo[i] * scale));
+        [[0, 1, 2].map(|i| rounded(sigma_t[i] * scale - scattered[i]).max(0.0)), scattered]
     }
 
     /// A grid of numbers with its size and box, and the transform of that box.

@@ -100,8 +100,8 @@ impl fmt::Display for Choice {
             write!(f, ", {samples} camera sample{plural} a pass")?;
         }
         for (i, (name, factor)) in self.others.iter().enumerate() {
-            let opening = if i == 0 { "; error × work measured by a pilot:" } else { "," };
-            write!(f, "{opening} {name} {factor:.2} times")?;
+            let opening = if i == 0 { "; by a pilot, error × work of other ways:" } else { "," };
+            write!(f, "{opening} {name} {factor:.2} times this")?;
         }
         Ok(())
     }
