@@ -65,6 +65,9 @@ pub(super) const INTEGRATORS: &[Plugin<Rendering>] = &[
     unsupported("volprim_rf_basic"),
 ];
 
+/// Those that look through media in Mitsuba.
+const IN_VACUUM: &[&str] = &["path", "direct", "ptracer"];
+
 /// Every integrator may have these.
 const COMMON: Settings = &[
     ("max_depth", Integer),
@@ -128,6 +131,11 @@ impl<'a> Reader<'a> {
         let integrator = match self.plugin(INTEGRATORS, index, "photon mapping renders the scene") {
             Some(Rendering::Own(own)) => {
                 let settings = self.settings(&mut props, own);
+                if IN_VACUUM.contains(&object.plugin.as_str()) && !self.scene.media.is_empty() {
+                    let text = format!("`{}` of Mitsuba renders no media, but here they are", object.plugin);
+                    let help = "`volpath` renders them in both";
+                    self.problems.push(Diagnostic::warning(text, Some(object.span)).help(help));
+                }
                 let integrator = Integrator {
                     origin: props.origin(),
                     plugin: object.plugin.clone(),
@@ -148,7 +156,7 @@ impl<'a> Reader<'a> {
         Some(integrator)
     }
 
-    /// `path` with the settings every integrator has; the others are dropped.
+    /// `path`, or with media `volpath`, with the settings every integrator has; the others are dropped.
     pub fn as_path(&mut self, mut props: Props<'a>) -> Integrator {
         let mut settings = BTreeMap::new();
         for (name, kind) in &COMMON[..3] {
@@ -163,7 +171,8 @@ impl<'a> Reader<'a> {
         props.ignore_rest();
         let origin = props.origin();
         self.finish(props);
-        Integrator { origin, plugin: "path".to_owned(), settings, aovs: Vec::new() }
+        let plugin = if self.scene.media.is_empty() { "path" } else { "volpath" };
+        Integrator { origin, plugin: plugin.to_owned(), settings, aovs: Vec::new() }
     }
 
     fn settings(&mut self, props: &mut Props<'a>, own: Settings) -> BTreeMap<String, Setting> {

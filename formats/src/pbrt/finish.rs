@@ -9,6 +9,7 @@ impl Reader<'_> {
         self.check_materials();
         self.check_objects();
         self.check_media();
+        self.check_integrator();
         // Materials stay as they are from here on.
         let mut query = Query::default();
         let mut shapes = std::mem::take(&mut self.scene.shapes);

@@ -15,13 +15,17 @@ type ReadIntegrator = fn(&mut Params, &mut Settings) -> &'static str;
 
 const AS_PATH: &str = "as `path`";
 
+/// Integrators of surfaces, and of media as well, by their names in both languages.
+const PATH: &str = "path";
+const VOLPATH: &str = "volpath";
+
 pub(super) const INTEGRATORS: &[Plugin<ReadIntegrator>] = &[
-    read("path", path),
-    read("volpath", path),
+    read("path", |_, _| PATH),
+    read("volpath", |_, _| VOLPATH),
     read("simplepath", simple_path),
-    plugin::approximated("simplevolpath", |p, _| approximated(p), AS_PATH),
-    plugin::approximated("lightpath", |p, _| approximated(p), AS_PATH),
-    plugin::approximated("randomwalk", |p, _| approximated(p), AS_PATH),
+    plugin::approximated("simplevolpath", |p, _| approximated(p, VOLPATH), AS_PATH),
+    plugin::approximated("lightpath", |p, _| approximated(p, PATH), AS_PATH),
+    plugin::approximated("randomwalk", |p, _| approximated(p, PATH), AS_PATH),
     plugin::approximated("bdpt", bdpt, AS_PATH),
     plugin::approximated("mlt", mlt, AS_PATH),
     read("sppm", sppm),
@@ -42,7 +46,7 @@ impl Reader<'_> {
             let depth = Setting { origin: Origin(None), value: Scalar::Integer(i64::from(BOUNCES) + 1) };
             self.scene.integrator = Some(Integrator {
                 origin: Origin(None),
-                plugin: "path".to_owned(),
+                plugin: VOLPATH.to_owned(),
                 settings: BTreeMap::from([("max_depth".to_owned(), depth)]),
                 aovs: Vec::new(),
             });
@@ -75,32 +79,43 @@ impl Reader<'_> {
         self.scene.integrator =
             Some(Integrator { origin, plugin: plugin.to_owned(), settings, aovs: Vec::new() });
     }
-}
 
-fn path(_: &mut Params, _: &mut Settings) -> &'static str {
-    "path"
+    /// Once all media are known: without any, pbrt's usual `volpath` is Mitsuba's usual `path`.
+    pub fn check_integrator(&mut self) {
+        let media = !self.scene.media.is_empty();
+        let Some(integrator) = &mut self.scene.integrator else { return };
+        match integrator.plugin.as_str() {
+            VOLPATH if !media => integrator.plugin = PATH.to_owned(),
+            plugin @ (PATH | "sppm") if media => {
+                let text = format!("`{plugin}` of pbrt renders no media, but here they are");
+                let warning = Diagnostic::warning(text, integrator.origin.0);
+                self.problems.push(warning.help("`volpath` renders them in both"));
+            }
+            _ => {}
+        }
+    }
 }
 
 fn simple_path(p: &mut Params, _: &mut Settings) -> &'static str {
     // They change the noise, not the picture.
     p.ignore(&["samplelights", "samplebsdf"]);
-    "path"
+    PATH
 }
 
-fn approximated(p: &mut Params) -> &'static str {
+fn approximated(p: &mut Params, plugin: &'static str) -> &'static str {
     let text = format!("integrator `{}` is read as `path`", p.kind);
     p.problems.push(Diagnostic::warning(text, Some(p.span)));
-    "path"
+    plugin
 }
 
 fn bdpt(p: &mut Params, _: &mut Settings) -> &'static str {
     p.ignore(&["visualizestrategies", "visualizeweights"]);
-    approximated(p)
+    approximated(p, VOLPATH)
 }
 
 fn mlt(p: &mut Params, _: &mut Settings) -> &'static str {
     p.ignore(&["bootstrapsamples", "chains", "mutationsperpixel", "largestepprobability", "sigma"]);
-    approximated(p)
+    approximated(p, VOLPATH)
 }
 
 /// Iterations are the sampler's samples a pixel.

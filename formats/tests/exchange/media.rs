@@ -223,3 +223,50 @@ fn from_pbrt_to_mitsuba() {
     let values = volume::read(&files.0[&file.path], &VolumeFormat::Vol).unwrap();
     assert_eq!([0, 1, 2].map(|c| values.value([0, 1, 0], c)), [21.0; 3]);
 }
+
+/// A scene with fog is converted to an integrator that renders fog, where it had one: most of Mitsuba's and of pbrt's
+/// look through it.
+#[test]
+fn integrators_render_the_media_that_they_rendered() {
+    let pbrt = |integrator: &str| {
+        format!(
+            "{integrator} Film \"rgb\" Camera \"perspective\" WorldBegin LightSource \"infinite\"
+             MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" AttributeBegin MediumInterface \"fog\" \"\"
+             Material \"interface\" Shape \"sphere\" AttributeEnd"
+        )
+    };
+    let mitsuba = |version: &str, integrator: &str| {
+        format!(
+            "<scene version='{version}'>{integrator}<medium type='homogeneous' id='fog'/>
+             <emitter type='constant'/><sensor type='perspective'/><shape type='sphere'><ref name='interior' id='fog'/>
+             </shape></scene>"
+        )
+    };
+    let photons = "<integrator type='photonmapper'/>";
+    let by = |plugin: &str| format!("<integrator type=\"{plugin}\"");
+    let to = |plugin: &str| format!("Integrator \"{plugin}\"");
+    let cases = [
+        ("scene.pbrt", pbrt(""), "copy.xml", by("volpath")),
+        ("scene.pbrt", pbrt("Integrator \"volpath\""), "copy.xml", by("volpath")),
+        ("scene.pbrt", pbrt("Integrator \"bdpt\""), "copy.xml", by("volpath")),
+        ("scene.pbrt", pbrt("Integrator \"path\""), "copy.xml", by("path")),
+        ("scene.xml", mitsuba("3.0.0", "<integrator type='path'/>"), "copy.pbrt", to("path")),
+        ("scene.xml", mitsuba("3.0.0", ""), "copy.pbrt", to("volpath")),
+        ("scene.xml", mitsuba("3.0.0", ""), "copy.xml", by("volpath")),
+        ("scene.xml", mitsuba("0.6.0", photons), "copy.pbrt", to("volpath")),
+        ("scene.xml", mitsuba("0.6.0", photons), "copy.xml", by("volpath")),
+        ("scene.xml", mitsuba("0.6.0", "<integrator type='bdpt'/>"), "copy.xml", by("volpath")),
+    ];
+    for (name, text, target, integrator) in cases {
+        let read = read(name, &text);
+        let warned =
+            read.0.warnings.iter().any(|w| w.message.contains("renders no media, but here they are"));
+        let (written, ..) = copied(read, target);
+        assert!(written.text.contains(&integrator), "{text}\n{}", written.text);
+        assert_eq!(warned, integrator.contains("\"path\""), "{text}");
+    }
+    let without =
+        "Integrator \"volpath\" Film \"rgb\" Camera \"perspective\" WorldBegin LightSource \"infinite\"";
+    let (written, ..) = copied(read("scene.pbrt", without), "copy.xml");
+    assert!(written.text.contains(&by("path")), "{}", written.text);
+}

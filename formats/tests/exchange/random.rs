@@ -124,10 +124,13 @@ pub fn scene(language: Language) -> impl Strategy<Value = Scene> {
         let sensor = &mut scene.sensors[0];
         (sensor.to_world, sensor.projection, sensor.film.width, sensor.film.height) = camera;
         let setting = Setting { origin: Origin(None), value: Scalar::Integer(depth) };
+        random_media::fill(&mut scene, language, media);
         if let Some(integrator) = &mut scene.integrator {
             integrator.settings.insert("max_depth".to_owned(), setting);
+            if !scene.media.is_empty() {
+                integrator.plugin = "volpath".to_owned();
+            }
         }
-        random_media::fill(&mut scene, language, media);
         scene
     })
 }

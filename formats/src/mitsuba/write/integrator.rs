@@ -27,7 +27,7 @@ impl Writer<'_, '_> {
         let aovs = i.map_or(&[][..], |i| &i.aovs);
         let mut nested = match i {
             Some(i) => self.plain_integrator(i),
-            None => Element::plugin("integrator", "path"),
+            None => Element::plugin("integrator", self.usual_integrator()),
         };
         let picture = aovs.iter().find(|aov| aov.kind == AovKind::Picture);
         if let Some(picture) = picture {
@@ -93,12 +93,18 @@ impl Writer<'_, '_> {
         Scalar::Integer(accepted)
     }
 
+    /// What renders all of the scene: Mitsuba's `path` looks through media.
+    fn usual_integrator(&self) -> &'static str {
+        if self.scene.media.is_empty() { "path" } else { "volpath" }
+    }
+
     fn plain_integrator(&mut self, i: &Integrator) -> Element {
         let row = INTEGRATORS.iter().find(|(name, _)| *name == i.plugin);
+        let usual = self.usual_integrator();
         if row.is_none() {
-            self.out.lose(i.origin, format!("the integrator `{}`", i.plugin), "`path`");
+            self.out.lose(i.origin, format!("the integrator `{}`", i.plugin), format!("`{usual}`"));
         }
-        let (plugin, known) = row.unwrap_or(&INTEGRATORS[0]);
+        let (plugin, known) = row.map_or((usual, COMMON), |(name, known)| (*name, *known));
         let mut element = Element::plugin("integrator", plugin);
         for (name, setting) in &i.settings {
             if !known.contains(&name.as_str()) {

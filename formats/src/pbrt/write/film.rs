@@ -171,8 +171,15 @@ impl Writer<'_, '_> {
     }
 
     fn integrator(&mut self, text: &mut String, i: &Integrator) {
-        let photons = matches!(i.plugin.as_str(), "sppm" | "ppm" | "photonmapper");
-        let plugin = if photons { "sppm" } else { "volpath" };
+        let media = !self.scene.media.is_empty();
+        let plugin = match i.plugin.as_str() {
+            // pbrt's `sppm` looks through media.
+            "sppm" | "ppm" | "photonmapper" if !media => "sppm",
+            // As in Mitsuba, so in pbrt.
+            "path" | "direct" if media => "path",
+            _ => "volpath",
+        };
+        let photons = plugin == "sppm";
         if !photons && !matches!(i.plugin.as_str(), "path" | "volpath" | "volpathmis" | "direct") {
             self.out.lose(i.origin, format!("the integrator `{}`", i.plugin), "`volpath`");
         }
