@@ -10,6 +10,7 @@ use crate::math::{Color, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Facts, Hit, Scene};
 use crate::transport::roulette::Length;
+use crate::transport::walk::slips_through;
 use crate::transport::{PathClass, Vertex, roulette};
 
 /// See the module.
@@ -170,7 +171,8 @@ impl PathTracer<'_> {
         sight.add_surface(scene, s, ray.d, carried, &mut sample.out);
         walk.seen = true;
         if walk.depth >= self.max_depth {
-            return false;
+            walk.depth -= 1;
+            return slips_through(scene, ray, s, &mut sample.sampler);
         }
         let vertex = Vertex::new(scene, s, -ray.d);
         self.light(i, walk, &vertex, sample, shadows);
@@ -212,7 +214,9 @@ impl PathTracer<'_> {
         walk.throughput *= sample.weight;
         walk.eta *= sample.eta;
         // Straight passages leave the density of the scattering before in force.
-        if sample.event != Event::Null {
+        if sample.event == Event::Null {
+            walk.depth -= 1 - self.scene.passage;
+        } else {
             (walk.pdf, walk.from) = (sample.pdf, s.p);
         }
         walk.class = walk.class.after_camera_event(sample.event);

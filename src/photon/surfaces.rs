@@ -43,11 +43,16 @@ pub(super) fn follow(
             let n = scene.glint_side(&surface, vertex.back).n;
             out.glints.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
         }
-        // A photon at the next surface needs two more segments: there, and from there to the camera.
-        if depth.saturating_add(2) > job.max_depth {
+        // A photon at the next surface needs two more segments: there, if the way is not straight on for nothing, and from
+        // there to the camera.
+        if depth.saturating_add(1 + scene.passage) > job.max_depth {
             return first;
         }
         let Some((d, next, event)) = scatter(scene, job, &vertex, flux, sampler) else { return first };
+        let further = if event == Event::Null { scene.passage } else { 1 };
+        if depth.saturating_add(1 + further) > job.max_depth {
+            return first;
+        }
         let length = Length { segments: depth, most: job.max_depth };
         let survival = roulette::light_survival(flux, next, length);
         flux = if survival < 1.0 {
@@ -60,7 +65,7 @@ pub(super) fn follow(
             smallness = Smallness::of(scene.pdf_direct_start(surface.p, -ray.d, start));
         }
         class = class.after_light_event(event);
-        depth += 1;
+        depth += further;
         ray = surface.leave(d);
     }
 }

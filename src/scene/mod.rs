@@ -64,6 +64,9 @@ pub struct Scene {
     pub textures: Textures,
     /// Straight light through thin panes is a passage: it has not scattered, and shadow rays go through.
     pub panes_pass: bool,
+    /// Segments of a path that a straight passage through a mask or a boundary of one index costs: 1 as with Mitsuba's
+    /// `path`, 0 as with its `volpath` and with pbrt.
+    pub passage: u32,
     /// What boundaries and lamps refer to.
     pub media: Vec<Medium>,
     /// Their names, by the author or by number.

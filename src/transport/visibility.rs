@@ -21,7 +21,7 @@ pub fn passage(scene: &Scene, s: &Surface, d: Vec3) -> Color {
 
 /// The share of a direct sample's light that arrives at `s`: 1 when nothing is in the way, else 0, or with
 /// `transparent` what masks and index-matched boundaries let through. `segments` is how many more path
-/// segments may be used; each surface that is passed costs one.
+/// segments may be used; a surface that is passed costs [`Scene::passage`].
 #[inline(always)]
 pub fn visibility(
     scene: &Scene,
@@ -45,10 +45,10 @@ fn transparency_along(scene: &Scene, mut ray: Ray, sample: &DirectSample, segmen
     while let Some(hit) = scene.geometry.closest(&ray) {
         let at = scene.surface(&ray, &hit);
         through *= transparency(scene, &at, sample.dir);
-        if through == 0.0 || left <= 1 {
+        if through == 0.0 || left <= scene.passage {
             return 0.0;
         }
-        left -= 1;
+        left -= scene.passage;
         let end = sample.target.unwrap_or(Vec3::ZERO);
         let o = at.origin(sample.dir);
         ray = match sample.target {

@@ -38,7 +38,7 @@ pub use interface::{
 };
 pub(crate) use medium::rounded;
 pub use medium::{Coefficients, Medium, MediumEmission, MediumInterface, Phase};
-pub use query::{Nature, Query, emits, panes_pass_in_media, uses_textures};
+pub use query::{Nature, Query, emits, has_passages, panes_pass_in_media, passages_count, uses_textures};
 pub use references::{Uses, canonical, parts};
 pub use sensor::{
     ComponentFormat, Crop, Film, Filter, FilterNumber, FilterParameter, Fov, FovAxis, Lens, NamedFilter,

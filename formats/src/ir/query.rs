@@ -121,6 +121,18 @@ pub fn panes_pass_in_media(scene: &Scene) -> bool {
     scene.spectrum_rule != SpectrumRule::Pbrt && scene.bsdfs.iter().any(|(_, bsdf)| is_pane(bsdf))
 }
 
+/// Whether light passes straight through some surfaces: through masks, or boundaries of one index.
+pub fn has_passages(scene: &Scene) -> bool {
+    scene.bsdfs.iter().any(|(_, bsdf)| matches!(bsdf.kind, BsdfKind::Mask { .. } | BsdfKind::Null))
+}
+
+/// Whether such a passage is a segment of a path. It is for Mitsuba's integrators, but for `volpath` and `volpathmis`, and
+/// never for pbrt's.
+pub fn passages_count(scene: &Scene) -> bool {
+    let plugin = scene.integrator.as_ref().map_or("", |integrator| integrator.plugin.as_str());
+    scene.spectrum_rule != SpectrumRule::Pbrt && !matches!(plugin, "volpath" | "volpathmis")
+}
+
 /// Whether the scene has any light outside of its shape groups.
 pub fn emits(scene: &Scene) -> bool {
     !scene.emitters.is_empty()

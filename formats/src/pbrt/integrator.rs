@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::params::Params;
 use super::reader::Reader;
 use crate::diagnostic::Diagnostic;
-use crate::ir::{Integrator, Origin, Scalar, Setting};
+use crate::ir::{Integrator, Origin, Scalar, Setting, has_passages};
 use crate::plugin::{self, Plugin, read, unsupported};
 
 type Settings = BTreeMap<String, Setting>;
@@ -80,12 +80,16 @@ impl Reader<'_> {
             Some(Integrator { origin, plugin: plugin.to_owned(), settings, aovs: Vec::new() });
     }
 
-    /// Once all media are known: without any, pbrt's usual `volpath` is Mitsuba's usual `path`.
+    /// Once all is known: where there are no media, and no straight passages, which Mitsuba's `path` counts, pbrt's usual
+    /// `volpath` is Mitsuba's usual `path`.
     pub fn check_integrator(&mut self) {
         let media = !self.scene.media.is_empty();
+        let passages = has_passages(&self.scene);
         let Some(integrator) = &mut self.scene.integrator else { return };
         match integrator.plugin.as_str() {
-            VOLPATH if !media => integrator.plugin = PATH.to_owned(),
+            PATH | VOLPATH if !media => {
+                integrator.plugin = if passages { VOLPATH } else { PATH }.to_owned();
+            }
             plugin @ (PATH | "sppm") if media => {
                 let text = format!("`{plugin}` of pbrt renders no media, but here they are");
                 let warning = Diagnostic::warning(text, integrator.origin.0);

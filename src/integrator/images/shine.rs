@@ -48,15 +48,15 @@ pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, rays: &mut u64) ->
         let vertex = Vertex::new(scene, &s, -way.ray.d);
         let through = vertex.closure.transparency();
         let deltas = vertex.closure.deltas(vertex.wi, Transport::Radiance);
-        let straight = (through > 0.0).then_some((-vertex.wi, Color::splat(through), through));
+        let straight = (through > 0.0).then_some((-vertex.wi, Color::splat(through), through, scene.passage));
         let solid = 1.0 - through;
-        let lobes = deltas.iter().map(|l| (l.wo, l.weight * solid, l.power() * solid));
-        let on: Vec<_> = straight.into_iter().chain(lobes).filter(|(_, _, share)| *share > 0.0).collect();
-        let total: f32 = on.iter().map(|(_, _, share)| share).sum();
+        let lobes = deltas.iter().map(|l| (l.wo, l.weight * solid, l.power() * solid, 1));
+        let on: Vec<_> = straight.into_iter().chain(lobes).filter(|(_, _, share, _)| *share > 0.0).collect();
+        let total: f32 = on.iter().map(|(_, _, share, _)| share).sum();
         let mut pick = sampler.random() * total;
         let split = on.len() < 2 || splits > 0;
         splits -= u32::from(split && on.len() > 1);
-        for (wo, weight, share) in on {
+        for (wo, weight, share, segments) in on {
             let chosen = split || (0.0..share).contains(&pick);
             pick -= share;
             if chosen {
@@ -64,7 +64,7 @@ pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, rays: &mut u64) ->
                 ways.push(Way {
                     ray: s.leave(s.frame.to_world(wo)),
                     throughput,
-                    depth: way.depth + 1,
+                    depth: way.depth + segments,
                     seen: true,
                 });
             }

@@ -21,6 +21,7 @@ use crate::sampling::Sampler;
 use crate::scene::{Hit, Surface};
 use crate::settings::Indirect;
 use crate::transport::roulette::Length;
+use crate::transport::walk::slips_through;
 use crate::transport::{Chain, PathClass, Vertex, roulette};
 
 /// Radii that lie between two rough surfaces at least, for the map to be read at the second: nearer, the first
@@ -191,7 +192,8 @@ impl PhotonMapper<'_> {
         walk.reach += hit.t * ray.d.length();
         walk.seen = true;
         if walk.depth >= settings.max_depth.0 {
-            return false;
+            walk.depth -= 1;
+            return slips_through(scene, ray, &s, &mut walk.sampler);
         }
         let vertex = Vertex::new(scene, &s, -ray.d);
         // Light that a glossy surface sends to a rough one is the caustic map's.
@@ -211,6 +213,9 @@ impl PhotonMapper<'_> {
             }
             Step::Follow { wo, weight, eta, density } => {
                 follow(walk, &s, weight, eta, density, self.caustic.has_glints());
+                if density == Density::Kept {
+                    walk.depth -= 1 - scene.passage;
+                }
                 *ray = s.leave(s.frame.to_world(wo));
             }
             Step::End => return false,

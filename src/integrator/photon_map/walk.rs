@@ -10,6 +10,7 @@ use crate::film::Radiance;
 use crate::math::{Color, Vec3};
 use crate::sampling::Sampler;
 use crate::transport::roulette::Length;
+use crate::transport::walk::slips_through;
 use crate::transport::{Chain, PathClass, Vertex, roulette, visibility};
 
 /// What a camera path does at a surface.
@@ -84,7 +85,11 @@ impl PhotonMapper<'_> {
             sight.add_surface(scene, &s, ray.d, path, &mut out);
             seen = true;
             if depth >= max_depth {
-                break;
+                if !slips_through(scene, &mut ray, &s, sampler) {
+                    break;
+                }
+                depth -= 1;
+                continue;
             }
             let vertex = Vertex::new(scene, &s, -ray.d);
             if vertex.closure.has_smooth(vertex.wi, self.glossy()) {
@@ -104,7 +109,7 @@ impl PhotonMapper<'_> {
                     path.throughput *= weight;
                     eta *= ratio;
                     match density {
-                        Density::Kept => {}
+                        Density::Kept => depth -= 1 - scene.passage,
                         Density::Specular => (pdf, from) = (0.0, s.p),
                         Density::Glossy(density) => (pdf, from, specular) = (density, s.p, false),
                     }

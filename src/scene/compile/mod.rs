@@ -162,12 +162,14 @@ pub fn compile(
     let (direct, emission) = emitter_distributions(&emitters, &textures, &shapes.sphere);
     let (media, medium_names) = b.media.finish();
     let panes_pass = !media.is_empty() && ir::panes_pass_in_media(ir);
+    let passage = u32::from(!ir::has_passages(ir) || ir::passages_count(ir));
     let mut scene = Scene {
         geometry: shapes.geometry,
         shapes: shapes.records,
         materials: b.materials.finish(),
         textures,
         panes_pass,
+        passage,
         media,
         medium_names,
         lamp_media,
