@@ -27,6 +27,8 @@ pub struct Heterogeneous {
     /// The extinction, if it is the same everywhere and in all directions.
     constant: Option<Color>,
     scatters: bool,
+    /// Kept, because rays ask for it and it takes a walk over all of the grid.
+    mean: Coefficients,
 }
 
 /// Light left at which an estimate plays roulette, and the probability of going on.
@@ -44,7 +46,8 @@ impl Heterogeneous {
         };
         let (Scattering::Albedo(volume) | Scattering::Coefficient(volume)) = &scattering;
         let scatters = volume.largest() > 0.0 && extinction.largest() > 0.0;
-        Self { extinction, scattering, radiance, phase, majorants, constant, scatters }
+        let mean = mean(&extinction, &scattering, radiance.as_ref());
+        Self { extinction, scattering, radiance, phase, majorants, constant, scatters, mean }
     }
 
     /// Bounds of the extinction, for walks of one's own.
@@ -218,13 +221,18 @@ impl Participate for Heterogeneous {
         self.radiance.is_some()
     }
 
+    #[inline(always)]
     fn mean(&self) -> Coefficients {
-        let sigma_t = self.extinction.mean();
-        let sigma_s = match &self.scattering {
-            Scattering::Albedo(albedo) => sigma_t * albedo.mean().clamp(Color::ZERO, Color::ONE),
-            Scattering::Coefficient(sigma_s) => sigma_s.mean().min(sigma_t),
-        };
-        let emission = self.radiance.as_ref().map_or(Color::ZERO, |r| (sigma_t - sigma_s) * r.mean());
-        Coefficients { sigma_t, sigma_s, emission }
+        self.mean
     }
+}
+
+fn mean(extinction: &Volume, scattering: &Scattering, radiance: Option<&Volume>) -> Coefficients {
+    let sigma_t = extinction.mean();
+    let sigma_s = match scattering {
+        Scattering::Albedo(albedo) => sigma_t * albedo.mean().clamp(Color::ZERO, Color::ONE),
+        Scattering::Coefficient(sigma_s) => sigma_s.mean().min(sigma_t),
+    };
+    let emission = radiance.map_or(Color::ZERO, |r| (sigma_t - sigma_s) * r.mean());
+    Coefficients { sigma_t, sigma_s, emission }
 }

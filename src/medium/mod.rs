@@ -82,7 +82,7 @@ closed_enum! {
         }
 
         /// Mean coefficients over its box, for a phase function that is alike in all directions: for choices, and for
-        /// people.
+        /// people. Costs nothing.
         fn mean(&self) -> Coefficients;
     }
 
