@@ -1,4 +1,4 @@
-//! Path tracing a small picture of the Cornell box, on one thread. Throughput is camera samples.
+//! Path tracing small pictures of the Cornell box and of smoke in a grid, on one thread. Throughput is camera samples.
 
 mod support;
 
@@ -8,14 +8,15 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 fn path(c: &mut Criterion) {
     let (side, passes) = (64u32, 16u32);
-    let mut session = support::cornell(side);
-    session.settings.integrator = IntegratorKind::Path;
     let pool = support::one_thread();
     let mut group = c.benchmark_group("path");
     group.throughput(Throughput::Elements(u64::from(side * side * passes))).sample_size(10);
-    group.bench_function("cornell", |b| {
-        b.iter(|| pool.install(|| session.render(Budget::passes(passes), &mut |_| ())));
-    });
+    for (name, mut session) in [("cornell", support::cornell(side)), ("smoke", support::smoke(side))] {
+        session.settings.integrator = IntegratorKind::Path;
+        group.bench_function(name, |b| {
+            b.iter(|| pool.install(|| session.render(Budget::passes(passes), &mut |_| ())));
+        });
+    }
     group.finish();
 }
 

@@ -153,3 +153,23 @@ fn opacity_cuts_the_light_of_a_lamp() {
         }
     }
 }
+
+/// In Mitsuba 3 a spectrum of 0.6 is (0.723, 0.569, 0.545) as the radiance of a lamp, and gray in a texture, be it that of a
+/// lamp (3.9.1: area, spot).
+#[test]
+fn spectra_in_textures_of_lamps_have_no_tint() {
+    let radiance = |inside: &str| {
+        let lamp = rectangle(1.0, "", &format!("<emitter type='area'>{inside}</emitter>"));
+        let stage = scene(&format!("{}{lamp}", camera("0,0,3", "0,0,0", 10.0, 2)));
+        let seen = render(&stage, &[("integrator", "path")], 1);
+        [0, 1, 2].map(|channel| seen.beauty(channel).mean as f32)
+    };
+    let [r, g, b] = radiance("<spectrum name='radiance' value='0.6'/>");
+    assert!(
+        (r - 0.7229).abs() < 1e-3 && (g - 0.5689).abs() < 1e-3 && (b - 0.5456).abs() < 1e-3,
+        "{r} {g} {b}"
+    );
+    let spectrum = "<spectrum name='color0' value='0.6'/><spectrum name='color1' value='0.6'/>";
+    let checks = format!("<texture type='checkerboard' name='radiance'>{spectrum}</texture>");
+    assert_eq!(radiance(&checks), [0.6; 3]);
+}

@@ -30,6 +30,13 @@ pub fn cornell(size: u32) -> Session {
     open(CORNELL, vec![], &Options { size: Some([size; 2]), ..Options::default() })
 }
 
+/// Smoke in a grid, on a floor, with a film of `size` pixels squared.
+pub fn smoke(size: u32) -> Session {
+    let grid = include_bytes!("../../scenes/media/smoke.vol").to_vec();
+    let options = Options { size: Some([size; 2]), ..Options::default() };
+    open(include_str!("../../scenes/media/smoke.xml"), vec![("smoke.vol", grid)], &options)
+}
+
 /// A million triangles: a hilly sheet, seen from above under a lamp.
 pub fn hills() -> Session {
     let side = 708;

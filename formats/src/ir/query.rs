@@ -14,6 +14,8 @@ use super::texture::Texture;
 pub struct Nature {
     /// Light reaches the other side of the surface.
     pub transmits: bool,
+    /// Some light passes straight through: by a mask, or a boundary of one index.
+    pub passes: bool,
     /// A texture decides what it looks like.
     pub textured: bool,
     /// What it looks like depends on the direction of ∂p/∂u.
@@ -29,6 +31,7 @@ impl Nature {
     fn or(self, other: Self) -> Self {
         Self {
             transmits: self.transmits || other.transmits,
+            passes: self.passes || other.passes,
             textured: self.textured || other.textured,
             anisotropic: self.anisotropic || other.anisotropic,
         }
@@ -89,7 +92,8 @@ impl Query {
     fn nature(&self, bsdf: &Bsdf) -> Nature {
         let kind = &bsdf.kind;
         let transmits = kind.transmits();
-        let mut nature = Nature { transmits, textured: false, anisotropic: kind.anisotropic() };
+        let passes = matches!(kind, BsdfKind::Mask { .. } | BsdfKind::Null);
+        let mut nature = Nature { transmits, passes, textured: false, anisotropic: kind.anisotropic() };
         kind.references(&mut |to| {
             nature.textured |= to.to::<Texture>().is_some();
             if let Some(nested) = to.to::<Bsdf>()
@@ -121,9 +125,14 @@ pub fn panes_pass_in_media(scene: &Scene) -> bool {
     scene.spectrum_rule != SpectrumRule::Pbrt && scene.bsdfs.iter().any(|(_, bsdf)| is_pane(bsdf))
 }
 
-/// Whether light passes straight through some surfaces: through masks, or boundaries of one index.
+/// Whether some light passes straight through some surfaces: cut out, masked, or boundaries of one index.
 pub fn has_passages(scene: &Scene) -> bool {
-    scene.bsdfs.iter().any(|(_, bsdf)| matches!(bsdf.kind, BsdfKind::Mask { .. } | BsdfKind::Null))
+    let mut query = Query::default();
+    let groups = scene.groups.iter().flat_map(|(_, group)| &group.shapes);
+    scene.shapes.iter().chain(groups).any(|shape| {
+        let by_bsdf = shape.bsdf.is_some_and(|bsdf| query.bsdf(&scene.bsdfs, bsdf).passes);
+        by_bsdf || shape.alpha.is_some()
+    })
 }
 
 /// Whether such a passage is a segment of a path. It is for Mitsuba's integrators, but for `volpath` and `volpathmis`, and

@@ -270,3 +270,25 @@ fn integrators_render_the_media_that_they_rendered() {
     let (written, ..) = copied(read("scene.pbrt", without), "copy.xml");
     assert!(written.text.contains(&by("path")), "{}", written.text);
 }
+
+/// Straight passages are segments of paths for Mitsuba's `path` alone: what pbrt makes of a cut-out leaf is `volpath` there,
+/// and the other way it is listed.
+#[test]
+fn straight_passages_count_as_they_did() {
+    let leaf = "Integrator \"volpath\" \"integer maxdepth\" 3 Film \"rgb\" Camera \"perspective\" WorldBegin
+                LightSource \"infinite\" Shape \"sphere\" \"float alpha\" 0.5";
+    let (written, ..) = copied(read("scene.pbrt", leaf), "copy.xml");
+    assert!(written.text.contains("<integrator type=\"volpath\""), "{}", written.text);
+    let masked = |plugin: &str| {
+        format!(
+            "<scene version='3.0.0'><integrator type='{plugin}'><integer name='max_depth' value='4'/></integrator>
+             <emitter type='constant'/><sensor type='perspective'/>
+             <shape type='sphere'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></shape></scene>"
+        )
+    };
+    for (plugin, lost) in [("path", true), ("volpath", false)] {
+        let (written, ..) = copied(read("scene.xml", &masked(plugin)), "copy.pbrt");
+        let listed = what(&written).iter().any(|what| what.starts_with("passages through masks"));
+        assert_eq!(listed, lost, "{plugin}: {:?}", what(&written));
+    }
+}

@@ -9,7 +9,7 @@ use caustica_formats::ir::{
     Emitter, EmitterKind, EnvironmentMapping, FloatInput, Fov, FovAxis, Id, InlineMesh, Ior, LightImage,
     Mapping, MeshFile, MeshFormat, Microfacet, MicrofacetDistribution, Origin, PartialQuadric, Plastic,
     Projection, RoughnessRemap, Scalar, Scene, Setting, Shadowing, Shape, ShapeGroup, ShapeKind, SpotFalloff,
-    Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode, uses_textures,
+    Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode, has_passages, uses_textures,
 };
 use caustica_formats::{Read, ReadOptions, read_scene};
 use proptest::collection::vec;
@@ -125,9 +125,10 @@ pub fn scene(language: Language) -> impl Strategy<Value = Scene> {
         (sensor.to_world, sensor.projection, sensor.film.width, sensor.film.height) = camera;
         let setting = Setting { origin: Origin(None), value: Scalar::Integer(depth) };
         random_media::fill(&mut scene, language, media);
+        let passages = has_passages(&scene);
         if let Some(integrator) = &mut scene.integrator {
             integrator.settings.insert("max_depth".to_owned(), setting);
-            if !scene.media.is_empty() {
+            if !scene.media.is_empty() || passages {
                 integrator.plugin = "volpath".to_owned();
             }
         }

@@ -120,12 +120,12 @@ impl Compiler<'_> {
         match &texture.kind {
             ir::TextureKind::Bitmap(b) => self.bitmap(id, b).unwrap_or(Param::gray(0.5)),
             ir::TextureKind::Checkerboard { color0, color1, to_uv } => {
-                let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
+                let colors = [self.nested(color0, slot, origin), self.nested(color1, slot, origin)];
                 self.textures.push(Texture::Checkerboard(Checkerboard { colors, to_uv: uv_transform(to_uv) }))
             }
             ir::TextureKind::Scale { value, factor } => {
-                let inner = self.param(value, slot, origin);
-                match (inner, self.param(factor, ColorSlot::Unbounded, origin)) {
+                let inner = self.nested(value, slot, origin);
+                match (inner, self.nested(factor, ColorSlot::Unbounded, origin)) {
                     (Param::Constant(a), Param::Constant(b)) => Param::Constant(a * b),
                     (inner, Param::Constant(factor)) | (Param::Constant(factor), inner) => {
                         self.textures.push(Scaled { input: inner, factor }.into())
@@ -134,17 +134,17 @@ impl Compiler<'_> {
                 }
             }
             ir::TextureKind::Grid { color0, color1, line_width, to_uv } => {
-                let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
+                let colors = [self.nested(color0, slot, origin), self.nested(color1, slot, origin)];
                 let (line, to_uv) = (*line_width as f32, uv_transform(to_uv));
                 self.textures.push(Texture::Grid(Grid { colors, line, to_uv }))
             }
             ir::TextureKind::Mix { first, second, amount: ir::MixAmount::Input(amount) } => {
-                let inputs = [self.param(first, slot, origin), self.param(second, slot, origin)];
+                let inputs = [self.nested(first, slot, origin), self.nested(second, slot, origin)];
                 let amount = self.scalar_param(amount);
                 self.textures.push(Texture::Mix(Mix { inputs, amount }))
             }
             ir::TextureKind::Mix { first, second, amount: ir::MixAmount::Direction(direction) } => {
-                let inputs = [self.param(first, slot, origin), self.param(second, slot, origin)];
+                let inputs = [self.nested(first, slot, origin), self.nested(second, slot, origin)];
                 let direction = Vec3::from(direction.map(|x| x as f32));
                 self.textures.push(Texture::DirectionMix(DirectionMix { inputs, direction }))
             }
@@ -160,19 +160,19 @@ impl Compiler<'_> {
                 color1,
                 mapping: ir::Mapping::Solid { to_texture },
             } => {
-                let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
+                let colors = [self.nested(color0, slot, origin), self.nested(color1, slot, origin)];
                 let to_texture = self.to_texture(to_texture);
                 self.textures.push(Texture::SolidChecks(SolidChecks { colors, to_texture }))
             }
             ir::TextureKind::MappedCheckerboard { color0, color1, mapping } => {
-                let colors = [self.param(color0, slot, origin), self.param(color1, slot, origin)];
+                let colors = [self.nested(color0, slot, origin), self.nested(color1, slot, origin)];
                 match self.mapping(mapping, origin) {
                     Some(mapping) => self.textures.push(Texture::UnitChecks(UnitChecks { colors, mapping })),
                     None => Param::gray(0.5),
                 }
             }
             ir::TextureKind::Dots { inside, outside, mapping } => {
-                let colors = [self.param(outside, slot, origin), self.param(inside, slot, origin)];
+                let colors = [self.nested(outside, slot, origin), self.nested(inside, slot, origin)];
                 match self.mapping(mapping, origin) {
                     Some(mapping) => self.textures.push(Texture::Dots(Dots { colors, mapping })),
                     None => Param::gray(0.5),
@@ -190,6 +190,18 @@ impl Compiler<'_> {
                 let (name, scale, by_shape) = (name.clone(), *scale as f32, Vec::new());
                 self.textures.push(Texture::MeshAttribute(MeshAttribute { name, scale, by_shape }))
             }
+        }
+    }
+
+    /// A value within a texture. Mitsuba 3 takes a spectrum for light, which has a tint in RGB, only where a lamp itself has
+    /// it.
+    fn nested(&mut self, input: &ColorInput, slot: ColorSlot, origin: ir::Origin) -> Param {
+        let rule = self.options.spectrum_rule.unwrap_or(self.ir.spectrum_rule);
+        match input {
+            ColorInput::Color(c) if slot == ColorSlot::Emission && rule == ir::SpectrumRule::Mitsuba3 => {
+                Param::Constant(self.color(c, ColorSlot::Unbounded, origin))
+            }
+            _ => self.param(input, slot, origin),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::Writer;
 use super::text::{Params, transform};
 use crate::ir::{
     ComponentFormat, CoordinateSystem, Film, Filter, Fov, FovAxis, HideEmitters, Integrator, Projection,
-    Scalar, Sensor, Transform,
+    Scalar, Sensor, Transform, has_passages, passages_count,
 };
 use crate::pbrt::integrator::UNLIMITED;
 use crate::write::number;
@@ -205,6 +205,10 @@ impl Writer<'_, '_> {
                 }
                 _ => self.out.lose(setting.origin, format!("the setting `{name}`"), "what pbrt does"),
             }
+        }
+        if depth > 0 && has_passages(self.scene) && passages_count(self.scene) {
+            let what = "passages through masks and boundaries of one index as segments of paths";
+            self.out.lose(i.origin, what, "scatterings alone");
         }
         let bounces = if depth < 0 { UNLIMITED } else { (depth - 1).clamp(0, i64::from(i32::MAX)) };
         p.integer("maxdepth", bounces).write(text, "", "Integrator", &[plugin]);
