@@ -20,9 +20,8 @@ use crate::photon::{Boundary, Gather, GatherPoint};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Surface};
 use crate::settings::Indirect;
-use crate::transport::roulette::Length;
 use crate::transport::walk::slips_through;
-use crate::transport::{Chain, PathClass, Vertex, roulette};
+use crate::transport::{Chain, PathClass, Vertex};
 
 /// Radii that lie between two rough surfaces at least, for the map to be read at the second: nearer, the first
 /// one sees how the map is blurred.
@@ -337,16 +336,10 @@ impl PhotonMapper<'_> {
         stage.shadows.count(rays);
     }
 
-    /// Russian roulette from `rr_depth` on; false when it ends the path.
+    /// Russian roulette; false when it ends the path.
     #[inline(always)]
     fn survives(&self, walk: &mut Walk) -> bool {
-        let settings = &self.settings;
-        if walk.depth < settings.rr_depth {
-            return true;
-        }
-        let length = Length { segments: walk.depth, most: settings.max_depth.0 };
-        let survival = roulette::camera_survival(walk.throughput, walk.eta, length);
-        let survivor = roulette::survivor(walk.throughput, survival, &mut walk.sampler);
+        let survivor = self.survivor(walk.throughput, walk.eta, walk.depth, &mut walk.sampler);
         walk.throughput = survivor.unwrap_or(Color::ZERO);
         survivor.is_some()
     }

@@ -120,14 +120,27 @@ impl PhotonMapper<'_> {
                 }
                 Step::End => break,
             }
-            if depth >= settings.rr_depth {
-                let length = Length { segments: depth, most: max_depth };
-                let survival = roulette::camera_survival(path.throughput, eta, length);
-                let Some(throughput) = roulette::survivor(path.throughput, survival, sampler) else { break };
-                path.throughput = throughput;
-            }
+            let Some(throughput) = self.survivor(path.throughput, eta, depth, sampler) else { break };
+            path.throughput = throughput;
         }
         out
+    }
+
+    /// Russian roulette from `rr_depth` on: the throughput with which a path of so many segments goes on.
+    #[inline(always)]
+    pub(super) fn survivor(
+        &self,
+        throughput: Color,
+        eta: f32,
+        depth: u32,
+        sampler: &mut Sampler,
+    ) -> Option<Color> {
+        if depth < self.settings.rr_depth {
+            return Some(throughput);
+        }
+        let length = Length { segments: depth, most: self.settings.max_depth.0 };
+        let survival = roulette::camera_survival(throughput, eta, length);
+        roulette::survivor(throughput, survival, sampler)
     }
 
     /// Adds the light of a lamp that glossy lobes send back. Photons tell nothing about such lobes, so a
