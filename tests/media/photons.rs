@@ -100,9 +100,9 @@ fn light_starts_in_what_its_place_is_in() {
     for (what, lamp) in [("a lamp through the border", &*reaching), ("a point within", point)] {
         let medium = fog("interior", "1.5,1.5,1.5", "0.95,0.95,0.95", "");
         let stage = scene(&[&eye("0.2,0.3,-5", 35.0, 12, ""), lamp, &container("", &medium)].concat());
-        let path = render(&stage, &[("integrator", "path")], 20480).estimate(&[Layer::Medium], 1);
+        let path = render(&stage, &[("integrator", "path")], 24576).estimate(&[Layer::Medium], 1);
         for beams in ["points", "beams"] {
-            let mapped = render(&stage, &[("beams", beams), ("volume_radius", "0.05")], 256);
+            let mapped = render(&stage, &[("beams", beams), ("volume_radius", "0.05")], 320);
             assert_agree(&format!("{what}, {beams}"), mapped.estimate(&[Layer::Medium], 1), path, 0.03);
         }
     }
