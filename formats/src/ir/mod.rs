@@ -38,7 +38,9 @@ pub use interface::{
 };
 pub(crate) use medium::rounded;
 pub use medium::{Coefficients, Medium, MediumEmission, MediumInterface, Phase};
-pub use query::{Nature, Query, emits, has_passages, panes_pass_in_media, passages_count, uses_textures};
+pub use query::{
+    Nature, Query, emits, exchanges_numbers, has_passages, panes_pass_in_media, passages_count, uses_textures,
+};
 pub use references::{Uses, canonical, parts};
 pub use sensor::{
     ComponentFormat, Crop, Film, Filter, FilterNumber, FilterParameter, Fov, FovAxis, Lens, NamedFilter,
@@ -65,8 +67,11 @@ use crate::diagnostic::Span;
 pub struct Scene {
     /// The root of the scene.
     pub origin: Origin,
-    /// How its spectra become RGB.
+    /// How its spectra become RGB in its own renderer.
     pub spectrum_rule: SpectrumRule,
+    /// How they do in a conversion, if not so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spectra_as: Option<SpectrumRule>,
     /// What hiding emitters means to its renderer.
     pub hide_emitters: HideEmitters,
     /// `None` where the scene asks for none.

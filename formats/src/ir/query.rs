@@ -142,6 +142,11 @@ pub fn passages_count(scene: &Scene) -> bool {
     scene.spectrum_rule != SpectrumRule::Pbrt && !matches!(plugin, "volpath" | "volpathmis")
 }
 
+/// Whether a checkerboard has its colours exchanged where one number is wanted: they are so in Mitsuba 2 and 3.
+pub fn exchanges_numbers(scene: &Scene) -> bool {
+    matches!(scene.spectrum_rule, SpectrumRule::Mitsuba2 | SpectrumRule::Mitsuba3)
+}
+
 /// Whether the scene has any light outside of its shape groups.
 pub fn emits(scene: &Scene) -> bool {
     !scene.emitters.is_empty()

@@ -14,6 +14,7 @@ pub fn canonical(scene: &Scene) -> Scene {
     let mut new = Scene {
         origin: scene.origin,
         spectrum_rule: scene.spectrum_rule,
+        spectra_as: scene.spectra_as,
         hide_emitters: scene.hide_emitters,
         integrator: scene.integrator.clone(),
         sensors: Vec::new(),

@@ -132,8 +132,8 @@ impl<'a> Reader<'a> {
             Some(Rendering::Own(own)) => {
                 let settings = self.settings(&mut props, own);
                 if IN_VACUUM.contains(&object.plugin.as_str()) && !self.scene.media.is_empty() {
-                    let text = format!("`{}` of Mitsuba renders no media, but here they are", object.plugin);
-                    let help = "`volpath` renders them in both";
+                    let text = format!("Mitsuba's `{}` ignores media; they are rendered here", object.plugin);
+                    let help = "with `volpath` the picture is the same in both";
                     self.problems.push(Diagnostic::warning(text, Some(object.span)).help(help));
                 }
                 let integrator = Integrator {

@@ -53,6 +53,7 @@ impl<'a> Reader<'a> {
         let scene = Scene {
             origin: Origin(objects.first().map(|root| root.span)),
             spectrum_rule: dialect.spectrum_rule(),
+            spectra_as: None,
             hide_emitters: dialect.hide_emitters(),
             integrator: None,
             sensors: Vec::new(),

@@ -91,9 +91,9 @@ impl Reader<'_> {
                 integrator.plugin = if passages { VOLPATH } else { PATH }.to_owned();
             }
             plugin @ (PATH | "sppm") if media => {
-                let text = format!("`{plugin}` of pbrt renders no media, but here they are");
+                let text = format!("pbrt's `{plugin}` ignores media; they are rendered here");
                 let warning = Diagnostic::warning(text, integrator.origin.0);
-                self.problems.push(warning.help("`volpath` renders them in both"));
+                self.problems.push(warning.help("with `volpath` the picture is the same in both"));
             }
             _ => {}
         }

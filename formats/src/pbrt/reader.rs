@@ -61,6 +61,7 @@ impl<'a> Reader<'a> {
         let scene = Scene {
             origin: Origin(Some(start)),
             spectrum_rule: SpectrumRule::Pbrt,
+            spectra_as: None,
             hide_emitters: HideEmitters::Surface,
             integrator: None,
             sensors: Vec::new(),

@@ -9,7 +9,7 @@ use super::source::Sources;
 use super::{Asset, Content, Loss, WriteError};
 use crate::diagnostic::SourceMap;
 use crate::files::Files;
-use crate::ir::{Color, ColorSlot, Origin, Scene, parts};
+use crate::ir::{Color, ColorSlot, Origin, Scene, SpectrumRule, parts};
 use crate::read::Read;
 use crate::spectrum::to_linear_rgb;
 
@@ -123,9 +123,14 @@ impl<'a> Output<'a> {
         self.losses[index].size = Some(size);
     }
 
-    /// The linear triple the scene's own rule gives a colour; out of range ones are clamped and lost.
+    /// The rule by which spectra become RGB.
+    pub fn spectrum_rule(&self) -> SpectrumRule {
+        self.scene.spectra_as.unwrap_or(self.scene.spectrum_rule)
+    }
+
+    /// The linear triple that rule gives a colour; out of range ones are clamped and lost.
     pub fn rgb(&mut self, color: &Color, slot: ColorSlot, origin: Origin) -> [f64; 3] {
-        match to_linear_rgb(color, slot, self.scene.spectrum_rule) {
+        match to_linear_rgb(color, slot, self.spectrum_rule()) {
             Ok(rgb) => rgb,
             Err(error) => {
                 let raw = match color {

@@ -260,7 +260,7 @@ fn integrators_render_the_media_that_they_rendered() {
     for (name, text, target, integrator) in cases {
         let read = read(name, &text);
         let warned =
-            read.0.warnings.iter().any(|w| w.message.contains("renders no media, but here they are"));
+            read.0.warnings.iter().any(|w| w.message.contains("ignores media; they are rendered here"));
         let (written, ..) = copied(read, target);
         assert!(written.text.contains(&integrator), "{text}\n{}", written.text);
         assert_eq!(warned, integrator.contains("\"path\""), "{text}");
@@ -288,7 +288,7 @@ fn straight_passages_count_as_they_did() {
     };
     for (plugin, lost) in [("path", true), ("volpath", false)] {
         let (written, ..) = copied(read("scene.xml", &masked(plugin)), "copy.pbrt");
-        let listed = what(&written).iter().any(|what| what.starts_with("passages through masks"));
+        let listed = what(&written).iter().any(|what| what.starts_with("that passing a mask"));
         assert_eq!(listed, lost, "{plugin}: {:?}", what(&written));
     }
 }

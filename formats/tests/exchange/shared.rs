@@ -8,6 +8,8 @@ use caustica_formats::files::Memory;
 use caustica_formats::ir::{BsdfKind, Query, uses_textures};
 use caustica_formats::{Read, ReadOptions, Written, read_scene, write_scene};
 
+use crate::round_trip::placed;
+
 const LEVELS: usize = 40;
 
 fn memory(name: &str, text: &str) -> Memory {
@@ -148,4 +150,30 @@ fn a_coating_over_a_shared_metal_is_written_as_a_copy() {
     let again = read("new.xml", &xml.text).scene;
     let kinds = again.shapes.iter().map(|shape| &again.bsdfs[shape.bsdf.expect("a material")].kind);
     assert!(kinds.into_iter().all(|kind| matches!(kind, BsdfKind::Conductor(_))));
+}
+
+/// Mitsuba 3 takes the colours of a checkerboard one for the other where it wants a number (3.9.1: the opacity of a mask).
+/// pbrt does not, so they are exchanged on the way there and on the way back; those of a colour stay.
+#[test]
+fn checkerboards_of_numbers_are_exchanged() {
+    let leaf = "Film \"rgb\" Camera \"perspective\" WorldBegin LightSource \"infinite\"
+        Texture \"holes\" \"float\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" 0.9
+        Texture \"cells\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [0.1 0.1 0.1] \"rgb tex2\" [0.9 0.9 0.9]
+        Material \"diffuse\" \"texture reflectance\" \"cells\" Shape \"sphere\" \"texture alpha\" \"holes\"";
+    let read = |files: &Memory, name: &str| {
+        read_scene(files, Path::new(name), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let first = memory("leaf.pbrt", leaf);
+    let there = write_scene(&read(&first, "leaf.pbrt"), &first, Path::new("leaf.xml")).unwrap();
+    let one_line = there.text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for said in [
+        "name=\"opacity\"> <float name=\"color1\" value=\"0.1\"/> <float name=\"color0\" value=\"0.9\"/>",
+        "id=\"cells\"> <rgb name=\"color0\" value=\"0.1\"/> <rgb name=\"color1\" value=\"0.9\"/>",
+    ] {
+        assert!(one_line.contains(said), "{said}\n{}", there.text);
+    }
+    let second = placed(&there, first);
+    let back = write_scene(&read(&second, "leaf.xml"), &second, Path::new("again.pbrt")).unwrap();
+    assert!(back.text.contains("\"float tex1\" 0.1 \"float tex2\" 0.9"), "{}", back.text);
+    assert!(back.text.contains("\"rgb tex1\" [0.1 0.1 0.1] \"rgb tex2\" [0.9 0.9 0.9]"), "{}", back.text);
 }

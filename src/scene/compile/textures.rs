@@ -70,14 +70,8 @@ impl Compiler<'_> {
         match input {
             FloatInput::Value(v) => Param::gray(*v as f32),
             FloatInput::Texture(id) => match &self.ir.textures[*id].kind {
-                // Mitsuba 2 and 3 exchange the colours of a checkerboard where they want one number; their
-                // pictures are matched.
-                ir::TextureKind::Checkerboard { color0, color1, to_uv }
-                    if matches!(
-                        self.ir.spectrum_rule,
-                        ir::SpectrumRule::Mitsuba2 | ir::SpectrumRule::Mitsuba3
-                    ) =>
-                {
+                // Their pictures are matched.
+                ir::TextureKind::Checkerboard { color0, color1, to_uv } if ir::exchanges_numbers(self.ir) => {
                     let origin = self.ir.textures[*id].origin;
                     let colors = [color1, color0].map(|c| self.param(c, ColorSlot::Reflectance, origin));
                     let to_uv = uv_transform(to_uv);

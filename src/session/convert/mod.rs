@@ -51,9 +51,7 @@ impl Conversion {
         let rendering =
             Options { spectrum_rule: options.spectrum_rule, lenient: options.lenient, ..Options::default() };
         check(&read, &files, path, &rendering)?;
-        if let Some(rule) = options.spectrum_rule {
-            read.scene.spectrum_rule = rule;
-        }
+        read.scene.spectra_as = options.spectrum_rule;
         let warnings = shown(&read.sources, &read.warnings);
         Ok(Self { read, files, warnings })
     }

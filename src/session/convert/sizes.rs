@@ -49,7 +49,7 @@ pub fn measure(read: &Read, files: &dyn Files, written: &mut Written) {
 /// Relative change of the light; `None` where one of the balls cannot be rendered or is black.
 fn size(ball: serde_json::Value, files: &dyn Files, path: &Path) -> Option<f64> {
     let scene: ir::Scene = serde_json::from_value(ball).ok()?;
-    let options = options();
+    let options = Options { spectrum_rule: scene.spectra_as, ..options() };
     let before = mean(&Session::of(scene.clone(), files, path, &options).ok()?);
     let read = Read { scene, warnings: Vec::new(), sources: Default::default() };
     let written = write_scene(&read, files, path).ok()?;
@@ -102,6 +102,7 @@ fn stage(scene: &ir::Scene) -> Option<ir::Scene> {
     Some(ir::Scene {
         origin: scene.origin,
         spectrum_rule: scene.spectrum_rule,
+        spectra_as: scene.spectra_as,
         hide_emitters: scene.hide_emitters,
         integrator: None,
         sensors: vec![sensor],

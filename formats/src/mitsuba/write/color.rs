@@ -12,7 +12,7 @@ impl Writer<'_, '_> {
     }
 
     pub fn color(&mut self, name: &str, color: &Color, slot: ColorSlot, origin: Origin) -> Element {
-        let rule = self.scene.spectrum_rule;
+        let rule = self.out.spectrum_rule();
         let same = to_linear_rgb(color, slot, rule) == to_linear_rgb(color, slot, SpectrumRule::Mitsuba3);
         let named = |tag: &'static str| Element::new(tag).with("name", name);
         let plugin = |kind: &str| Element::plugin("spectrum", kind).with("name", name);

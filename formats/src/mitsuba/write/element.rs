@@ -52,6 +52,30 @@ impl Element {
         self
     }
 
+    /// A checkerboard, and those within it, with its colours exchanged: as one number, Mitsuba takes each for the other.
+    pub fn exchanged(mut self) -> Self {
+        if !self.attributes.contains(&("type", "checkerboard".to_owned())) {
+            return self;
+        }
+        let named = |child: &Self, name: &str| child.attributes.contains(&("name", name.to_owned()));
+        for (name, default) in [("color0", 0.4), ("color1", 0.2)] {
+            if !self.children.iter().any(|child| named(child, name)) {
+                self = self.float(name, default);
+            }
+        }
+        for child in &mut self.children {
+            *child = child.clone().exchanged();
+            for (_, value) in child.attributes.iter_mut().filter(|(attribute, _)| *attribute == "name") {
+                match value.as_str() {
+                    "color0" => *value = "color1".to_owned(),
+                    "color1" => *value = "color0".to_owned(),
+                    _ => {}
+                }
+            }
+        }
+        self
+    }
+
     /// Whether it has this tag.
     pub fn is(&self, tag: &str) -> bool {
         self.tag == tag

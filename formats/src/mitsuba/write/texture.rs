@@ -5,7 +5,7 @@ use super::color::rgb_element;
 use super::element::Element;
 use crate::ir::{
     AreaEmission, Bitmap, ColorInput, ColorSlot, FloatInput, Id, Mapping, MixAmount, Origin, Texture,
-    TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
+    TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode, exchanges_numbers,
 };
 use crate::spectrum::luminance;
 use crate::write::{Sampled, Tone, WriteError};
@@ -91,6 +91,11 @@ impl Writer<'_, '_> {
             Said::Constant(rgb) => {
                 let value = super::element::number(luminance(rgb));
                 Element::new("float").with("name", name).with("value", value)
+            }
+            Said::Plugin(element)
+                if !exchanges_numbers(self.scene) && element != element.clone().exchanged() =>
+            {
+                element.exchanged().with("name", name)
             }
             Said::Plugin(_) => self.texture(name, id)?,
         })

@@ -207,8 +207,8 @@ impl Writer<'_, '_> {
             }
         }
         if depth > 0 && has_passages(self.scene) && passages_count(self.scene) {
-            let what = "passages through masks and boundaries of one index as segments of paths";
-            self.out.lose(i.origin, what, "scatterings alone");
+            let what = "that passing a mask or a null surface counts towards max_depth";
+            self.out.lose(i.origin, what, "only scattering does, as always in pbrt");
         }
         let bounces = if depth < 0 { UNLIMITED } else { (depth - 1).clamp(0, i64::from(i32::MAX)) };
         p.integer("maxdepth", bounces).write(text, "", "Integrator", &[plugin]);

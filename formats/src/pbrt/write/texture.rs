@@ -5,7 +5,7 @@ use super::picture::sayable;
 use super::text::{Params, transform};
 use crate::ir::{
     Bitmap, ColorInput, ColorSlot, Id, Mapping, MixAmount, NoiseKind, Origin, Texture, TextureEncoding,
-    TextureFilter, TextureKind, Transform, WrapMode,
+    TextureFilter, TextureKind, Transform, WrapMode, exchanges_numbers,
 };
 use crate::spectrum::luminance;
 use crate::write::{Tone, WriteError};
@@ -128,7 +128,9 @@ impl Writer<'_, '_> {
             TextureKind::Checkerboard { color0, color1, to_uv } => {
                 // Two cells where pbrt has one.
                 let mapping = Mapping::Uv(Transform::scale([2.0, 2.0, 1.0]).after(to_uv));
-                self.checkerboard([color0, color1], &mapping, numbers, origin)
+                let exchanged = numbers && exchanges_numbers(self.scene);
+                let colors = if exchanged { [color1, color0] } else { [color0, color1] };
+                self.checkerboard(colors, &mapping, numbers, origin)
             }
             TextureKind::MappedCheckerboard { color0, color1, mapping } => {
                 self.checkerboard([color0, color1], mapping, numbers, origin)
