@@ -114,17 +114,20 @@ impl Environment {
             return (p.texel(x, y), y);
         }
         let x = uv.x * p.width as f32 - 0.5;
-        let left = x.floor();
-        let fx = x - left;
-        let x0 = (left as i64).rem_euclid(p.width as i64) as usize;
-        let x1 = (x0 + 1) % p.width;
+        // Half a texel left of the first one comes the last.
+        let (x0, fx) = if x < 0.0 { (p.width - 1, x + 1.0) } else { (x as usize, x.fract()) };
+        let x0 = x0.min(p.width - 1);
         let y = (uv.y * (p.height - 1) as f32).max(0.0);
         let y0 = (y as usize).min(self.sines.len() - 1);
-        let fy = (y - y0 as f32).min(1.0);
-        let y1 = (y0 + 1).min(p.height - 1);
-        let top = p.texel(x0, y0) * (1.0 - fx) + p.texel(x1, y0) * fx;
-        let bottom = p.texel(x0, y1) * (1.0 - fx) + p.texel(x1, y1) * fx;
-        (top * (1.0 - fy) + bottom * fy, y0)
+        (between(self.corners(x0, y0), Vec2::new(fx, (y - y0 as f32).min(1.0))), y0)
+    }
+
+    /// Texels around a cell: left and right of the upper row, then of the lower one.
+    #[inline]
+    fn corners(&self, x: usize, y: usize) -> [Color; 4] {
+        let p = &self.picture;
+        let (x1, y1) = (if x + 1 == p.width { 0 } else { x + 1 }, (y + 1).min(p.height - 1));
+        [p.texel(x, y), p.texel(x1, y), p.texel(x, y1), p.texel(x1, y1)]
     }
 
     /// The place on the square of a unit direction of the world, and the sine of its polar angle.
@@ -139,18 +142,7 @@ impl Environment {
         (Vec2::new(if u < 0.0 { u + 1.0 } else { u }, v), sine)
     }
 
-    /// Radiance arriving from the unit direction `d`.
-    pub fn radiance(&self, d: Vec3) -> Color {
-        self.look_up(self.place(d).0).0
-    }
-
-    /// Density per solid angle with which [`Environment::sample_direct`] chooses `d`.
-    pub fn pdf_direct(&self, d: Vec3) -> f32 {
-        let (uv, sine) = self.place(d);
-        let (radiance, row) = self.look_up(uv);
-        self.density(radiance, row, sine)
-    }
-
+    /// Per solid angle, with which [`Environment::sample_direct`] chooses a direction.
     fn density(&self, radiance: Color, row: usize, sine: f32) -> f32 {
         use std::f32::consts::PI;
         let square = luminance(radiance) * self.sines[row] / self.mean;
@@ -164,27 +156,27 @@ impl Environment {
     fn sample(&self, u: Vec2) -> Option<(Vec3, Color, f32)> {
         let p = &self.picture;
         let (x, y, rest) = self.table.sample(u);
-        let (uv, local, sine) = match self.mapping {
+        let (radiance, row, local, sine) = match self.mapping {
             Mapping::EqualArea => {
                 let cell = Vec2::new(x as f32, y as f32) + rest;
                 let uv = cell / Vec2::new(p.width as f32, p.height as f32);
-                (uv, equal_area::to_direction(uv), 1.0)
+                let (radiance, row) = self.look_up(uv);
+                (radiance, row, equal_area::to_direction(uv), 1.0)
             }
             Mapping::LatLong => {
-                let (x1, y1) = ((x + 1) % p.width, (y + 1).min(p.height - 1));
-                let corner = |x, y| p.luminance(x, y);
-                let (a, b, c, d) = (corner(x, y), corner(x1, y), corner(x, y1), corner(x1, y1));
+                let corners = self.corners(x, y);
+                let [a, b, c, d] = corners.map(luminance);
                 let fy = linear(rest.y, a + b, c + d);
                 let fx = linear(rest.x, a + (c - a) * fy, b + (d - b) * fy);
+                let radiance = between(corners, Vec2::new(fx, fy));
                 let v = (y as f32 + fy) / self.sines.len() as f32;
                 let u = (x as f32 + 0.5 + fx) / p.width as f32;
                 let u = if u >= 1.0 { u - 1.0 } else { u };
                 let (sine, cosine) = (std::f32::consts::PI * v).sin_cos();
                 let (sin, cos) = (2.0 * std::f32::consts::PI * u).sin_cos();
-                (Vec2::new(u, v), Vec3::new(sine * sin, cosine, -sine * cos), sine)
+                (radiance, y, Vec3::new(sine * sin, cosine, -sine * cos), sine)
             }
         };
-        let (radiance, row) = self.look_up(uv);
         let pdf = self.density(radiance, row, sine);
         (pdf > 0.0 && pdf.is_finite()).then(|| (self.axes.to_world(local).normalize(), radiance / pdf, pdf))
     }
@@ -213,7 +205,9 @@ impl Light for Environment {
 
     #[inline(always)]
     fn background(&self, d: Vec3) -> (Color, f32) {
-        (self.radiance(d), self.pdf_direct(d))
+        let (uv, sine) = self.place(d);
+        let (radiance, row) = self.look_up(uv);
+        (radiance, self.density(radiance, row, sine))
     }
 
     fn power(&self, _textures: &Textures, scene: &SceneSphere) -> Color {
@@ -223,6 +217,14 @@ impl Light for Environment {
     fn is_infinite(&self) -> bool {
         true
     }
+}
+
+/// Bilinear, of [`Environment::corners`].
+#[inline]
+fn between([a, b, c, d]: [Color; 4], at: Vec2) -> Color {
+    let top = a * (1.0 - at.x) + b * at.x;
+    let bottom = c * (1.0 - at.x) + d * at.x;
+    top * (1.0 - at.y) + bottom * at.y
 }
 
 /// Sum over the texels, each row with its weight.

@@ -1,5 +1,5 @@
 use crate::math::Vec2;
-use crate::sampling::Discrete;
+use crate::sampling::{Discrete, Guide};
 
 /// Chooses a cell of a rectangular grid in proportion to its weight.
 #[derive(Clone, Debug)]
@@ -9,6 +9,7 @@ pub struct Table {
     /// Of each row, the normalised cumulative sums without the leading 0. f32 serves, because densities
     /// are computed from the weights themselves: what rounds away is 10⁻⁷ of a row's light.
     columns: Vec<f32>,
+    guide: Guide,
 }
 
 impl Table {
@@ -25,7 +26,8 @@ impl Table {
             }
             sums.push(total);
         }
-        Self { width, rows: Discrete::new(sums), columns }
+        let guide = Guide::new(&columns, width);
+        Self { width, rows: Discrete::new(sums), columns, guide }
     }
 
     /// Sum of the weights.
@@ -37,7 +39,7 @@ impl Table {
     pub fn sample(&self, u: Vec2) -> (usize, usize, Vec2) {
         let (y, rest_y) = self.rows.sample(u.y);
         let row = &self.columns[y * self.width..(y + 1) * self.width];
-        let x = row.partition_point(|&c| c <= u.x).min(self.width - 1);
+        let x = self.guide.count(&self.columns, y, u.x).min(self.width - 1);
         let low = if x == 0 { 0.0 } else { row[x - 1] };
         let rest_x = ((u.x - low) / (row[x] - low)).clamp(0.0, 1.0 - f32::EPSILON);
         (x, y, Vec2::new(if rest_x.is_nan() { 0.5 } else { rest_x }, rest_y))
@@ -45,7 +47,7 @@ impl Table {
 
     /// Memory of the table.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.columns.as_slice())
+        size_of_val(self.columns.as_slice()) + self.guide.bytes()
     }
 }
 

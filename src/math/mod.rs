@@ -11,7 +11,7 @@ pub mod simd;
 
 pub(crate) use closed_enum::closed_enum;
 pub use color::{Color, LANES};
-pub use erf::{erf, erf_inv};
+pub use erf::{erf, erf_inv, gauss};
 pub use frame::Frame;
 pub use glam::{Affine3A as Affine, DVec3, Mat2, Vec2, Vec3A as Vec3};
 pub use octahedral::{decode_direction, encode_direction};

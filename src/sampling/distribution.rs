@@ -1,3 +1,5 @@
+use super::Guide;
+
 /// A discrete distribution over `0..n`, sampled by inversion of its CDF, so that stratified numbers stay
 /// stratified.
 #[derive(Clone, Debug)]
@@ -7,6 +9,8 @@ pub struct Discrete {
     cdf: Vec<f64>,
     /// 1/probability of each item, so that sampling needs no division.
     inverse: Vec<f64>,
+    /// Of many items.
+    guide: Option<Guide>,
     total: f64,
 }
 
@@ -25,7 +29,8 @@ impl Discrete {
             *c = if sum > 0.0 { *c / sum } else { i as f64 / n.max(1) as f64 };
         }
         let inverse = cdf.windows(2).map(|w| 1.0 / (w[1] - w[0])).collect();
-        Self { cdf, inverse, total: sum }
+        let guide = (cdf.len() > SHORT).then(|| Guide::new(&cdf, cdf.len()));
+        Self { cdf, inverse, guide, total: sum }
     }
 
     /// Number of items.
@@ -53,13 +58,12 @@ impl Discrete {
     /// to [0, 1). Items of probability 0 are never selected. There must be at least one item.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, f32) {
-        let u = f64::from(u);
-        let upper = if self.cdf.len() <= SHORT {
+        let upper = match &self.guide {
+            Some(guide) => guide.count(&self.cdf, 0, u),
             // A linear count has no branch to mispredict.
-            self.cdf.iter().fold(0, |n, &c| n + usize::from(c <= u))
-        } else {
-            self.cdf.partition_point(|&c| c <= u)
+            None => self.cdf.iter().fold(0, |n, &c| n + usize::from(c <= f64::from(u))),
         };
+        let u = f64::from(u);
         let upper = upper.min(self.len());
         let i = upper.saturating_sub(1);
         let rest = (u - self.cdf[i]) * self.inverse[i];
@@ -67,7 +71,7 @@ impl Discrete {
     }
 }
 
-/// Up to this many CDF entries, a linear count is faster than a binary search.
+/// Up to this many CDF entries, a linear count is faster than a guided search.
 const SHORT: usize = 9;
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 mod bins;
 mod density;
 mod distribution;
+mod guide;
 mod hash;
 mod sampler;
 mod sobol;
@@ -12,5 +13,6 @@ pub mod warp;
 pub use bins::{AXES, Bins, Found, Grown};
 pub use density::Density;
 pub use distribution::Discrete;
+pub use guide::Guide;
 pub use hash::{CounterRng, mix};
 pub use sampler::Sampler;

@@ -66,6 +66,7 @@ impl Texels {
     }
 }
 
+#[derive(Clone, Copy)]
 enum Texel {
     /// Number of a texel along an axis.
     At(usize),
@@ -73,6 +74,7 @@ enum Texel {
     Constant(f32),
 }
 
+#[inline(always)]
 fn wrapped(i: i64, n: usize, mode: Wrap) -> Texel {
     let n = n as i64;
     let inside = (0..n).contains(&i);
@@ -91,8 +93,19 @@ fn wrapped(i: i64, n: usize, mode: Wrap) -> Texel {
 }
 
 impl Bitmap {
-    fn texel(&self, x: i64, y: i64) -> Color {
-        match (wrapped(x, self.width, self.wrap[0]), wrapped(y, self.height, self.wrap[1])) {
+    #[inline(always)]
+    fn column(&self, x: i64) -> Texel {
+        wrapped(x, self.width, self.wrap[0])
+    }
+
+    #[inline(always)]
+    fn row(&self, y: i64) -> Texel {
+        wrapped(y, self.height, self.wrap[1])
+    }
+
+    #[inline(always)]
+    fn texel(&self, x: Texel, y: Texel) -> Color {
+        match (x, y) {
             (Texel::At(x), Texel::At(y)) => self.texels.get(y * self.width + x),
             (Texel::Constant(c), _) | (_, Texel::Constant(c)) => Color::splat(c),
         }
@@ -105,14 +118,16 @@ impl Pattern for Bitmap {
         // uv of a degenerate or hostile mesh may be huge or NaN; the cast saturates, NaN becomes 0.
         let (x, y) = (uv.x * self.width as f32, uv.y * self.height as f32);
         if !self.bilinear {
-            return self.texel(x.floor() as i64, y.floor() as i64);
+            return self.texel(self.column(x.floor() as i64), self.row(y.floor() as i64));
         }
         let (x, y) = (x - 0.5, y - 0.5);
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
         let (i, j) = ((x0 as i64).clamp(-1 << 40, 1 << 40), (y0 as i64).clamp(-1 << 40, 1 << 40));
-        let top = self.texel(i, j) * (1.0 - fx) + self.texel(i + 1, j) * fx;
-        let bottom = self.texel(i, j + 1) * (1.0 - fx) + self.texel(i + 1, j + 1) * fx;
+        let ([left, right], [upper, lower]) =
+            ([i, i + 1].map(|x| self.column(x)), [j, j + 1].map(|y| self.row(y)));
+        let top = self.texel(left, upper) * (1.0 - fx) + self.texel(right, upper) * fx;
+        let bottom = self.texel(left, lower) * (1.0 - fx) + self.texel(right, lower) * fx;
         top * (1.0 - fy) + bottom * fy
     }
 

@@ -12,7 +12,7 @@ pub(super) use visible::VisibleNormals;
 
 use std::f32::consts::{FRAC_2_SQRT_PI, PI};
 
-use crate::math::{Vec2, Vec3, erf, erf_inv};
+use crate::math::{Vec2, Vec3, erf, erf_inv, gauss};
 use crate::sampling::warp;
 
 /// How normals are distributed.
@@ -72,7 +72,7 @@ impl Microfacet {
         let slope = x * x + y * y;
         let z2 = m.z * m.z;
         let d = match self.kind {
-            Distribution::Beckmann => (-slope / z2).exp() / (PI * self.au * self.av * z2 * z2),
+            Distribution::Beckmann => gauss(slope / z2) / (PI * self.au * self.av * z2 * z2),
             Distribution::Ggx => {
                 let t = slope + z2;
                 1.0 / (PI * self.au * self.av * t * t)
@@ -206,14 +206,14 @@ fn beckmann_slope_x(cos: f32, u: f32) -> f32 {
     let u = u.clamp(1e-6, 1.0 - 1e-6);
     let max = erf(cot);
     let mut x = max - (max + 1.0) * erf((-u.ln()).sqrt());
-    let wanted = u * (1.0 + max + INV_SQRT_PI * tan * (-cot * cot).exp());
+    let wanted = u * (1.0 + max + INV_SQRT_PI * tan * gauss(cot * cot));
     for _ in 0..2 {
         let slope = erf_inv(x);
-        let gauss = (-slope * slope).exp();
-        let value = 1.0 + x + INV_SQRT_PI * tan * gauss - wanted;
+        let height = gauss(slope * slope);
+        let value = 1.0 + x + INV_SQRT_PI * tan * height - wanted;
         let derivative = 1.0 - slope * tan;
         let newton = value / derivative;
-        x -= newton / (1.0 + newton * tan / (4.0 * INV_SQRT_PI * gauss * derivative));
+        x -= newton / (1.0 + newton * tan / (4.0 * INV_SQRT_PI * height * derivative));
     }
     erf_inv(x)
 }

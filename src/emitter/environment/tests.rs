@@ -34,12 +34,12 @@ fn directions_lie_on_the_picture_as_in_mitsuba() {
     let e = Environment::new(Picture::new(8, 4, texels), Mapping::LatLong, axes);
     // x = 8u − ½, y = 3v.
     for (d, x, y) in [(Vec3::Z, 3.5, 1.5), (Vec3::X, 1.5, 1.5), (-Vec3::X, 5.5, 1.5)] {
-        assert!((e.radiance(d).lanes()[0] - (x + 10.0 * y)).abs() < 1e-4, "{d}: {}", e.radiance(d));
+        assert!((e.background(d).0.lanes()[0] - (x + 10.0 * y)).abs() < 1e-4, "{d}: {}", e.background(d).0);
     }
     // The left edge is −Z: halfway between columns 7 and 0.
-    assert!((e.radiance(-Vec3::Z).lanes()[0] - 18.5).abs() < 1e-4);
+    assert!((e.background(-Vec3::Z).0.lanes()[0] - 18.5).abs() < 1e-4);
     // At the poles the first and last row are met without the others.
-    assert!(e.radiance(Vec3::Y).lanes()[0] < 8.0 && e.radiance(-Vec3::Y).lanes()[0] >= 30.0);
+    assert!(e.background(Vec3::Y).0.lanes()[0] < 8.0 && e.background(-Vec3::Y).0.lanes()[0] >= 30.0);
 }
 
 /// A midpoint sum over 512 × 1024 directions of a piecewise smooth density, which in the worst case
@@ -55,8 +55,8 @@ fn densities_integrate_to_one_and_radiance_to_the_power() {
             let local = Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
             let d = e.axes.to_world(local);
             let solid = f64::from(theta.sin() * (PI / rows as f32) * (2.0 * PI / columns as f32));
-            density += f64::from(e.pdf_direct(d)) * solid;
-            (0..3).for_each(|c| light[c] += f64::from(e.radiance(d).lanes()[c]) * solid);
+            density += f64::from(e.background(d).1) * solid;
+            (0..3).for_each(|c| light[c] += f64::from(e.background(d).0.lanes()[c]) * solid);
         }
         let black = e.mean == 0.0;
         assert!(black || (density - 1.0).abs() < 4e-3, "case {case}: {density}");
@@ -82,8 +82,8 @@ fn samples_agree_with_density_and_radiance() {
                 assert_eq!(e.mean, 0.0);
                 continue;
             };
-            let expected = e.radiance(s.dir) / e.pdf_direct(s.dir);
-            let close = (s.pdf / e.pdf_direct(s.dir) - 1.0).abs() < 1e-3
+            let expected = e.background(s.dir).0 / e.background(s.dir).1;
+            let close = (s.pdf / e.background(s.dir).1 - 1.0).abs() < 1e-3
                 && (s.value / expected - Color::ONE).abs().max_element() < 2e-3;
             wrong += i32::from(!close && expected.min_element() > 0.0);
             total += s.value / (n * n) as f32;
