@@ -59,6 +59,10 @@ impl Pattern for MeshAttribute {
     fn is_attribute(&self) -> bool {
         true
     }
+
+    fn may_leave_unit(&self, _: &Textures) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

@@ -17,6 +17,11 @@ impl Pattern for Bilerp {
         let [c00, c01, c10, c11] = self.corners;
         along(c00, c01) * (1.0 - t.x) + along(c10, c11) * t.x
     }
+
+    /// Beyond its corners it goes on as it was between them.
+    fn may_leave_unit(&self, _: &Textures) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

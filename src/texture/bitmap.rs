@@ -1,4 +1,4 @@
-use super::{Mapping, Pattern, Site, Textures};
+use super::{Mapping, Pattern, Site, Textures, leaves_unit};
 use crate::math::Color;
 use crate::spectrum::rgb;
 
@@ -135,6 +135,13 @@ impl Pattern for Bitmap {
         match &self.texels {
             Texels::Floats(texels) => size_of_val(texels.as_slice()),
             Texels::Bytes(bytes) => bytes.data.len(),
+        }
+    }
+
+    fn may_leave_unit(&self, _: &Textures) -> bool {
+        match &self.texels {
+            Texels::Floats(texels) => texels.iter().any(|texel| leaves_unit(rgb(*texel))),
+            Texels::Bytes(bytes) => bytes.table.iter().any(|x| !(0.0..=1.0).contains(x)),
         }
     }
 }

@@ -5,6 +5,7 @@ mod attribute;
 mod bilerp;
 mod bitmap;
 mod checkerboard;
+mod clamped;
 mod directionmix;
 mod dots;
 mod grid;
@@ -21,6 +22,7 @@ pub use attribute::{MeshAttribute, Values};
 pub use bilerp::Bilerp;
 pub use bitmap::{Bitmap, Bytes, Texels, Wrap};
 pub use checkerboard::Checkerboard;
+pub use clamped::Clamped;
 pub use directionmix::DirectionMix;
 pub use dots::Dots;
 pub use grid::Grid;
@@ -79,6 +81,11 @@ closed_enum! {
             Vec::new()
         }
 
+        /// Whether a value may be outside of [0, 1].
+        fn may_leave_unit(&self, textures: &Textures) -> bool {
+            self.inputs().into_iter().any(|input| textures.may_leave_unit(input))
+        }
+
         /// Bytes held by pixels and attributes.
         fn bytes(&self) -> usize {
             0
@@ -95,6 +102,7 @@ closed_enum! {
     pub enum Texture {
         Bitmap(Bitmap),
         Checkerboard(Checkerboard),
+        Clamped(Clamped),
         Scaled(Scaled),
         Product(Product),
         Grid(Grid),
@@ -120,6 +128,14 @@ impl Textures {
         match param {
             Param::Constant(c) => c,
             Param::Texture(i) => self.0[i as usize].eval(self, at),
+        }
+    }
+
+    /// Whether a value of a parameter may be outside of [0, 1].
+    pub fn may_leave_unit(&self, param: Param) -> bool {
+        match param {
+            Param::Constant(c) => leaves_unit(c),
+            Param::Texture(i) => self.0[i as usize].may_leave_unit(self),
         }
     }
 
@@ -162,4 +178,9 @@ impl Textures {
     pub fn bytes(&self) -> usize {
         self.0.iter().map(Texture::bytes).sum()
     }
+}
+
+/// Whether a lane is outside of [0, 1].
+fn leaves_unit(c: Color) -> bool {
+    c.lanes().iter().any(|x| !(0.0..=1.0).contains(x))
 }

@@ -122,6 +122,10 @@ impl Pattern for Noise {
             }
         }
     }
+
+    fn may_leave_unit(&self, _: &Textures) -> bool {
+        true
+    }
 }
 
 /// Colours across a vein of marble: runs of four are control points of Bézier curves.

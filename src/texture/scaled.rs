@@ -1,4 +1,4 @@
-use super::{Param, Pattern, Site, Textures};
+use super::{Param, Pattern, Site, Textures, leaves_unit};
 use crate::math::Color;
 
 /// A parameter times a constant.
@@ -17,5 +17,9 @@ impl Pattern for Scaled {
 
     fn inputs(&self) -> Vec<Param> {
         vec![self.input]
+    }
+
+    fn may_leave_unit(&self, textures: &Textures) -> bool {
+        leaves_unit(self.factor) || textures.may_leave_unit(self.input)
     }
 }

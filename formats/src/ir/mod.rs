@@ -39,7 +39,8 @@ pub use interface::{
 pub(crate) use medium::rounded;
 pub use medium::{Coefficients, Medium, MediumEmission, MediumInterface, Phase};
 pub use query::{
-    Nature, Query, emits, exchanges_numbers, has_passages, panes_pass_in_media, passages_count, uses_textures,
+    Nature, Query, clamps_reflectance, emits, exchanges_numbers, has_passages, panes_pass_in_media,
+    passages_count, uses_textures,
 };
 pub use references::{Uses, canonical, parts};
 pub use sensor::{

@@ -147,6 +147,11 @@ pub fn exchanges_numbers(scene: &Scene) -> bool {
     matches!(scene.spectrum_rule, SpectrumRule::Mitsuba2 | SpectrumRule::Mitsuba3)
 }
 
+/// Whether surfaces reflect at most what they receive, whatever their textures say: for pbrt, they do.
+pub fn clamps_reflectance(scene: &Scene) -> bool {
+    scene.spectrum_rule == SpectrumRule::Pbrt
+}
+
 /// Whether the scene has any light outside of its shape groups.
 pub fn emits(scene: &Scene) -> bool {
     !scene.emitters.is_empty()

@@ -14,6 +14,7 @@ use crate::ir::{
     Mapping, SpotFalloff, Texture, TextureEncoding, TextureFilter, TextureKind, Transform, WrapMode,
 };
 use crate::plugin::{Plugin, Status, find, read};
+use crate::spectrum::luminance;
 
 use ParamType as T;
 
@@ -44,8 +45,8 @@ impl Reader<'_> {
         }));
     }
 
-    /// The emission that the current area light gives a shape.
-    pub fn area_emission(&mut self) -> Option<AreaEmission> {
+    /// The emission that the current area light gives a shape, which is `lamps` times as large as pbrt knows of a lamp of it.
+    pub fn area_emission(&mut self, lamps: Option<f64>) -> Option<AreaEmission> {
         let mut p = self.state.area_light.as_deref()?.clone();
         if !matches!(find(AREA_LIGHTS, &p.kind), Some(Status::Read(()))) {
             self.plugin(AREA_LIGHTS, &mut p, "the shape does not emit light");
@@ -63,6 +64,7 @@ impl Reader<'_> {
         } else {
             (self.color(&mut p, "L", Use::Illuminant), p.float("scale", 1.0))
         };
+        let power = area_power(&mut p, color.as_ref(), lamps);
         let radiance = match image {
             Some(path) => {
                 let kind = TextureKind::Bitmap(uv_image(path));
@@ -76,7 +78,7 @@ impl Reader<'_> {
             scale,
             two_sided: p.boolean("twosided", false),
             collimated: false,
-            power: p.optional_float("power").filter(|power| *power > 0.0),
+            power,
         };
         self.done(p);
         Some(emission)
@@ -133,6 +135,18 @@ impl Reader<'_> {
         let path = self.asset(p, name, "image")?;
         Some(LightImage { path, encoding: TextureEncoding::Auto, scale: 1.0, illuminance: None })
     }
+}
+
+/// What the whole shape emits where `power` is given (`DiffuseAreaLight::Create`): each of pbrt's lamps emits it, times the
+/// luminance of a colour.
+fn area_power(p: &mut Params, color: Option<&Color>, lamps: Option<f64>) -> Option<f64> {
+    let power = p.optional_float("power").filter(|power| *power > 0.0)?;
+    let brightness = color.and_then(|color| linear(color, ColorSlot::Emission)).map_or(1.0, luminance);
+    if lamps.is_none() {
+        let text = "`power` is that of the whole mesh here; in pbrt each of its faces emits as much";
+        p.warn("power", text);
+    }
+    Some(power * brightness * lamps.unwrap_or(1.0))
 }
 
 fn uv_image(path: PathBuf) -> Bitmap {

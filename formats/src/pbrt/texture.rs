@@ -270,8 +270,9 @@ fn checkerboard(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option
 }
 
 fn dots(r: &mut Reader<'_>, p: &mut Params, kind: TextureType) -> Option<Made> {
-    let inside = r.operand(p, "inside", kind, 1.0);
-    let outside = r.operand(p, "outside", kind, 0.0);
+    // pbrt passes them to its texture in the wrong order, in all versions.
+    let outside = r.operand(p, "inside", kind, 1.0);
+    let inside = r.operand(p, "outside", kind, 0.0);
     Some(made(TextureKind::Dots { inside, outside, mapping: r.mapping(p) }))
 }
 

@@ -38,7 +38,7 @@ impl Compiler<'_> {
                 BLACK
             }
         };
-        let specular = self.param(specular, ColorSlot::Reflectance, origin);
+        let specular = self.reflectance(specular, origin);
         if self.materials.coats == MAX_COATS {
             self.refuse(format!("a material under more than {MAX_COATS} coats"), origin);
             return DiffuseModel { reflectance: BLACK }.into();
@@ -71,7 +71,7 @@ impl Compiler<'_> {
     ) -> Node {
         self.empty_coat(coat, origin);
         let eta = self.ior(&coat.eta, origin);
-        let diffuse = self.param(reflectance, ColorSlot::Reflectance, origin);
+        let diffuse = self.reflectance(reflectance, origin);
         let walk = Walk::new(self.thickness(coat, origin), coat.max_depth, eta);
         let smooth = PlasticModel { eta, diffuse, specular: WHITE, between: DiffuseBase::Walk(walk) };
         match self.interface_roughness(&coat.microfacet, eta) {
@@ -122,7 +122,7 @@ impl Compiler<'_> {
     }
 
     fn empty_coat(&mut self, coat: &ir::Coat, origin: ir::Origin) {
-        if self.param(&coat.albedo, ColorSlot::Reflectance, origin) != BLACK {
+        if self.reflectance(&coat.albedo, origin) != BLACK {
             self.warn("the medium inside a coat is not rendered: the coat is clear", origin);
         }
     }

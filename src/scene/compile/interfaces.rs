@@ -70,13 +70,13 @@ impl Compiler<'_> {
     pub(super) fn dielectric(&mut self, d: &ir::Dielectric, origin: ir::Origin) -> DielectricModel {
         DielectricModel {
             eta: self.ior(&d.int_ior, origin) / self.ior(&d.ext_ior, origin),
-            reflectance: self.param(&d.specular_reflectance, ColorSlot::Reflectance, origin),
-            transmittance: self.param(&d.specular_transmittance, ColorSlot::Reflectance, origin),
+            reflectance: self.reflectance(&d.specular_reflectance, origin),
+            transmittance: self.reflectance(&d.specular_transmittance, origin),
         }
     }
 
     pub(super) fn conductor(&mut self, c: &ir::Conductor, origin: ir::Origin) -> ConductorModel {
-        let reflectance = self.param(&c.specular_reflectance, ColorSlot::Reflectance, origin);
+        let reflectance = self.reflectance(&c.specular_reflectance, origin);
         let outside = |b: &mut Self, ext: &Option<Ior>| ext.as_ref().map_or(1.0, |e| b.ior(e, origin));
         let metal = match &c.material {
             ConductorMaterial::Mirror => Metal::Mirror,
@@ -97,7 +97,7 @@ impl Compiler<'_> {
                 outside: outside(self, ext_eta),
             },
             ConductorMaterial::Reflectance(r) => {
-                Metal::Reflectance { normal: self.param(r, ColorSlot::Reflectance, origin), outside: 1.0 }
+                Metal::Reflectance { normal: self.reflectance(r, origin), outside: 1.0 }
             }
         };
         ConductorModel { metal, reflectance }
@@ -106,8 +106,8 @@ impl Compiler<'_> {
     pub(super) fn plastic(&mut self, p: &ir::Plastic, origin: ir::Origin) -> PlasticModel {
         PlasticModel {
             eta: self.ior(&p.int_ior, origin) / self.ior(&p.ext_ior, origin),
-            diffuse: self.param(&p.diffuse_reflectance, ColorSlot::Reflectance, origin),
-            specular: self.param(&p.specular_reflectance, ColorSlot::Reflectance, origin),
+            diffuse: self.reflectance(&p.diffuse_reflectance, origin),
+            specular: self.reflectance(&p.specular_reflectance, origin),
             between: if p.nonlinear { DiffuseBase::Colored } else { DiffuseBase::White },
         }
     }

@@ -128,9 +128,7 @@ impl Compiler<'_> {
     /// What [`Self::node`] makes of one kind of BSDF.
     fn model(&mut self, kind: &BsdfKind, origin: ir::Origin) -> Node {
         match kind {
-            BsdfKind::Diffuse { reflectance } => {
-                diffuse(self.param(reflectance, ColorSlot::Reflectance, origin))
-            }
+            BsdfKind::Diffuse { reflectance } => diffuse(self.reflectance(reflectance, origin)),
             BsdfKind::Dielectric(d) => self.dielectric(d, origin).into(),
             BsdfKind::ThinDielectric(d) => ThinDielectricModel(self.dielectric(d, origin)).into(),
             BsdfKind::RoughDielectric { interface, microfacet } => {
@@ -170,7 +168,7 @@ impl Compiler<'_> {
             BsdfKind::Principled(p) => self.principled(p, origin).into(),
             BsdfKind::PrincipledThin(p) => self.principled_thin(p, origin).into(),
             BsdfKind::RoughDiffuse { reflectance, alpha, fast } => {
-                let reflectance = self.param(reflectance, ColorSlot::Reflectance, origin);
+                let reflectance = self.reflectance(reflectance, origin);
                 RoughDiffuseModel { reflectance, alpha: self.scalar_param(alpha), fast: *fast }.into()
             }
             BsdfKind::Phong { exponent, diffuse_reflectance, specular_reflectance } => {
@@ -206,7 +204,7 @@ impl Compiler<'_> {
     }
 
     fn reflectances(&mut self, inputs: [&ir::ColorInput; 2], origin: ir::Origin) -> [Param; 2] {
-        inputs.map(|input| self.param(input, ColorSlot::Reflectance, origin))
+        inputs.map(|input| self.reflectance(input, origin))
     }
 
     /// What pbrt has and Mitsuba 3 has not.

@@ -1,6 +1,6 @@
 //! Disney's models.
 
-use caustica_formats::ir::{self, ColorSlot, PrincipledIndex};
+use caustica_formats::ir::{self, PrincipledIndex};
 
 use super::Compiler;
 use crate::bsdf::{PrincipledModel, PrincipledThinModel};
@@ -8,7 +8,7 @@ use crate::bsdf::{PrincipledModel, PrincipledThinModel};
 impl Compiler<'_> {
     pub(super) fn principled(&mut self, p: &ir::Principled, origin: ir::Origin) -> PrincipledModel {
         PrincipledModel {
-            base_color: self.param(&p.base_color, ColorSlot::Reflectance, origin),
+            base_color: self.reflectance(&p.base_color, origin),
             roughness: self.scalar_param(&p.roughness),
             anisotropic: self.scalar_param(&p.anisotropic),
             metallic: self.scalar_param(&p.metallic),
@@ -32,7 +32,7 @@ impl Compiler<'_> {
         origin: ir::Origin,
     ) -> PrincipledThinModel {
         PrincipledThinModel {
-            base_color: self.param(&p.base_color, ColorSlot::Reflectance, origin),
+            base_color: self.reflectance(&p.base_color, origin),
             roughness: self.scalar_param(&p.roughness),
             anisotropic: self.scalar_param(&p.anisotropic),
             spec_trans: self.scalar_param(&p.spec_trans),

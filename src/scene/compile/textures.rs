@@ -10,8 +10,8 @@ use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 use super::Compiler;
 use crate::math::{Color, Vec3};
 use crate::texture::{
-    Bilerp, Checkerboard, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, Product, Scaled,
-    SolidChecks, Texture, Textures, UnitChecks,
+    Bilerp, Checkerboard, Clamped, DirectionMix, Dots, Grid, MeshAttribute, Mix, Noise, Param, Product,
+    Scaled, SolidChecks, Texture, Textures, UnitChecks,
 };
 use mappings::{noise, uv_transform};
 use pictures::Waiting;
@@ -64,6 +64,15 @@ impl Compiler<'_> {
             ColorInput::Color(c) => Param::Constant(self.color(c, slot, origin)),
             ColorInput::Texture(id) => self.texture(*id, slot),
         }
+    }
+
+    /// Of a reflectance, what a surface makes of it: pbrt-v4 clamps it (`Material::GetBxDF`), Mitsuba takes it as it is.
+    pub(super) fn reflectance(&mut self, input: &ColorInput, origin: ir::Origin) -> Param {
+        let param = self.param(input, ColorSlot::Reflectance, origin);
+        if ir::clamps_reflectance(self.ir) && self.textures.so_far().may_leave_unit(param) {
+            return self.textures.push(Clamped(param).into());
+        }
+        param
     }
 
     pub(super) fn scalar_param(&mut self, input: &FloatInput) -> Param {

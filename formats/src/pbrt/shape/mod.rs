@@ -14,21 +14,29 @@ use super::state::{Graphics, Named};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::ir::{
     FloatInput, Id, InlineMesh, MeshFile, MeshFormat, Origin, PartialQuadric, Shape, ShapeGroup, ShapeKind,
+    Transform,
 };
 use crate::plugin::{Plugin, read, unsupported};
 
 use ParamType as T;
 
-type ReadShape = fn(&mut Reader<'_>, &mut Params) -> Option<ShapeKind>;
+type ReadShape = fn(&mut Reader<'_>, &mut Params) -> Option<Made>;
+
+/// A shape, and how many of pbrt's shapes it is: each of them is a lamp of its own.
+pub(super) struct Made {
+    kind: ShapeKind,
+    /// `None` where only its file tells.
+    count: Option<usize>,
+}
 
 pub(super) const SHAPES: &[Plugin<ReadShape>] = &[
-    read("trianglemesh", |_, p| mesh::triangles(p).map(inline)),
+    read("trianglemesh", |_, p| mesh::triangles(p).map(triangles)),
     read("plymesh", ply),
-    read("bilinearmesh", |r, p| bilinear_mesh(r, p).map(inline)),
-    read("loopsubdiv", |r, p| subdivided(r, p).map(inline)),
-    read("sphere", |_, p| sphere(p)),
-    read("disk", |_, p| disk(p)),
-    read("cylinder", |_, p| cylinder(p)),
+    read("bilinearmesh", bilinear_mesh),
+    read("loopsubdiv", |r, p| subdivided(r, p).map(triangles)),
+    read("sphere", |_, p| sphere(p).map(one)),
+    read("disk", |_, p| disk(p).map(one)),
+    read("cylinder", |_, p| cylinder(p).map(one)),
     unsupported("curve"),
     // pbrt-v3.
     unsupported("cone"),
@@ -64,14 +72,28 @@ const OF_MATERIALS: &[&str] = &[
     "bumpmap",
 ];
 
-fn inline(mesh: InlineMesh) -> ShapeKind {
-    ShapeKind::Inline(Arc::new(mesh))
+impl Made {
+    /// How often the shape has the area that pbrt knows of each lamp: of round ones it is the area before the transform.
+    fn lamps(&self, to_world: &Transform) -> Option<f64> {
+        Some(match self.kind {
+            ShapeKind::Inline(_) | ShapeKind::Mesh(_) => self.count? as f64,
+            _ => to_world.determinant3().abs().powf(2.0 / 3.0),
+        })
+    }
+}
+
+fn triangles(mesh: InlineMesh) -> Made {
+    Made { count: Some(mesh.triangles.len()), kind: ShapeKind::Inline(Arc::new(mesh)) }
+}
+
+fn one(kind: ShapeKind) -> Made {
+    Made { kind, count: Some(1) }
 }
 
 impl Reader<'_> {
     pub fn shape(&mut self, mut p: Params) {
         let Some(reader) = self.plugin(SHAPES, &mut p, "it is skipped") else { return self.done(p) };
-        let kind = reader(self, &mut p);
+        let made = reader(self, &mut p);
         let alpha = self.alpha(&mut p);
         let to_world = self.state.ctm[0];
         if to_world.inverse().is_none() {
@@ -82,12 +104,12 @@ impl Reader<'_> {
         // In pbrt-v3 they are the material's.
         let others = if self.policy.is_three() { p.take_unread(OF_MATERIALS) } else { Vec::new() };
         self.done(p);
-        let Some(kind) = kind else { return };
+        let Some(made) = made else { return };
         let bsdf = Some(match others.is_empty() {
             true => self.current_material(origin),
             false => self.changed_material(others, origin),
         });
-        let mut emission = self.area_emission();
+        let mut emission = self.area_emission(made.lamps(&to_world));
         if self.open_group.is_some()
             && let Some(dark) = emission.take()
         {
@@ -98,7 +120,7 @@ impl Reader<'_> {
         let shape = Shape {
             name: None,
             origin,
-            kind,
+            kind: made.kind,
             to_world,
             bsdf,
             emission,
@@ -214,24 +236,25 @@ impl Reader<'_> {
 /// What becomes of an instance that cannot be made.
 const LEFT_OUT: &str = "it is left out";
 
-fn ply(r: &mut Reader<'_>, p: &mut Params) -> Option<ShapeKind> {
+fn ply(r: &mut Reader<'_>, p: &mut Params) -> Option<Made> {
     let path = r.asset(p, "filename", "mesh");
     p.ignore(&["edgelength"]);
     if p.has("displacement") {
         r.unsupported("displacement of a plymesh", "the mesh is unchanged", p.span_of("displacement"));
         p.ignore(&["displacement"]);
     }
-    Some(ShapeKind::Mesh(MeshFile {
+    let kind = ShapeKind::Mesh(MeshFile {
         path: path?,
         format: MeshFormat::Ply,
         face_normals: false,
         authored_normals: true,
         flip_tex_coords: false,
         max_smooth_angle: None,
-    }))
+    });
+    Some(Made { kind, count: None })
 }
 
-fn bilinear_mesh(r: &mut Reader<'_>, p: &mut Params) -> Option<InlineMesh> {
+fn bilinear_mesh(r: &mut Reader<'_>, p: &mut Params) -> Option<Made> {
     if p.has("emissionfilename") {
         let span = p.span_of("emissionfilename");
         r.unsupported("`emissionfilename`", "emission is constant over the patch", span);
@@ -239,7 +262,8 @@ fn bilinear_mesh(r: &mut Reader<'_>, p: &mut Params) -> Option<InlineMesh> {
     }
     p.ignore(&["faceIndices"]);
     let cage = mesh::cage(p, 4)?;
-    Some(bilinear::tessellate(&cage))
+    let count = Some(cage.indices.len() / 4);
+    Some(Made { count, ..triangles(bilinear::tessellate(&cage)) })
 }
 
 fn subdivided(r: &mut Reader<'_>, p: &mut Params) -> Option<InlineMesh> {

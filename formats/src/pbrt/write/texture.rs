@@ -169,8 +169,9 @@ impl Writer<'_, '_> {
                 Ok(("bilerp", p, space))
             }
             TextureKind::Dots { inside, outside, mapping } => {
-                let p = self.operand(none, "inside", inside, numbers, origin)?;
-                let p = self.operand(p, "outside", outside, numbers, origin)?;
+                // The wrong way round, as pbrt reads them.
+                let p = self.operand(none, "inside", outside, numbers, origin)?;
+                let p = self.operand(p, "outside", inside, numbers, origin)?;
                 let (p, space) = self.mapped(p, mapping, origin);
                 Ok(("dots", p, space))
             }
