@@ -5,6 +5,7 @@ use std::sync::Arc;
 use caustica_formats::ir::{self, ColorInput, ColorSlot, FloatInput};
 
 use super::Compiler;
+use crate::bsdf::microfacet::Remap;
 use crate::bsdf::{
     CoatingModel, ConductorModel, DiffuseBase, DiffuseModel, Interreflection, Metal, Node, PlasticModel,
     RoughConductorModel, Roughness, RoundTrips, Walk,
@@ -96,7 +97,9 @@ impl Compiler<'_> {
             Metal::Reflectance { normal, outside } => Metal::Reflectance { normal, outside: outside * eta },
         };
         let thickness = self.thickness(coat, origin);
-        let (nested, interreflection): (Node, _) = match self.roughness(microfacet) {
+        let rough = self.interface_roughness(&coat.microfacet, eta);
+        let base = self.roughness(microfacet);
+        let (nested, interreflection): (Node, _) = match self.seen_through(rough, base, eta) {
             Some(roughness) => {
                 let returned = Arc::new(RoundTrips::new(&roughness, eta, thickness));
                 let rough = Interreflection::Rough(roughness, returned);
@@ -104,10 +107,33 @@ impl Compiler<'_> {
             }
             None => (ConductorModel { metal, reflectance }.into(), Interreflection::Mirror),
         };
-        let rough = self.interface_roughness(&coat.microfacet, eta);
         let absorption = Param::gray(thickness);
         let coat = Coat { eta, absorption, specular: WHITE, rough, interreflection };
         self.coating(coat, nested, origin)
+    }
+
+    /// The roughness of a metal below a rough interface, which bends light at slopes of its own on the way in and out: a
+    /// slope m turns a ray inside by (1 − 1/η)m, and the metal's turns it by 2m. Of two normal distributions of slopes, and
+    /// twice the interface's, the squares add up: α² + ((1 − 1/η)α′)²/2.
+    fn seen_through(
+        &mut self,
+        interface: Option<Roughness>,
+        metal: Option<Roughness>,
+        eta: f32,
+    ) -> Option<Roughness> {
+        let Some(rough) = interface else { return metal };
+        let share = 0.5 * (1.0 - 1.0 / eta).powi(2);
+        let own = metal.map_or(Some([0.0; 2]), |metal| metal.constant());
+        if let (Some(through), Some(own)) = (rough.constant(), own) {
+            let alpha = |i: usize| Param::gray((own[i].powi(2) + share * through[i].powi(2)).sqrt());
+            return Some(Roughness { u: alpha(0), v: alpha(1), remap: Remap::None, ..rough });
+        }
+        if metal.is_some() {
+            return metal;
+        }
+        let factor = if rough.remap == Remap::Sqrt { share } else { share.sqrt() };
+        let [u, v] = [rough.u, rough.v].map(|param| self.scaled(param, factor));
+        Some(Roughness { u, v, ..rough })
     }
 
     /// In pbrt's sense: the optical thickness of a passage straight through.
