@@ -8,6 +8,7 @@ mod support;
 
 mod aims;
 mod aovs;
+mod as_pbrt;
 mod bench;
 mod bsdf;
 mod camera;
