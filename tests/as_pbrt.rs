@@ -3,16 +3,16 @@
 use crate::support::{Picture, pbrt_scene, render};
 
 /// A wall that fills the view, in a sky of radiance 1: its mean is the mean reflectance.
-fn wall(texture: &str) -> f64 {
+fn wall(texture: &str, files: Vec<(&str, Vec<u8>)>) -> f64 {
     let world = format!(
         "LightSource \"infinite\" \"rgb L\" [1 1 1]\n{texture}\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n
          Shape \"bilinearmesh\" \"point3 P\" [-40 -40 0  40 -40 0  -40 40 0  40 40 0]"
     );
-    seen(&world, &[("max_depth", "2")]).beauty(1).mean
+    seen(&world, files, &[("max_depth", "2")]).beauty(1).mean
 }
 
-fn seen(world: &str, settings: &[(&str, &str)]) -> Picture {
-    let mut scene = pbrt_scene(world, vec![]);
+fn seen(world: &str, files: Vec<(&str, Vec<u8>)>, settings: &[(&str, &str)]) -> Picture {
+    let mut scene = pbrt_scene(world, files);
     scene.0.view.film = caustica::film::FilmSize::full(24, 16);
     render(&scene, &[settings, &[("integrator", "path")]].concat(), 64)
 }
@@ -22,11 +22,22 @@ fn seen(world: &str, settings: &[(&str, &str)]) -> Picture {
 #[test]
 fn reflectance_is_clamped() {
     let thrice = "Texture \"t\" \"spectrum\" \"scale\" \"rgb tex\" [0.5 0.5 0.5] \"float scale\" 3";
-    assert!((wall(thrice) - 1.0).abs() < 0.01, "{}", wall(thrice));
+    let mean = wall(thrice, vec![]);
+    assert!((mean - 1.0).abs() < 0.01, "{mean}");
+    // Pictures, of numbers above 1 and scaled.
+    let pfm = |value: f32| [b"PF\n1 1\n-1.0\n".to_vec(), value.to_le_bytes().repeat(3)].concat();
+    for (value, scale) in [(3.0, 1.0), (0.5, 3.0)] {
+        let picture = format!(
+            "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" \"float scale\" {scale}"
+        );
+        let mean = wall(&picture, vec![("t.pfm", pfm(value))]);
+        assert!((mean - 1.0).abs() < 0.01, "{value} {scale}: {mean}");
+    }
     // From far below 0 on the left to far above 1 on the right.
     let ramp = "Texture \"t\" \"spectrum\" \"bilerp\" \"string mapping\" \"planar\" \"vector3 v1\" [1000 0 0]
         \"rgb v00\" [0 0 0] \"rgb v01\" [0 0 0] \"rgb v10\" [1 1 1] \"rgb v11\" [1 1 1]";
-    assert!((wall(ramp) - 0.5).abs() < 0.01, "{}", wall(ramp));
+    let mean = wall(ramp, vec![]);
+    assert!((mean - 0.5).abs() < 0.01, "{mean}");
 }
 
 /// Dots cover 0.155 of the plane, of the 1000 cells seen a few percent more or less.
@@ -36,7 +47,8 @@ fn dots_are_outside_of_dots() {
         "Texture \"t\" \"spectrum\" \"dots\" \"rgb inside\" [0.9 0.9 0.9] \"rgb outside\" [0.1 0.1 0.1]
         \"float uscale\" 240 \"float vscale\" 240";
     let expected = 0.155 * 0.1 + 0.845 * 0.9;
-    assert!((wall(dots) - expected).abs() < 0.8 * 0.05, "{} {expected}", wall(dots));
+    let mean = wall(dots, vec![]);
+    assert!((mean - expected).abs() < 0.8 * 0.05, "{mean} {expected}");
 }
 
 /// Each of the two triangles is a lamp of the power that is asked for, times the luminance of the colour: the radiance is
@@ -48,7 +60,7 @@ fn power_of_area_lights_is_that_of_each_triangle() {
         "AreaLightSource \"diffuse\" \"rgb L\" [2 1 0.5] \"float power\" {power}
          Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-40 -40 0 40 -40 0 40 40 0 -40 40 0]"
     );
-    let picture = seen(&world, &[("max_depth", "1")]);
+    let picture = seen(&world, vec![], &[("max_depth", "1")]);
     for (c, expected) in [2.0, 1.0, 0.5].into_iter().enumerate() {
         let mean = picture.beauty(c).mean;
         assert!((mean / expected - 1.0).abs() < 1e-3, "channel {c}: {mean}");
@@ -62,6 +74,6 @@ fn a_rough_coat_spreads_what_a_smooth_metal_reflects() {
     let world = "LightSource \"point\" \"rgb I\" [100 100 100] \"point3 from\" [0 6 6]
         Material \"coatedconductor\" \"float interface.roughness\" 0.3 \"rgb reflectance\" [0.9 0.9 0.9]
         Shape \"sphere\" \"float radius\" 3";
-    let mean = seen(world, &[("max_depth", "2")]).beauty(1).mean / 0.00672;
+    let mean = seen(world, vec![], &[("max_depth", "2")]).beauty(1).mean / 0.00672;
     assert!((0.9..1.5).contains(&mean), "{mean}");
 }

@@ -1,4 +1,4 @@
-use super::{Mapping, Pattern, Site, Textures, leaves_unit};
+use super::{Mapping, Pattern, Site, Textures};
 use crate::math::Color;
 use crate::spectrum::rgb;
 
@@ -32,6 +32,8 @@ pub struct Bitmap {
     pub wrap: [Wrap; 2],
     /// From a point of the surface to the plane of the texture.
     pub mapping: Mapping,
+    /// Values may be outside of [0, 1].
+    pub leaves_unit: bool,
 }
 
 /// How texels are stored.
@@ -139,10 +141,7 @@ impl Pattern for Bitmap {
     }
 
     fn may_leave_unit(&self, _: &Textures) -> bool {
-        match &self.texels {
-            Texels::Floats(texels) => texels.iter().any(|texel| leaves_unit(rgb(*texel))),
-            Texels::Bytes(bytes) => bytes.table.iter().any(|x| !(0.0..=1.0).contains(x)),
-        }
+        self.leaves_unit
     }
 }
 
@@ -160,6 +159,7 @@ mod tests {
             bilinear,
             wrap: [wrap, Wrap::Clamp],
             mapping: Mapping::Uv(UvTransform { u: [1.0, 0.0, 0.0], v: [0.0, 1.0, 0.0] }),
+            leaves_unit: true,
         }
     }
 

@@ -55,9 +55,22 @@ impl Output<'_> {
         Ok(if sum > 0.0 { wanted / sum } else { 1.0 })
     }
 
-    /// The factor that gives a lamp the power that is asked for.
-    pub fn lamp_factor(&mut self, shape: &Shape, e: &AreaEmission) -> Result<Option<f64>, WriteError> {
-        let Some(wanted) = e.power else { return Ok(Some(1.0)) };
+    /// The factor that gives a lamp the power that is asked for; where it is not known, the power is a loss.
+    pub fn lamp_factor(&mut self, shape: &Shape, e: &AreaEmission) -> Result<f64, WriteError> {
+        let Some(power) = e.power else { return Ok(1.0) };
+        let factor = self.factor_of_power(shape, e, power)?;
+        if factor.is_none() {
+            self.lose(e.origin, format!("the power of a light, {power} W"), "its radiance as written");
+        }
+        Ok(factor.unwrap_or(1.0))
+    }
+
+    fn factor_of_power(
+        &mut self,
+        shape: &Shape,
+        e: &AreaEmission,
+        wanted: f64,
+    ) -> Result<Option<f64>, WriteError> {
         let radiance = match &e.radiance {
             ColorInput::Color(color) => self.rgb(color, ColorSlot::Emission, e.origin),
             ColorInput::Texture(id) => match self.sampled(*id)? {

@@ -148,7 +148,7 @@ impl Compiler<'_> {
     }
 
     fn empty_coat(&mut self, coat: &ir::Coat, origin: ir::Origin) {
-        if self.reflectance(&coat.albedo, origin) != BLACK {
+        if self.param(&coat.albedo, ColorSlot::Reflectance, origin) != BLACK {
             self.warn("the medium inside a coat is not rendered: the coat is clear", origin);
         }
     }

@@ -54,7 +54,7 @@ impl Element {
 
     /// A checkerboard, and those within it, with its colours exchanged: as one number, Mitsuba takes each for the other.
     pub fn exchanged(mut self) -> Self {
-        if !self.attributes.contains(&("type", "checkerboard".to_owned())) {
+        if !self.is_checkerboard() {
             return self;
         }
         let named = |child: &Self, name: &str| child.attributes.contains(&("name", name.to_owned()));
@@ -74,6 +74,11 @@ impl Element {
             }
         }
         self
+    }
+
+    /// Whether it is that plugin.
+    pub fn is_checkerboard(&self) -> bool {
+        self.attributes.contains(&("type", "checkerboard".to_owned()))
     }
 
     /// Whether it has this tag.

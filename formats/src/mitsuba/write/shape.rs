@@ -247,14 +247,11 @@ impl Writer<'_, '_> {
             self.out.lose_light(e.origin, what, "the side of its normal only", -0.5);
         }
         let factor = self.out.lamp_factor(shape, e)?;
-        if let (None, Some(power)) = (factor, e.power) {
-            self.out.lose(e.origin, format!("the power of a light, {power} W"), "its radiance as written");
-        }
         if e.scale < 0.0 {
             let what = format!("a light of negative radiance, scale {}", e.scale);
             self.out.lose(e.origin, what, "a dark one");
         }
-        let scale = e.scale.max(0.0) * factor.unwrap_or(1.0);
+        let scale = e.scale.max(0.0) * factor;
         let plugin = if e.collimated { "directionalarea" } else { "area" };
         // An invisible lamp shines fully.
         let share = match opacity {

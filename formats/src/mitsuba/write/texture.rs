@@ -92,9 +92,7 @@ impl Writer<'_, '_> {
                 let value = super::element::number(luminance(rgb));
                 Element::new("float").with("name", name).with("value", value)
             }
-            Said::Plugin(element)
-                if !exchanges_numbers(self.scene) && element != element.clone().exchanged() =>
-            {
+            Said::Plugin(element) if element.is_checkerboard() && !exchanges_numbers(self.scene) => {
                 element.exchanged().with("name", name)
             }
             Said::Plugin(_) => self.texture(name, id)?,

@@ -75,10 +75,11 @@ const OF_MATERIALS: &[&str] = &[
 impl Made {
     /// How often the shape has the area that pbrt knows of each lamp: of round ones it is the area before the transform.
     fn lamps(&self, to_world: &Transform) -> Option<f64> {
-        Some(match self.kind {
-            ShapeKind::Inline(_) | ShapeKind::Mesh(_) => self.count? as f64,
+        let stretched = match self.kind {
+            ShapeKind::Inline(_) | ShapeKind::Mesh(_) => 1.0,
             _ => to_world.determinant3().abs().powf(2.0 / 3.0),
-        })
+        };
+        Some(self.count? as f64 * stretched)
     }
 }
 

@@ -230,10 +230,7 @@ impl Writer<'_, '_> {
             ColorInput::Texture(id) => self.emitted_picture(*id, shape, e.origin)?,
         };
         let of_power = self.out.lamp_factor(shape, e)?;
-        if let (None, Some(power)) = (of_power, e.power) {
-            self.out.lose(e.origin, format!("the power of a light, {power} W"), "its radiance as written");
-        }
-        p.float_unless("scale", e.scale * factor * of_power.unwrap_or(1.0), 1.0)
+        p.float_unless("scale", e.scale * factor * of_power, 1.0)
             .boolean_unless("twosided", e.two_sided, false)
             .write(text, "\t", "AreaLightSource", &["diffuse"]);
         Ok(())

@@ -71,6 +71,7 @@ impl Compiler<'_> {
             bilinear: b.filter == ir::TextureFilter::Bilinear,
             wrap: [wrap(b.wrap_u), wrap(b.wrap_v)],
             mapping,
+            leaves_unit: leaves_unit(b),
         }));
         if let Param::Texture(texture) = param {
             let picture = Arc::new(Picture { of, state: Mutex::new(State::Wanted) });
@@ -107,6 +108,13 @@ impl Compiler<'_> {
         }
         self.textures.so_far()
     }
+}
+
+/// Told before the picture is decoded, by its name as pbrt does: only some formats hold numbers beyond 1.
+fn leaves_unit(b: &ir::Bitmap) -> bool {
+    let format = b.path.extension().unwrap_or_default();
+    let floats = ["exr", "hdr", "pfm"].into_iter().any(|of_floats| format.eq_ignore_ascii_case(of_floats));
+    floats || !(0.0..=1.0).contains(&b.scale)
 }
 
 fn decode(b: &ir::Bitmap, files: &dyn Files) -> Result<Decoded, String> {
