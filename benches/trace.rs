@@ -16,6 +16,7 @@ fn tracing(c: &mut Criterion) {
             all: false,
 
             glints: false,
+            focused: false,
             key: 1,
             paths: 100_000,
             owner: Owner::GlobalMap,

@@ -19,6 +19,7 @@ fn job(key: u64, paths: u64, max_depth: u32) -> TraceJob {
         beams: false,
         all: false,
         glints: false,
+        focused: false,
         key,
         paths,
         owner: Owner::GlobalMap,

@@ -148,6 +148,7 @@ fn owners_divide_the_photons_without_loss_or_overlap() {
         beams: false,
         all: false,
         glints: false,
+        focused: false,
         key: 7,
         paths: 50_000,
         owner,

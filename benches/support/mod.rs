@@ -82,6 +82,7 @@ pub fn photons(scene: &Scene, count: usize) -> Stored {
         beams: false,
         all: false,
         glints: false,
+        focused: false,
         key: 1,
         paths,
         owner: Owner::GlobalMap,

@@ -27,8 +27,10 @@ pub struct TraceJob {
     pub beams: bool,
     /// Roughness below which lobes hold no photons.
     pub glossy: f32,
-    /// Photons of glints are stored, in a list of their own.
+    /// Photons of glints are stored, apart from the others.
     pub glints: bool,
+    /// Photons of indirect light that come from specular or glossy surfaces are stored apart from the others.
+    pub focused: bool,
     /// Path segments from camera to lamp, at most.
     pub max_depth: u32,
 }
@@ -64,8 +66,8 @@ pub struct Traced {
     pub paths: u64,
     /// In the order of the paths.
     pub photons: Stored,
-    /// Those of glints, on glossy surfaces.
-    pub glints: Stored,
+    /// Those that are read with a radius of their own: of glints, on glossy surfaces, or of focused indirect light.
+    pub apart: Stored,
     /// At collisions with media.
     pub points: Vec<VolumePhoton>,
     /// Between them.
@@ -81,7 +83,7 @@ pub struct Traced {
 pub(super) struct Part {
     pub paths: u64,
     pub photons: Vec<Photon>,
-    pub glints: Vec<Photon>,
+    pub apart: Vec<Photon>,
     pub points: Vec<VolumePhoton>,
     pub beams: Vec<Beam>,
     pub rays: u64,
@@ -105,7 +107,7 @@ impl Traced {
             list.extend(more);
         };
         extend(&mut self.photons, part.photons);
-        extend(&mut self.glints, part.glints);
+        extend(&mut self.apart, part.apart);
         self.points.extend(part.points);
         self.beams.extend(part.beams);
         self.rays += part.rays;
@@ -115,7 +117,7 @@ impl Traced {
     /// Multiplies all flux.
     pub(super) fn scale(&mut self, share: f32) {
         self.photons.scale(share);
-        self.glints.scale(share);
+        self.apart.scale(share);
         self.points.iter_mut().for_each(|p| p.flux *= share);
         self.beams.iter_mut().for_each(|b| b.flux *= share);
     }

@@ -26,6 +26,8 @@ pub(super) fn follow(
     let mut depth = 1u32;
     let mut first = None;
     let mut smallness = Smallness::default();
+    // By a specular or glossy surface, since the last rough one.
+    let mut bent = false;
     loop {
         out.rays += 1;
         let Some(hit) = scene.geometry.closest(&ray) else { return first };
@@ -34,14 +36,16 @@ pub(super) fn follow(
         let vertex = Vertex::new(scene, &surface, -ray.d);
         let kept = job.all || class.owner(job.next_event, job.caustic_map) == job.owner;
         if kept && holds_photons(scene, job, &vertex) {
+            let focused = job.focused && bent && class == PathClass::Indirect;
             let class = if job.all { PathClass::Indirect } else { class };
             let n = scene.photon_side(&surface, vertex.back).n;
-            out.photons.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
+            let found = photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected);
+            if focused { &mut out.apart } else { &mut out.photons }.extend(found);
         }
         let glint = job.glints && class == PathClass::Caustic && smallness.enough();
         if glint && vertex.closure.has_smooth(vertex.wi, Range::glossy(job.glossy)) {
             let n = scene.glint_side(&surface, vertex.back).n;
-            out.glints.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
+            out.apart.extend(photon(&vertex, n, (flux, class, depth), smallness, &mut out.rejected));
         }
         // A photon at the next surface needs two more segments: there, if the way is not straight on for nothing, and from
         // there to the camera.
@@ -63,6 +67,11 @@ pub(super) fn follow(
         };
         if job.glints && class == PathClass::Direct && event != Event::Null {
             smallness = Smallness::of(scene.pdf_direct_start(surface.p, -ray.d, start));
+        }
+        match event {
+            Event::Null => {}
+            Event::Delta | Event::Glossy => bent = true,
+            Event::Smooth => bent = false,
         }
         class = class.after_light_event(event);
         depth += further;

@@ -223,6 +223,7 @@ fn a_furnace_of_photons_is_even() {
 fn job(beams: bool) -> TraceJob {
     TraceJob {
         glints: false,
+        focused: false,
         beams,
         all: false,
         key: 5,

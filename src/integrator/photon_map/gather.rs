@@ -48,10 +48,13 @@ impl PhotonMapper<'_> {
         out: &mut Radiance,
     ) {
         let before = scratch.rays;
-        for map in [&maps.global, &maps.caustic].into_iter().flatten() {
+        let focused = maps.global.as_ref().and_then(|map| map.apart.as_ref());
+        let whole =
+            [&maps.global, &maps.caustic].into_iter().flatten().map(|map| (&map.photons, &map.estimator));
+        for (photons, estimator) in whole.chain(focused.map(|(photons, estimator)| (photons, estimator))) {
             let rays = &mut scratch.rays;
             let boundary = self.surroundings().map(|around| Boundary { around, sampler, rays });
-            map.estimator.estimate(&map.photons, at, boundary, &mut scratch.gather, out);
+            estimator.estimate(photons, at, boundary, &mut scratch.gather, out);
         }
         scratch.edge_rays += scratch.rays - before;
     }

@@ -20,7 +20,7 @@ impl PhotonMapper<'_> {
         gather: &mut Gather,
         out: &mut Radiance,
     ) {
-        let Some((map, estimator)) = maps.caustic.as_ref().and_then(|map| map.glints.as_ref()) else {
+        let Some((map, estimator)) = maps.caustic.as_ref().and_then(|map| map.apart.as_ref()) else {
             return;
         };
         let at = GatherPoint {

@@ -53,8 +53,8 @@ pub(super) struct Map {
     pub paths: u64,
     /// Search radius of the first pass; 0 where it was to be measured and the map is not needed.
     pub radius: f32,
-    /// The same for glints.
-    pub glint_radius: f32,
+    /// The same for photons apart.
+    pub apart_radius: f32,
     /// Photons of pass 0 that were traced to measure their density.
     pub pilot: Mutex<Option<Traced>>,
 }
@@ -66,11 +66,16 @@ pub(super) struct PassMap {
     pub photons: PhotonMap,
     /// How it is read.
     pub estimator: Estimator,
-    /// Glints, and how they are read.
-    pub glints: Option<(PhotonMap, Estimator)>,
+    /// Photons with a radius of their own, and how they are read.
+    pub apart: Option<(PhotonMap, Estimator)>,
     /// Known beforehand at some places.
     pub irradiance: Option<Irradiance>,
 }
+
+/// Most photons of an estimate of focused indirect light. There are few in a pass, most of them where it is not sharp, so
+/// that their radius is as wide as any; where they crowd, the nearest tell enough. With a point lamp over a glass ball, the
+/// squared error of what is not seen through glass is 0.0013, 0.0011, 0.0008, 0.0007 after 3 s without limit, with 16, 8, 4.
+const FOCUSED: usize = 4;
 
 /// The pass that pilots trace: no render comes so far.
 const BEFORE_ALL: u32 = u32::MAX;
@@ -109,7 +114,7 @@ impl Map {
     }
 
     fn new(settings: MapSettings, job: TraceJob) -> Self {
-        Self { settings, job, aim: None, paths: 0, radius: 0.0, glint_radius: 0.0, pilot: Mutex::default() }
+        Self { settings, job, aim: None, paths: 0, radius: 0.0, apart_radius: 0.0, pilot: Mutex::default() }
     }
 
     /// Whether the scene needs it.
@@ -125,6 +130,11 @@ impl Map {
     /// Whether it holds the photons of glints.
     pub fn has_glints(&self) -> bool {
         self.job.glints && self.wanted()
+    }
+
+    /// Whether some of its photons have a radius of their own.
+    pub fn has_apart(&self) -> bool {
+        (self.job.glints || self.job.focused) && self.wanted()
     }
 
     /// Whether camera paths read it at their first rough surface.
@@ -215,25 +225,25 @@ impl Map {
             Lookup::Nearest => PhotonMap::build_for_nearest(traced.photons, estimator.cap, radius),
             Lookup::Radius => PhotonMap::build(traced.photons, 2.0 * radius),
         };
-        let glints = self.has_glints().then(|| {
-            let radius = self.radius_of(pass, self.glint_radius);
-            let lobes = Range::glossy(task.settings.glossy);
-            let photons = PhotonMap::build(traced.glints, 2.0 * radius);
-            (photons, Estimator { lobes, radius, cap: usize::MAX, ..estimator })
+        let apart = self.has_apart().then(|| {
+            let radius = self.radius_of(pass, self.apart_radius);
+            let lobes = if self.job.glints { Range::glossy(task.settings.glossy) } else { lobes };
+            let photons = PhotonMap::build(traced.apart, 2.0 * radius);
+            let cap = if self.job.glints { usize::MAX } else { FOCUSED };
+            (photons, Estimator { lobes, radius, cap, ..estimator })
         });
-        let glint_photons = glints.as_ref().map_or(0, |(map, _)| map.len());
-        let glint_bytes = glints.as_ref().map_or(0, |(map, _)| map.bytes());
+        let (count_apart, bytes_apart) = apart.as_ref().map_or((0, 0), |(map, _)| (map.len(), map.bytes()));
         stats.build_seconds += start.elapsed().as_secs_f64();
         stats.light_paths += traced.paths;
-        stats.photons += (photons.len() + glint_photons) as u64;
+        stats.photons += (photons.len() + count_apart) as u64;
         stats.photon_rays += traced.rays;
         stats.rejected.add(&traced.rejected);
-        stats.map_bytes += (photons.bytes() + glint_bytes) as u64;
+        stats.map_bytes += (photons.bytes() + bytes_apart) as u64;
         match self.owner() {
             Owner::CausticMap => stats.caustic_radius = radius,
             _ => stats.radius = radius,
         }
-        Some(PassMap { photons, estimator, glints, irradiance: None })
+        Some(PassMap { photons, estimator, apart, irradiance: None })
     }
 
     /// Random numbers of the places of a pass where the map is read beforehand.
@@ -255,6 +265,7 @@ pub(super) fn job(s: &Settings, plan: &Plan, owner: Owner) -> TraceJob {
         beams: false,
         glossy: s.glossy,
         glints: plan.glints && owner == Owner::CausticMap,
+        focused: plan.focused && owner == Owner::GlobalMap && !all,
         // Behind two rough surfaces the camera path has one segment more; no limit stays none.
         max_depth: if all && s.max_depth != Limit::NONE {
             s.max_depth.0.saturating_sub(1)

@@ -1,7 +1,7 @@
 //! Which photon maps a scene needs, and of how many light paths each.
 
 use crate::scene::Facts;
-use crate::settings::{Count, Indirect, Settings};
+use crate::settings::{Count, Indirect, Lookup, Radius, Settings};
 
 /// Light paths of a map that is left to follow the film, at least.
 const LEAST_PATHS: u64 = 1024;
@@ -21,6 +21,9 @@ pub struct Plan {
     pub caustic_map: bool,
     /// The caustic map also has photons on glossy surfaces.
     pub glints: bool,
+    /// Photons of the global map that come from specular or glossy surfaces have a radius of their own: such light is
+    /// focused, and sharper than what rough surfaces send.
+    pub focused: bool,
     /// Light through specular surfaces exists, in whichever map.
     pub caustics: bool,
     /// Light paths a pass; 0 where no map is needed.
@@ -39,6 +42,7 @@ impl Plan {
         global_map: false,
         caustic_map: false,
         glints: false,
+        focused: false,
         caustics: false,
         global_paths: Count::Paths(0),
         caustic_paths: Count::Paths(0),
@@ -78,6 +82,10 @@ impl Plan {
             glints: caustic_map
                 && !facts.media
                 && facts.roughness.is_some_and(|[least, _]| least < settings.glossy),
+            focused: caustic_map
+                && !facts.media
+                && settings.radius == Radius::Auto
+                && settings.lookup == Lookup::Radius,
             caustics,
             global_paths: paths(
                 global_map || (caustics && !caustic_map && !traced),

@@ -92,7 +92,7 @@ impl PhotonMapper<'_> {
 impl Map {
     fn take_measures(&mut self, same: &Self) {
         self.aim.clone_from(&same.aim);
-        (self.paths, self.radius, self.glint_radius) = (same.paths, same.radius, same.glint_radius);
+        (self.paths, self.radius, self.apart_radius) = (same.paths, same.radius, same.apart_radius);
     }
 
     /// Decides how many light paths a pass traces.
@@ -133,9 +133,9 @@ impl Map {
                 let traced = self.trace(scene, 0, self.paths, halt);
                 let pixel = radius::pixel(gather_places);
                 let mut found = self.radius_for(&traced, gather_places, scene.sphere.radius);
-                if self.has_glints() {
-                    let glints = dense_quarter(&traced.glints, scene.sphere.radius);
-                    self.glint_radius = radius::clamped(glints, pixel, scene.sphere.radius);
+                if self.has_apart() {
+                    let apart = dense_quarter(&traced.apart, scene.sphere.radius);
+                    self.apart_radius = radius::clamped(apart, pixel, scene.sphere.radius);
                 }
                 let before = self.paths;
                 if self.seen_directly()
@@ -156,8 +156,8 @@ impl Map {
                 radius::clamped(found, pixel, scene.sphere.radius)
             }
         };
-        if self.glint_radius == 0.0 {
-            self.glint_radius = self.radius;
+        if self.apart_radius == 0.0 {
+            self.apart_radius = self.radius;
         }
     }
 
