@@ -26,6 +26,7 @@ mod estimators;
 mod faults;
 mod few_lamps;
 mod flux;
+mod focused;
 mod furnace;
 mod glints;
 mod hard;
