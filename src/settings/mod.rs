@@ -118,7 +118,7 @@ settings! {
     volume_radius: Radius = Radius::Auto, "a length, a share of the scene's radius such as 0.0125R, or auto", "search radius across camera rays in media (of the first pass when progressive)";
     volume_neighbours: u32 = 50, "a whole number from 1", "photons that volume_radius=auto lets a camera ray find; a tenth as many beams";
     alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction: share of new photons kept, global map";
-    caustic_alpha: f32 = 0.5, "a number between 0 and 1", "radius reduction of the caustic map";
+    caustic_alpha: f32 = 0.6, "a number between 0 and 1", "radius reduction of the caustic map";
     volume_alpha: f32 = 0.7, "a number between 0 and 1", "radius reduction in media";
     beams: InMedia = InMedia::Auto, "auto, points or beams", "light in media from photons at collisions, or from the ways between them; auto measures which is better (with mode=classic: beams where few photons collide)";
     kernel: KernelKind = KernelKind::Epanechnikov, "a kernel's name", "weight of a photon by its distance, global map";

@@ -34,6 +34,8 @@ pub(super) struct MapSettings {
     pub cap: u32,
     /// Share of new photons kept when the radius shrinks.
     pub alpha: f32,
+    /// The same for photons apart.
+    pub apart_alpha: f32,
     /// All photons within the radius, or the nearest.
     pub lookup: Lookup,
     /// A map each pass, or one for all.
@@ -91,6 +93,7 @@ impl Map {
             neighbours: s.neighbours.0,
             cap: u32::MAX,
             alpha: s.alpha,
+            apart_alpha: s.alpha,
             lookup: s.lookup,
             mode: s.mode,
         };
@@ -107,6 +110,7 @@ impl Map {
             neighbours: s.caustic_neighbours.0,
             cap: s.caustic_cap.0,
             alpha: s.caustic_alpha,
+            apart_alpha: s.alpha,
             lookup: s.lookup,
             mode: s.mode,
         };
@@ -189,11 +193,11 @@ impl Map {
     }
 
     /// Radius of pass i, which is `first` in pass 0: computed from i alone, so that passes can run in any order.
-    fn radius_of(&self, pass: u32, first: f32) -> f32 {
+    fn radius_of(&self, pass: u32, first: f32, alpha: f32) -> f32 {
         let first = f64::from(first);
         let shrunk = match self.settings.mode {
             Mode::Classic => first,
-            Mode::Progressive => first * radius::shrinkage(pass, f64::from(self.settings.alpha)).sqrt(),
+            Mode::Progressive => first * radius::shrinkage(pass, f64::from(alpha)).sqrt(),
         };
         (shrunk as f32).max(radius::LEAST)
     }
@@ -217,7 +221,7 @@ impl Map {
         stats.trace_seconds += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let s = &self.settings;
-        let radius = self.radius_of(pass, self.radius);
+        let radius = self.radius_of(pass, self.radius, s.alpha);
         let lobes = Range::rough(task.settings.glossy);
         let estimator =
             Estimator { lobes, ..Estimator::new(s.kernel, radius, s.lookup, s.neighbours, s.cap) };
@@ -226,7 +230,7 @@ impl Map {
             Lookup::Radius => PhotonMap::build(traced.photons, 2.0 * radius),
         };
         let apart = self.has_apart().then(|| {
-            let radius = self.radius_of(pass, self.apart_radius);
+            let radius = self.radius_of(pass, self.apart_radius, s.apart_alpha);
             let lobes = if self.job.glints { Range::glossy(task.settings.glossy) } else { lobes };
             let photons = PhotonMap::build(traced.apart, 2.0 * radius);
             let cap = if self.job.glints { usize::MAX } else { FOCUSED };
