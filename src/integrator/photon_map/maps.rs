@@ -173,13 +173,17 @@ impl Map {
                 direct: self.job.next_event,
                 ..*sights
             };
-            self.aim = aim(scene, &self.job_of(BEFORE_ALL, PILOT), &sights, halt);
+            // With which radius a photon is read makes no difference to where it should land.
+            let job = TraceJob { focused: false, ..self.job_of(BEFORE_ALL, PILOT) };
+            self.aim = aim(scene, &job, &sights, halt);
         }
     }
 
     /// Photons that a pilot of `paths` light paths stores.
     pub fn pilot_photons(&self, scene: &Scene, paths: u64, halt: Halt<'_>) -> u64 {
-        self.trace(scene, BEFORE_ALL, paths, halt).photons.len() as u64
+        let traced = self.trace(scene, BEFORE_ALL, paths, halt);
+        let focused = if self.job.focused { traced.apart.len() } else { 0 };
+        (traced.photons.len() + focused) as u64
     }
 
     /// The photons of a pass, or of a pilot.
