@@ -68,10 +68,8 @@ pub(super) fn follow(
         if job.glints && class == PathClass::Direct && event != Event::Null {
             smallness = Smallness::of(scene.pdf_direct_start(surface.p, -ray.d, start));
         }
-        match event {
-            Event::Null => {}
-            Event::Delta | Event::Glossy => bent = true,
-            Event::Smooth => bent = false,
+        if event != Event::Null {
+            bent = event != Event::Smooth;
         }
         class = class.after_light_event(event);
         depth += further;

@@ -34,8 +34,6 @@ pub(super) struct MapSettings {
     pub cap: u32,
     /// Share of new photons kept when the radius shrinks.
     pub alpha: f32,
-    /// The same for photons apart.
-    pub apart_alpha: f32,
     /// All photons within the radius, or the nearest.
     pub lookup: Lookup,
     /// A map each pass, or one for all.
@@ -93,7 +91,6 @@ impl Map {
             neighbours: s.neighbours.0,
             cap: u32::MAX,
             alpha: s.alpha,
-            apart_alpha: s.alpha,
             lookup: s.lookup,
             mode: s.mode,
         };
@@ -110,7 +107,6 @@ impl Map {
             neighbours: s.caustic_neighbours.0,
             cap: s.caustic_cap.0,
             alpha: s.caustic_alpha,
-            apart_alpha: s.alpha,
             lookup: s.lookup,
             mode: s.mode,
         };
@@ -173,20 +169,21 @@ impl Map {
                 direct: self.job.next_event,
                 ..*sights
             };
-            // With which radius a photon is read makes no difference to where it should land.
-            let job = TraceJob { focused: false, ..self.job_of(BEFORE_ALL, PILOT) };
-            self.aim = aim(scene, &job, &sights, halt);
+            self.aim = aim(scene, &self.pilot_job(PILOT), &sights, halt);
         }
     }
 
     /// Photons that a pilot of `paths` light paths stores.
     pub fn pilot_photons(&self, scene: &Scene, paths: u64, halt: Halt<'_>) -> u64 {
-        let traced = self.trace(scene, BEFORE_ALL, paths, halt);
-        let focused = if self.job.focused { traced.apart.len() } else { 0 };
-        (traced.photons.len() + focused) as u64
+        trace_until(scene, &self.pilot_job(paths), self.aim.as_ref(), halt).photons.len() as u64
     }
 
-    /// The photons of a pass, or of a pilot.
+    /// Of a pilot: with which radius a photon is read makes no difference to where it should land, or to how many there are.
+    fn pilot_job(&self, paths: u64) -> TraceJob {
+        TraceJob { focused: false, ..self.job_of(BEFORE_ALL, paths) }
+    }
+
+    /// The photons of a pass.
     pub fn trace(&self, scene: &Scene, pass: u32, paths: u64, halt: Halt<'_>) -> Traced {
         trace_until(scene, &self.job_of(pass, paths), self.aim.as_ref(), halt)
     }
@@ -234,7 +231,7 @@ impl Map {
             Lookup::Radius => PhotonMap::build(traced.photons, 2.0 * radius),
         };
         let apart = self.has_apart().then(|| {
-            let radius = self.radius_of(pass, self.apart_radius, s.apart_alpha);
+            let radius = self.radius_of(pass, self.apart_radius, task.settings.alpha);
             let lobes = if self.job.glints { Range::glossy(task.settings.glossy) } else { lobes };
             let photons = PhotonMap::build(traced.apart, 2.0 * radius);
             let cap = if self.job.glints { usize::MAX } else { FOCUSED };
