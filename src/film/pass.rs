@@ -48,6 +48,13 @@ impl StoredMean {
         )
     }
 
+    /// Adds light that was not in the mean.
+    pub fn add(&mut self, light: &Radiance, rejected: &mut Rejected) {
+        if let Some(numbers) = numbers_of(light, 1.0, rejected) {
+            self.0.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+        }
+    }
+
     /// What is added to the sums of pixels: a row for each number, in which each of the pixels has a place.
     #[inline]
     pub(super) fn numbers(means: &[Self], rows: &mut [[f64; ROW]; STRIDE]) {

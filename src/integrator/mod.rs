@@ -18,7 +18,7 @@ pub use volpath::VolumePathTracer;
 
 use self::images::Images;
 use crate::film::{Radiance, Rejected};
-use crate::math::Ray;
+use crate::math::{Color, Ray, Vec3};
 use crate::photon::Gather;
 use crate::photon::volume::Found;
 use crate::sampling::Sampler;
@@ -91,6 +91,31 @@ pub struct CameraSample {
     pub share: f32,
     /// What the ray brings.
     pub out: Radiance,
+    /// Where its indirect light comes from, if samples nearby may share that.
+    pub diffuse: Option<DiffusePoint>,
+}
+
+impl CameraSample {
+    /// Before its path.
+    #[inline(always)]
+    pub fn new(ray: Ray, sampler: Sampler) -> Self {
+        Self { ray, sampler, share: 1.0, out: Radiance::default(), diffuse: None }
+    }
+}
+
+/// A point of a diffuse surface at the end of a camera path.
+#[derive(Clone, Copy, Debug)]
+pub struct DiffusePoint {
+    /// In the world.
+    pub p: Vec3,
+    /// Unit shading normal on the side that is seen.
+    pub n: Vec3,
+    /// Segments of the camera path.
+    pub depth: u32,
+    /// About the distance to what the next pixel sees of the surface.
+    pub apart: f32,
+    /// What the indirect light of the sample was multiplied by, after the mean over the hemisphere by the cosine.
+    pub scale: Color,
 }
 
 /// See the module's contract.
@@ -113,6 +138,11 @@ pub trait Integrator: Sync {
 
     /// Lamps that the camera sees smaller than a pixel, for which pixels take extra samples; `None` where there are none.
     fn images(&self) -> Option<&Images> {
+        None
+    }
+
+    /// Pixels within which samples of a pass share indirect light, if they do.
+    fn sharing(&self, _pass: u32) -> Option<f32> {
         None
     }
 

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::aovs::{Eye, Start};
 use super::extra::Pixel;
+use super::sharing::{Place, Sharing, take};
 use crate::film::{Aov, Mean, PassSums, Radiance, Rejected, StoredMean};
 use crate::integrator::images::Images;
 use crate::integrator::{CameraSample, Integrator, Scratch, Task};
@@ -55,12 +56,35 @@ impl<I: Integrator> Bands<'_, I> {
     pub fn sample(&self, sums: &mut PassSums) -> Vec<(Scratch, Rejected, bool)> {
         let band = self.task.view.film.crop[2] as usize * BLOCK;
         let numbers = Aov::numbers_of(&self.task.view.aovs);
-        let bands: Vec<_> = sums.means.chunks_mut(band).zip(chunks(&mut sums.aovs, band * numbers)).collect();
-        bands.into_par_iter().enumerate().map(|(b, (means, aovs))| self.band(b, means, aovs)).collect()
+        let radius = self.integrator.sharing(self.pass);
+        let mut places = vec![Place::NONE; if radius.is_some() { sums.means.len() } else { 0 }];
+        let bands = sums.means.chunks_mut(band).zip(chunks(&mut sums.aovs, band * numbers));
+        let bands: Vec<_> = bands.zip(chunks(&mut places, if radius.is_some() { band } else { 0 })).collect();
+        let sample = |(b, ((means, aovs), places)): (usize, ((&mut [_], &mut [_]), &mut [_]))| {
+            self.band(b, means, aovs, places)
+        };
+        let mut done: Vec<_> = bands.into_par_iter().enumerate().map(sample).collect();
+        if let Some(radius) = radius
+            && done.iter().all(|(_, _, whole)| *whole)
+        {
+            let sharing = Sharing { task: self.task, pass: self.pass, radius };
+            let (rays, rejected) = sharing.share(&mut places, &mut sums.means);
+            if let Some((scratch, all, _)) = done.first_mut() {
+                scratch.rays += rays;
+                all.add(&rejected);
+            }
+        }
+        done
     }
 
     /// Samples band `b`.
-    fn band(&self, b: usize, means: &mut [StoredMean], aovs: &mut [f64]) -> (Scratch, Rejected, bool) {
+    fn band(
+        &self,
+        b: usize,
+        means: &mut [StoredMean],
+        aovs: &mut [f64],
+        places: &mut [Place],
+    ) -> (Scratch, Rejected, bool) {
         let [_, _, width, height] = self.task.view.film.crop.map(|v| v as usize);
         let each = self.each as usize;
         let mut scratch = Scratch::default();
@@ -85,6 +109,9 @@ impl<I: Integrator> Bands<'_, I> {
             let mut extra = square.extra.drain(..).peekable();
             let pixels = square.samples.chunks_mut(each).zip(square.weights.chunks(each)).zip(&square.places);
             for (owner, ((samples, weights), &at)) in pixels.enumerate() {
+                if let Some(place) = places.get_mut(at) {
+                    *place = take(samples, weights);
+                }
                 samples.iter_mut().for_each(|sample| self.task.view.response.apply(&mut sample.out));
                 let more = extra.next_if(|(of, _)| *of == owner);
                 if let ([only], [weight], None) = (&*samples, weights, &more) {
@@ -173,7 +200,7 @@ impl<I: Integrator> Bands<'_, I> {
             let sampler = Sampler::new(key, index).stratified(I::STRATIFIED_PAIRS);
             let ray = Ray::new(Vec3::ZERO, Vec3::Z);
             // Completed in its place: to copy numbers that were just written takes as long as to compute them.
-            square.samples.push(CameraSample { ray, sampler, share: 1.0, out: Radiance::default() });
+            square.samples.push(CameraSample::new(ray, sampler));
             let sample = square.samples.last_mut().expect("a sample was pushed");
             let sampler = &mut sample.sampler;
             let (offset, weight) = filter.sample(sampler.next_2d());
@@ -189,7 +216,7 @@ impl<I: Integrator> Bands<'_, I> {
 }
 
 /// Chunks of `size`; without end and empty where there are no numbers.
-fn chunks(list: &mut [f64], size: usize) -> impl Iterator<Item = &mut [f64]> {
+fn chunks<T>(list: &mut [T], size: usize) -> impl Iterator<Item = &mut [T]> {
     let empty = if size == 0 { usize::MAX } else { 0 };
     list.chunks_mut(size.max(1)).chain(std::iter::repeat_with(Default::default).take(empty))
 }

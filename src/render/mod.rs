@@ -5,6 +5,7 @@ mod bands;
 mod checkpoint;
 mod driver;
 mod extra;
+mod sharing;
 
 pub use checkpoint::{Checkpoint, CheckpointError, Head};
 pub use driver::{Budget, MOST_PASSES, Outcome, Progress, Statistics, Stop, Sums, render};

@@ -13,7 +13,7 @@ use thiserror::Error;
 use crate::math::kernel::KernelKind;
 
 pub use choices::{InMedia, Indirect, IntegratorKind, Lookup, Mode, Roulette};
-pub use numbers::{Cap, Count, Limit, Neighbours, Radius, Samples};
+pub use numbers::{Cap, Count, Limit, Neighbours, Pixels, Radius, Samples};
 use value::Value;
 
 /// A setting that could not be set.
@@ -106,6 +106,7 @@ settings! {
     nee: bool = true, "true or false", "direct light by next event estimation rather than from first photon hits";
     indirect: Indirect = Indirect::Auto, "auto, density, gather or trace", "indirect light by photon density at the first rough surface, at the second, or by path tracing; auto measures which is best; in scenes with media density, or trace where nothing is specular or glossy";
     gather_rays: Samples = Samples(None), "a count or auto", "directions in which each camera path looks for indirect light with indirect=gather";
+    gather_radius: Pixels = Pixels(None), "a number of pixels or auto", "with indirect=gather or trace: how far camera samples on diffuse surfaces share the indirect light that they find, in the first pass; 0: each keeps its own";
     photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the global map; auto is a quarter of the pixels (at least 65536 with indirect=gather)";
     caustic_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass for the caustic map; auto is the number of pixels";
     volume_photons: Count = Count::Auto, "a count, stored:COUNT or auto", "light paths a pass that leave photons in media; auto is the number of pixels, at least 65536";

@@ -199,3 +199,29 @@ impl FromStr for Samples {
         }
     }
 }
+
+/// A length in pixels; `None` is found out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pixels(pub Option<f32>);
+
+impl fmt::Display for Pixels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(n) => write!(f, "{n}"),
+            None => f.write_str("auto"),
+        }
+    }
+}
+
+impl FromStr for Pixels {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "auto" => Ok(Self(None)),
+            _ => match s.parse::<f32>() {
+                Ok(n) if (0.0..=64.0).contains(&n) => Ok(Self(Some(n))),
+                _ => Err("a number from 0 to 64, or `auto`".to_owned()),
+            },
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! How the value of a setting is read from its words.
 
 use super::choices::{InMedia, Indirect, IntegratorKind, Lookup, Mode, Roulette};
-use super::numbers::{Cap, Count, Limit, Neighbours, Radius, Samples};
+use super::numbers::{Cap, Count, Limit, Neighbours, Pixels, Radius, Samples};
 use crate::math::kernel::KernelKind;
 
 /// Parses with what was expected as the error.
@@ -32,6 +32,7 @@ value_from_str!(
     Neighbours: Vec::new(),
     Cap: Vec::new(),
     Samples: vec!["auto"],
+    Pixels: vec!["auto"],
     KernelKind: Self::ALL.iter().map(|kernel| kernel.name()).collect(),
 );
 

@@ -63,6 +63,7 @@ pub const INTEGRATOR_SETTINGS: &[(&str, ScalarType)] = &[
     ("nee", ScalarType::Boolean),
     ("indirect", ScalarType::String),
     ("gather_rays", ScalarType::Integer),
+    ("gather_radius", ScalarType::Float),
     ("kernel", ScalarType::String),
     ("caustic_kernel", ScalarType::String),
     ("roulette", ScalarType::String),

@@ -8,7 +8,7 @@ use super::super::direct::propose;
 use super::super::images::LONGEST;
 use super::super::shadows::Shadows;
 use super::super::sight::{Carried, Sight};
-use super::super::{CameraSample, Scratch};
+use super::super::{CameraSample, DiffusePoint, Scratch};
 use super::maps::PassMap;
 use super::walk::{Density, Step};
 use super::{Maps, PhotonMapper};
@@ -30,6 +30,12 @@ const RESOLVED: f32 = 2.0;
 /// Directions in which a camera path gathers, where the settings leave it open. Direct light is less noisy than
 /// indirect light, so that a path shares its first part among several.
 const GATHER_RAYS: u32 = 4;
+
+/// Cosines below this count as this: what a pixel sees of a surface from the side is long.
+const GRAZING: f32 = 0.05;
+
+/// Light that a sample multiplies by less of one colour than this, compared with the others, cannot be told from it.
+const LEAST_SCALE: f32 = 1e-4;
 
 /// A path between two surfaces.
 #[derive(Clone, Copy, Debug)]
@@ -270,6 +276,9 @@ impl PhotonMapper<'_> {
             self.read_all(stage, map, &at, walk, sample);
             return None;
         }
+        if first && settings.gather_radius.0 != Some(0.0) {
+            sample.diffuse = self.diffuse_point(&at, walk);
+        }
         self.caustics(stage, &at, walk, sample);
         self.direct_light(stage, vertex, walk, weight, Event::Smooth, sample);
         walk.throughput = at.throughput;
@@ -293,6 +302,18 @@ impl PhotonMapper<'_> {
             }
         }
         None
+    }
+
+    /// The point, if it sends the same light everywhere, on one side, of every colour.
+    fn diffuse_point(&self, at: &GatherPoint<'_>, walk: &Walk) -> Option<DiffusePoint> {
+        let Vertex { surface: s, wi, ref closure, .. } = *at.vertex;
+        let albedo = closure.lambertian(wi).filter(|_| !at.side.both)?;
+        let scale = at.throughput * albedo;
+        let view = self.task.view;
+        let apart = view.sensor.pixel_footprint(view.film.height, walk.reach) / wi.z.abs().max(GRAZING);
+        let (p, n) = (s.p, s.frame.n * wi.z.signum());
+        let known = scale.lanes().iter().all(|&lane| lane > LEAST_SCALE * scale.max_element());
+        known.then_some(DiffusePoint { p, n, depth: walk.depth, apart, scale })
     }
 
     /// Adds what the caustic map says. Only where the camera looks are its edges corrected: elsewhere the light is mixed

@@ -195,7 +195,7 @@ impl PhotonMapper<'_> {
                 let place = (Vec2::new(x as f32, y as f32) + sampler.next_2d()) / full;
                 let aperture = if view.sensor.has_aperture() { sampler.next_2d() } else { Vec2::ZERO };
                 let ray = view.sensor.ray(place, aperture);
-                samples.push(CameraSample { ray, sampler, share: 1.0, out: Radiance::default() });
+                samples.push(CameraSample::new(ray, sampler));
             }
         }
         let mut scratch = Scratch::default();

@@ -9,7 +9,6 @@ use super::super::places::film_grid;
 use super::super::walk::{Density, Step};
 use super::super::{Maps, PhotonMapper};
 use super::stretch::Stretch;
-use crate::film::Radiance;
 use crate::math::{Color, Ray, Vec2};
 use crate::medium::MediumId;
 use crate::photon::aim::Line;
@@ -119,7 +118,7 @@ impl<'a> PhotonMapper<'a> {
                 let mut sampler =
                     Sampler::new(mix(self.settings.seed ^ mix(0x11_9417 ^ u64::from(i))), number);
                 let ray = view.sensor.ray(view.place_in_crop(at), sampler.next_2d());
-                let mut sample = CameraSample { ray, sampler, share: 1.0, out: Radiance::default() };
+                let mut sample = CameraSample::new(ray, sampler);
                 self.trace_in_media(&maps, &mut sample, scratch);
                 sample.out.sum().max_element()
             };
