@@ -43,7 +43,9 @@ fn chosen_error(scene: &Stage) -> f64 {
     let choice = decided(scene.0.task_with(&settings(scene, &[]))).indirect.expect("indirect light");
     let samples = choice.camera_samples.expect("a number of samples").to_string();
     let (rays, photons) = (choice.gather_rays.to_string(), choice.photons.to_string());
-    let mut changes = vec![("indirect", &*choice.indirect), ("camera_samples", &samples)];
+    let radius = if choice.shared { "auto" } else { "0" };
+    let mut changes =
+        vec![("indirect", &*choice.indirect), ("camera_samples", &samples), ("gather_radius", radius)];
     if choice.indirect != "trace" {
         changes.extend([("gather_rays", &*rays), ("photons", &*photons)]);
     }

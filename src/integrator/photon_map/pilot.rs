@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::super::{CameraSample, Integrator, PassStats, Scratch};
 use super::maps::{Map, PassMap};
 use super::{Maps, PhotonMapper, work};
-use crate::film::{Layer, Radiance};
+use crate::film::Layer;
 use crate::math::Vec2;
 use crate::sampling::{Sampler, mix};
 
@@ -61,15 +61,18 @@ impl Part {
 pub(super) struct Parts {
     pub camera: Part,
     pub maps: [Part; 2],
+    /// Of the variance of camera samples, the part that is of light which samples nearby may share.
+    pub shareable: f64,
     /// Photons that a light path leaves in each map.
     pub stored: [f64; 2],
 }
 
-/// Luminance that one camera sample brings, and how much of it is caustic.
+/// Luminance that one camera sample brings, how much of it is caustic, and how much samples nearby may share.
 #[derive(Clone, Copy, Debug, Default)]
 struct Light {
     all: f64,
     caustic: f64,
+    shared: f64,
 }
 
 /// Samples of all patches in all passes.
@@ -204,17 +207,20 @@ impl PhotonMapper<'_> {
             true => work::of_camera_in_media(&scratch, maps.volume.as_ref()),
             false => work::of_camera(&scratch),
         };
-        (samples.iter().map(|sample| light(&sample.out)).collect(), work)
+        (samples.iter().map(light).collect(), work)
     }
 }
 
 /// In f64, since variances are sums of squares; what is not finite never reaches the film and counts as nothing.
-fn light(out: &Radiance) -> Light {
+fn light(sample: &CameraSample) -> Light {
+    let out = &sample.out;
     let of = |c: crate::math::Color| {
         let sum: f64 = c.lanes().iter().map(|&v| f64::from(v)).sum();
         if sum.is_finite() { sum / crate::math::LANES as f64 } else { 0.0 }
     };
-    Light { all: of(out.sum()), caustic: of(out.layers[Layer::Caustic as usize]) }
+    let layer = |layer: Layer| of(out.layers[layer as usize]);
+    let shared = if sample.diffuse.is_some() { layer(Layer::Indirect) } else { 0.0 };
+    Light { all: of(out.sum()), caustic: layer(Layer::Caustic), shared }
 }
 
 /// Mean luminance of each pixel over several looks: errors are relative to it.
@@ -251,6 +257,8 @@ impl Reference {
 #[derive(Clone, Copy, Debug, Default)]
 struct Variance {
     camera: f64,
+    /// The same without what may be shared.
+    alone: f64,
     maps: [f64; 2],
 }
 
@@ -278,6 +286,7 @@ impl Seen {
         };
         Parts {
             camera: Part { variance: sum.camera / n, work: self.work * pixels as f64 },
+            shareable: if sum.camera > 0.0 { (1.0 - sum.alone / sum.camera).max(0.0) } else { 0.0 },
             maps: [map(0), map(1)],
             stored: self.maps.map(|map| map.photons as f64 / map.paths.max(1) as f64),
         }
@@ -286,12 +295,13 @@ impl Seen {
     /// Of the mean of some pixels of a patch.
     fn variance(&self, patch: usize, pixels: std::ops::Range<usize>) -> Variance {
         let share = 1.0 / pixels.len() as f64;
-        let (mut all, mut caustic) = (Table::default(), Table::default());
+        let (mut all, mut caustic, mut alone) = (Table::default(), Table::default(), Table::default());
         for (pass, i) in (0..PASSES).flat_map(|pass| pixels.clone().map(move |i| (pass, i))) {
             let at = ((pass * self.patches + patch) * self.pixels + i) * SAMPLES;
             for (number, light) in self.light[at..at + SAMPLES].iter().enumerate() {
                 all[pass][number] += share * light.all;
                 caustic[pass][number] += share * light.caustic;
+                alone[pass][number] += share * (light.all - light.shared);
             }
         }
         let rest = std::array::from_fn(|p| std::array::from_fn(|k| all[p][k] - caustic[p][k]));
@@ -301,7 +311,7 @@ impl Seen {
             [false, true] => [0.0, of_passes(&all)],
             [false, false] => [0.0; 2],
         };
-        Variance { camera: of_samples(&all), maps }
+        Variance { camera: of_samples(&all), alone: of_samples(&alone), maps }
     }
 }
 
@@ -339,6 +349,7 @@ fn of_passes(table: &Table) -> f64 {
 impl Variance {
     fn add(&mut self, other: &Self, weight: f64) {
         self.camera += weight * other.camera;
+        self.alone += weight * other.alone;
         for (sum, v) in self.maps.iter_mut().zip(other.maps) {
             *sum += weight * v;
         }

@@ -27,7 +27,7 @@ pub struct Place {
     point: DiffusePoint,
     /// Radiance, its mean over the hemisphere by the cosine: irradiance over π.
     light: Color,
-    /// Mean of the inverse distance to other surfaces.
+    /// Inverse distance to other surfaces: at first in one direction, then the mean of those around.
     nearness: f32,
 }
 
@@ -103,24 +103,27 @@ impl Sharing<'_> {
         let nearness: Vec<f32> = fit.each(Fit::smooth_nearness);
         places.iter_mut().zip(nearness).for_each(|(place, nearness)| place.nearness = nearness);
         let fit = Fit { width, radius: self.radius, places };
-        let give = |(i, mean): (usize, &mut StoredMean)| {
+        let give = |(row, means): (usize, &mut [StoredMean])| {
             let mut rejected = Rejected::default();
-            if let Some(light) = fit.light(i) {
-                let mut out = Radiance::default();
-                out.add(Layer::Indirect, light * places[i].point.scale);
-                self.task.view.response.apply(&mut out);
-                mean.add(&out, &mut rejected);
+            for (x, mean) in means.iter_mut().enumerate() {
+                let i = row * width + x;
+                if let Some(light) = fit.light(i) {
+                    let mut out = Radiance::default();
+                    out.add(Layer::Indirect, light * fit.places[i].point.scale);
+                    self.task.view.response.apply(&mut out);
+                    mean.add(&out, &mut rejected);
+                }
             }
             rejected
         };
-        let given: Vec<Rejected> = means.par_iter_mut().enumerate().with_min_len(256).map(give).collect();
+        let given: Vec<Rejected> = means.par_chunks_mut(width).enumerate().map(give).collect();
         let mut rejected = Rejected::default();
-        given.iter().for_each(|one| rejected.add(one));
+        given.iter().for_each(|row| rejected.add(row));
         (rays, rejected)
     }
 
-    /// How near the surfaces around places are, by rays of their own: told from those that found light, light from near
-    /// would weigh more or less than other light. Returns how many rays.
+    /// How near a surface around each place is, by a ray of its own: told from those that found light, light from near would
+    /// weigh more or less than other light. Returns how many rays.
     fn look_around(&self, row: usize, places: &mut [Place]) -> u64 {
         let (scene, settings) = (self.task.scene, self.task.settings);
         let [x0, y0, ..] = self.task.view.film.crop.map(u64::from);
@@ -129,12 +132,9 @@ impl Sharing<'_> {
             let DiffusePoint { p, n, .. } = place.point;
             let frame = Frame::from_normal(n);
             let key = mix(settings.seed ^ AROUND ^ mix((y0 + row as u64) << 32 | (x0 + i as u64)));
-            for number in 0..LOOKS {
-                let index = self.pass.wrapping_mul(LOOKS).wrapping_add(number);
-                let d = frame.to_world(warp::cosine_hemisphere(Sampler::new(key, index).next_2d()));
-                rays.push(Ray::new(p + n * (p.abs().max_element() * LIFT), d));
-                owners.push(i);
-            }
+            let d = frame.to_world(warp::cosine_hemisphere(Sampler::new(key, self.pass).next_2d()));
+            rays.push(Ray::new(p + n * (p.abs().max_element() * LIFT), d));
+            owners.push(i);
         }
         let all: Vec<usize> = (0..rays.len()).collect();
         let mut hits = vec![None; rays.len()];
@@ -145,16 +145,13 @@ impl Sharing<'_> {
             let sharp = nature.smooth.is_some_and(|[least, _]| least < settings.glossy);
             let factor = if nature.delta || sharp { FOCUSING } else { 1.0 };
             let place = &mut places[owner];
-            place.nearness += factor / (hit.t.max(NEAREST * place.point.apart) * LOOKS as f32);
+            place.nearness = factor / hit.t.max(NEAREST * place.point.apart);
         }
         rays.len() as u64
     }
 }
 
-/// Rays that tell how near other surfaces are. The number is averaged with those of places around.
-const LOOKS: u32 = 2;
-
-/// Tells their random numbers from those of paths.
+/// Tells the random numbers of these rays from those of paths.
 const AROUND: u64 = 0x100c_a400;
 
 /// Specular surfaces count as so many times nearer: light that they focus changes faster.

@@ -79,6 +79,7 @@ pub(super) fn choose<'a>(task: Task<'a>, halts: [Halt<'a>; 2]) -> Option<(Settin
     let choice = Choice {
         indirect: settings.indirect.to_string(),
         gather_rays: 1,
+        shared: false,
         camera_samples: samples.0,
         photons: paths(plan.global_paths),
         caustic_photons: paths(plan.caustic_paths),

@@ -16,7 +16,7 @@ use crate::photon::Clearance;
 use crate::photon::radius;
 use crate::photon::trace::Halt;
 use crate::sampling::mix;
-use crate::settings::{Count, Indirect, Mode, Samples, Settings};
+use crate::settings::{Count, Indirect, Mode, Pixels, Samples, Settings};
 
 /// Light paths of the pilot for each map, at most.
 const PATHS: [u64; 2] = [1 << 13, 1 << 14];
@@ -53,6 +53,10 @@ const MOST_SHARE: f64 = 2.0;
 /// 40 % less to the same LDR-FLIP.
 const FINE: f64 = 0.3;
 
+/// Camera samples share what they find on diffuse surfaces where that makes up this much of their variance: sharing takes
+/// 5 to 10 % of the time.
+const SHAREABLE: f64 = 0.3;
+
 /// Most photons of a pass, where light hardly loses anything and a path leaves hundreds.
 const MOST_STORED: f64 = (1 << 21) as f64;
 
@@ -76,6 +80,8 @@ pub struct Choice {
     pub indirect: String,
     /// Directions in which a camera path gathers.
     pub gather_rays: u32,
+    /// Whether camera samples share what they find on diffuse surfaces.
+    pub shared: bool,
     /// Camera samples a pixel in each pass; without a value they follow the size of the picture.
     pub camera_samples: Option<u32>,
     /// Light paths a pass for the global map.
@@ -94,6 +100,9 @@ impl fmt::Display for Choice {
         if self.indirect == Indirect::Gather.to_string() {
             let plural = if self.gather_rays == 1 { "" } else { "s" };
             write!(f, " with {} ray{plural}", self.gather_rays)?;
+        }
+        if self.shared {
+            write!(f, ", shared on diffuse surfaces")?;
         }
         if let Some(samples) = self.camera_samples {
             let plural = if samples == 1 { "" } else { "s" };
@@ -340,8 +349,11 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
     let given = task.settings;
     let mut settings = Settings { indirect: best.indirect, ..given.clone() };
     settings.gather_rays = Samples(Some(given.gather_rays.0.unwrap_or(best.gather_rays)));
+    if given.gather_radius == Pixels(None) && best.parts.shareable < SHAREABLE {
+        settings.gather_radius = Pixels(Some(0.0));
+    }
     let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
-    let Parts { camera, maps, stored } = best.parts;
+    let Parts { camera, maps, stored, .. } = best.parts;
     // Light paths for each camera sample of all pixels.
     let ratio = maps.map(|map| if camera.share() > 0.0 { map.share() / camera.share() } else { 0.0 });
     let usual = [plan.global_paths, plan.caustic_paths].map(|count| match count {
@@ -383,6 +395,7 @@ fn report(settings: &Settings, plan: &Plan, best: Rated, all: &[Rated]) -> Choic
     Choice {
         indirect: best.indirect.to_string(),
         gather_rays: best.gather_rays,
+        shared: best.indirect != Indirect::Density && settings.gather_radius != Pixels(Some(0.0)),
         camera_samples: settings.camera_samples.0,
         photons: count(settings.photons, plan.global_paths),
         caustic_photons: count(settings.caustic_photons, plan.caustic_paths),
