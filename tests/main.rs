@@ -48,6 +48,7 @@ mod normals;
 mod readme;
 mod roulette;
 mod settings;
+mod sharing;
 mod submit;
 mod tidy;
 mod transmission;

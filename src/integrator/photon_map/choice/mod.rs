@@ -55,7 +55,7 @@ const FINE: f64 = 0.3;
 
 /// Camera samples share what they find on diffuse surfaces where that makes up this much of their variance: sharing takes
 /// 5 to 10 % of the time.
-const SHAREABLE: f64 = 0.3;
+const SHAREABLE: f64 = 0.4;
 
 /// Most photons of a pass, where light hardly loses anything and a path leaves hundreds.
 const MOST_STORED: f64 = (1 << 21) as f64;
