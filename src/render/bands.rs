@@ -57,16 +57,14 @@ impl<I: Integrator> Bands<'_, I> {
         let band = self.task.view.film.crop[2] as usize * BLOCK;
         let numbers = Aov::numbers_of(&self.task.view.aovs);
         let radius = self.integrator.sharing(self.pass);
-        let mut places = vec![Place::NONE; if radius.is_some() { sums.means.len() } else { 0 }];
+        let mut places = vec![Place::NONE; radius.map_or(0, |_| sums.means.len())];
+        let size = band.min(places.len());
         let bands = sums.means.chunks_mut(band).zip(chunks(&mut sums.aovs, band * numbers));
-        let bands: Vec<_> = bands.zip(chunks(&mut places, if radius.is_some() { band } else { 0 })).collect();
-        let sample = |(b, ((means, aovs), places)): (usize, ((&mut [_], &mut [_]), &mut [_]))| {
-            self.band(b, means, aovs, places)
-        };
+        let bands: Vec<_> = bands.zip(chunks(&mut places, size)).collect();
+        let sample = |(b, ((means, aovs), places))| self.band(b, means, aovs, places);
         let mut done: Vec<_> = bands.into_par_iter().enumerate().map(sample).collect();
-        if let Some(radius) = radius
-            && done.iter().all(|(_, _, whole)| *whole)
-        {
+        // Also where a halt has left some pixels out: what was taken from the others is theirs.
+        if let Some(radius) = radius {
             let sharing = Sharing { task: self.task, pass: self.pass, radius };
             let (rays, rejected) = sharing.share(&mut places, &mut sums.means);
             if let Some((scratch, all, _)) = done.first_mut() {

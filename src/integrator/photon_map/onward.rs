@@ -313,7 +313,7 @@ impl PhotonMapper<'_> {
         let apart = view.sensor.pixel_footprint(view.film.height, walk.reach) / wi.z.abs().max(GRAZING);
         let (p, n) = (s.p, s.frame.n * wi.z.signum());
         let known = scale.lanes().iter().all(|&lane| lane > LEAST_SCALE * scale.max_element());
-        known.then_some(DiffusePoint { p, n, depth: walk.depth, apart, scale })
+        (known && apart.is_normal()).then_some(DiffusePoint { p, n, depth: walk.depth, apart, scale })
     }
 
     /// Adds what the caustic map says. Only where the camera looks are its edges corrected: elsewhere the light is mixed

@@ -73,7 +73,7 @@ pub fn take(samples: &mut [CameraSample], weights: &[f32]) -> Place {
         }
     }
     if count > 0.0 {
-        place.light = place.light / count;
+        place.light /= count;
         place.point = DiffusePoint { p: first.p + place.point.p / count, scale: place.point.scale, ..first };
     }
     place

@@ -12,11 +12,10 @@ use super::super::Task;
 use super::pilot::{BuiltMap, Parts, Reference, Seen};
 use super::{PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::{Aim, Aimed};
-use crate::photon::Clearance;
-use crate::photon::radius;
 use crate::photon::trace::Halt;
+use crate::photon::{Clearance, radius};
 use crate::sampling::mix;
-use crate::settings::{Count, Indirect, Mode, Pixels, Samples, Settings};
+use crate::settings::{Count, Indirect, Mode, Samples, Settings};
 
 /// Light paths of the pilot for each map, at most.
 const PATHS: [u64; 2] = [1 << 13, 1 << 14];
@@ -53,8 +52,7 @@ const MOST_SHARE: f64 = 2.0;
 /// 40 % less to the same LDR-FLIP.
 const FINE: f64 = 0.3;
 
-/// Camera samples share what they find on diffuse surfaces where that makes up this much of their variance: sharing takes
-/// 5 to 10 % of the time.
+/// Camera samples share what they find on diffuse surfaces where it is this much of their variance: that takes time.
 const SHAREABLE: f64 = 0.4;
 
 /// Most photons of a pass, where light hardly loses anything and a path leaves hundreds.
@@ -101,9 +99,7 @@ impl fmt::Display for Choice {
             let plural = if self.gather_rays == 1 { "" } else { "s" };
             write!(f, " with {} ray{plural}", self.gather_rays)?;
         }
-        if self.shared {
-            write!(f, ", shared on diffuse surfaces")?;
-        }
+        f.write_str(if self.shared { ", shared on diffuse surfaces" } else { "" })?;
         if let Some(samples) = self.camera_samples {
             let plural = if samples == 1 { "" } else { "s" };
             write!(f, ", {samples} camera sample{plural} a pass")?;
@@ -349,9 +345,8 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
     let given = task.settings;
     let mut settings = Settings { indirect: best.indirect, ..given.clone() };
     settings.gather_rays = Samples(Some(given.gather_rays.0.unwrap_or(best.gather_rays)));
-    if given.gather_radius == Pixels(None) && best.parts.shareable < SHAREABLE {
-        settings.gather_radius = Pixels(Some(0.0));
-    }
+    let useless = best.parts.shareable < SHAREABLE;
+    settings.gather_radius.0 = given.gather_radius.0.or(useless.then_some(0.0));
     let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
     let Parts { camera, maps, stored, .. } = best.parts;
     // Light paths for each camera sample of all pixels.
@@ -395,7 +390,7 @@ fn report(settings: &Settings, plan: &Plan, best: Rated, all: &[Rated]) -> Choic
     Choice {
         indirect: best.indirect.to_string(),
         gather_rays: best.gather_rays,
-        shared: best.indirect != Indirect::Density && settings.gather_radius != Pixels(Some(0.0)),
+        shared: best.indirect != Indirect::Density && settings.gather_radius.0 != Some(0.0),
         camera_samples: settings.camera_samples.0,
         photons: count(settings.photons, plan.global_paths),
         caustic_photons: count(settings.caustic_photons, plan.caustic_paths),
