@@ -2,7 +2,9 @@
 
 use caustica::film::Layer;
 
-use crate::support::{Picture, Stage, assert_agree, box_camera, diffuse, lamp, render, scene, sphere, walls};
+use crate::support::{
+    Picture, Stage, assert_agree, box_camera, diffuse, lamp, rectangle, render, scene, sphere, walls,
+};
 
 const SIDE: usize = 64;
 
@@ -60,6 +62,46 @@ fn sharing_takes_noise_away_and_no_light() {
             let of = |picture: &Picture| picture.estimate(&[layer], 1);
             assert_agree(&name, of(&long), of(&reference), bound);
         }
+    }
+}
+
+/// On both sides of the edges of a texture and of a ball's outline the light is as without sharing, although within three
+/// pixels there is some of eight times as much, or a tenth.
+#[test]
+fn edges_stay_sharp() {
+    let squares = "<bsdf type='diffuse'><texture name='reflectance' type='checkerboard'>\
+         <rgb name='color0' value='0.08'/><rgb name='color1' value='0.64'/>\
+         <transform name='to_uv'><scale x='8' y='8'/></transform></texture></bsdf>";
+    let wall = rectangle(0.9, "<translate z='-0.99'/>", squares);
+    let ball = sphere("0,0,-0.3", 0.4, &diffuse("0.05"));
+    let stage = scene(&[box_camera(SIDE as u32), walls("0.7"), lamp(0.3, "8"), wall, ball].concat());
+    let of = |radius: &str, seed: &str, passes: u32| {
+        let changes =
+            [("indirect", "gather"), ("gather_radius", radius), ("photons", "20000"), ("seed", seed)];
+        indirect(&render(&stage, &changes, passes))
+    };
+    let (alone, shared) = (of("0", "1", 256), of("auto", "2", 64));
+    let beside = |i: usize| {
+        let (x, y) = (i % SIDE, i / SIDE);
+        let across = [x.checked_sub(1).map(|x| (x, y)), Some((x + 1, y)).filter(|_| x + 1 < SIDE)];
+        let along = [y.checked_sub(1).map(|y| (x, y)), Some((x, y + 1)).filter(|_| y + 1 < SIDE)];
+        across.into_iter().chain(along).flatten().map(|(x, y)| y * SIDE + x)
+    };
+    let edges: [(&str, &dyn Fn(f64) -> bool); 2] =
+        [("dark", &|ratio| ratio > 3.0), ("bright", &|ratio| ratio < 1.0 / 3.0)];
+    for (name, is_edge) in edges {
+        // Some see past the room, others the lamp.
+        let lit = |&i: &usize| alone[i] > 0.0;
+        let pixels =
+            (0..alone.len()).filter(lit).filter(|&i| beside(i).any(|j| is_edge(alone[j] / alone[i])));
+        let differences: Vec<f64> = pixels.map(|i| shared[i] / alone[i] - 1.0).collect();
+        let n = differences.len() as f64;
+        let mean = differences.iter().sum::<f64>() / n;
+        let spread = (differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / n).sqrt();
+        println!("{name}: {n} pixels, {mean:+.4} ± {:.4}, each {spread:.3}", spread / n.sqrt());
+        assert!(n > 100.0, "{name}: {n} pixels at edges");
+        // Light of the pixels beside would be off by a factor.
+        assert!(mean.abs() < 0.01 + 3.0 * spread / n.sqrt(), "{name}: {mean}");
     }
 }
 

@@ -121,6 +121,11 @@ pub struct Nature {
 impl Nature {
     const DIFFUSE: [f32; 2] = [Range::DIFFUSE; 2];
 
+    /// A lobe reflects or refracts like a mirror or is smoother than roughness `glossy`: it throws caustics.
+    pub fn sharper_than(&self, glossy: f32) -> bool {
+        self.delta || self.smooth.is_some_and(|[least, _]| least < glossy)
+    }
+
     #[must_use]
     fn with(mut self, other: Self) -> Self {
         self.delta |= other.delta;

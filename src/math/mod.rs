@@ -22,6 +22,12 @@ pub use quadrature::gauss_legendre;
 /// points and of the triangle test stay below 8 times).
 pub const LIFT: f32 = 1.0 / 524_288.0;
 
+/// `p` moved along `n` by [`LIFT`]: the start of a ray from a place of which nothing else is known.
+#[inline]
+pub fn lifted(p: Vec3, n: Vec3) -> Vec3 {
+    p + n * (p.abs().max_element() * LIFT)
+}
+
 /// The points `o + t·d` with `0 < t < tmax`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {

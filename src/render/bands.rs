@@ -20,6 +20,9 @@ const BLOCK: usize = 8;
 /// Columns that are sampled together: enough to keep bundles of rays full when most paths have ended.
 const SQUARE: usize = 32;
 
+/// Bytes that a pass holds for each pixel while its samples share light.
+pub const SHARED_BYTES: usize = size_of::<Place>();
+
 /// What all bands of a pass share.
 pub(super) struct Bands<'a, I: Integrator> {
     pub task: Task<'a>,

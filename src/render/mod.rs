@@ -7,5 +7,6 @@ mod driver;
 mod extra;
 mod sharing;
 
+pub use bands::SHARED_BYTES;
 pub use checkpoint::{Checkpoint, CheckpointError, Head};
 pub use driver::{Budget, MOST_PASSES, Outcome, Progress, Statistics, Stop, Sums, render};

@@ -2,6 +2,7 @@
 //! plan from these facts and its settings.
 
 use super::Scene;
+use crate::bsdf::Nature;
 use crate::emitter::Emitter;
 use crate::medium::Medium;
 
@@ -67,7 +68,7 @@ impl Facts {
 
     /// A lobe reflects or refracts like a mirror or is smoother than roughness `glossy`: it throws caustics.
     pub fn sharper_than(&self, glossy: f32) -> bool {
-        self.specular || self.roughness.is_some_and(|[least, _]| least < glossy)
+        Nature { delta: self.specular, smooth: self.roughness, ..Nature::default() }.sharper_than(glossy)
     }
 
     /// A lobe is at least as rough as `glossy`: photons can be stored there.

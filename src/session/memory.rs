@@ -7,7 +7,8 @@ use crate::film::{Aov, BinnedSums, STRIDE, WAITING_BYTES};
 use crate::integrator::PhotonMapper;
 use crate::photon::Stored;
 use crate::photon::volume::VolumePhoton;
-use crate::settings::{Count, IntegratorKind};
+use crate::render::SHARED_BYTES;
+use crate::settings::{Count, Indirect, IntegratorKind, Pixels};
 
 /// Bytes a pixel for each of its sums: the sum, what the running pass adds to it, and a checkpoint or a picture with all
 /// its layers being written.
@@ -23,7 +24,7 @@ const VOLUME_PHOTON: usize = 3 * size_of::<VolumePhoton>();
 /// Bytes that a render is expected to hold at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
-    /// Sums, and what it takes to save them.
+    /// Sums, what it takes to save them, and the light that samples share.
     pub film: u128,
     /// Photons of the global and of the caustic map while they are traced and sorted. 0 where they are too
     /// few to be worth a pilot.
@@ -44,9 +45,19 @@ impl Session {
 
     fn film_memory(&self) -> u128 {
         let [_, _, width, height] = self.view.film.crop;
-        let pixel = SUM * (STRIDE + 1 + Aov::numbers_of(&self.view.aovs));
-        let film = u128::from(width) * u128::from(height) * pixel as u128;
-        film + film.min(WAITING_BYTES as u128)
+        let pixels = u128::from(width) * u128::from(height);
+        let film = pixels * (SUM * (STRIDE + 1 + Aov::numbers_of(&self.view.aovs))) as u128;
+        let shared = if self.may_share() { pixels * SHARED_BYTES as u128 } else { 0 };
+        film + film.min(WAITING_BYTES as u128) + shared
+    }
+
+    /// Whether samples could share light: before a pilot has chosen, where no setting is against it.
+    fn may_share(&self) -> bool {
+        let s = &self.settings;
+        s.integrator == IntegratorKind::PhotonMap
+            && s.indirect != Indirect::Density
+            && s.gather_radius != Pixels(Some(0.0))
+            && !self.facts.media
     }
 
     /// Refuses a render that would not fit into the memory that is free now.

@@ -174,54 +174,41 @@ impl FromStr for Cap {
     }
 }
 
-/// Camera samples a pixel in one pass; `None` follows the size of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Samples(pub Option<u32>);
+/// A number within limits, or `auto`, which is `None`.
+macro_rules! or_auto {
+    ($(#[$about:meta])* $name:ident($number:ty), $limits:expr, $expected:literal) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name(pub Option<$number>);
 
-impl fmt::Display for Samples {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(n) => write!(f, "{n}"),
-            None => f.write_str("auto"),
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self.0 {
+                    Some(n) => n.fmt(f),
+                    None => f.write_str("auto"),
+                }
+            }
         }
-    }
+
+        impl FromStr for $name {
+            type Err = String;
+            fn from_str(s: &str) -> Result<Self, String> {
+                match s.parse::<$number>() {
+                    Ok(n) if $limits.contains(&n) => Ok(Self(Some(n))),
+                    Err(_) if s == "auto" => Ok(Self(None)),
+                    _ => Err(concat!($expected, ", or `auto`").to_owned()),
+                }
+            }
+        }
+    };
 }
 
-impl FromStr for Samples {
-    type Err = String;
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "auto" => Ok(Self(None)),
-            _ => match s.parse() {
-                Ok(n @ 1..=4096) => Ok(Self(Some(n))),
-                _ => Err("a whole number from 1 to 4096, or `auto`".to_owned()),
-            },
-        }
-    }
+or_auto! {
+    /// Camera samples a pixel in one pass; `None` follows the size of the picture.
+    Samples(u32), (1..=4096), "a whole number from 1 to 4096"
 }
 
-/// A length in pixels; `None` is found out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pixels(pub Option<f32>);
-
-impl fmt::Display for Pixels {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(n) => write!(f, "{n}"),
-            None => f.write_str("auto"),
-        }
-    }
-}
-
-impl FromStr for Pixels {
-    type Err = String;
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "auto" => Ok(Self(None)),
-            _ => match s.parse::<f32>() {
-                Ok(n) if (0.0..=64.0).contains(&n) => Ok(Self(Some(n))),
-                _ => Err("a number from 0 to 64, or `auto`".to_owned()),
-            },
-        }
-    }
+or_auto! {
+    /// A length in pixels; `None` is found out.
+    Pixels(f32), (0.0..=64.0), "a number from 0 to 64"
 }

@@ -14,6 +14,7 @@ mod pilot;
 mod places;
 mod plan;
 mod prepare;
+mod sharing;
 mod volume;
 mod walk;
 mod work;
@@ -28,7 +29,7 @@ use crate::photon::irradiance::Irradiance;
 use crate::photon::trace::Halt;
 use crate::photon::{Clearance, Surroundings};
 use crate::sampling::mix;
-use crate::settings::{Indirect, Mode, Pixels, Settings};
+use crate::settings::{Indirect, Mode, Settings};
 
 pub use choice::{Choice, Decided, decided};
 use maps::{Map, PassMap};
@@ -181,16 +182,6 @@ impl<'a> PhotonMapper<'a> {
 /// time: a pass then takes several.
 const SMALL_PICTURE: u32 = 1 << 14;
 
-/// Radius in which samples share indirect light, in the first pass: in pixels, and as a part of the shorter side of the
-/// picture, since in a small one pixels are large.
-const SHARED: f32 = 4.0;
-const SHARED_PART: f32 = 1.0 / 20.0;
-
-/// It falls with this power of the number of the pass: variance goes with 1/(n·r²) and the square of bias with r⁴, so that
-/// the error after n passes is least with r ~ n^(−1/6). Below the last of these nothing is shared.
-const SHARED_SHRINKS: f32 = -1.0 / 6.0;
-const SHARED_LEAST: f32 = 1.25;
-
 impl Integrator for PhotonMapper<'_> {
     type Pass = Arc<Maps>;
 
@@ -212,14 +203,11 @@ impl Integrator for PhotonMapper<'_> {
     }
 
     fn sharing(&self, pass: u32) -> Option<f32> {
-        let Settings { indirect, gather_radius: Pixels(given), .. } = self.settings;
-        if indirect == Indirect::Density || self.task.facts.media {
+        if self.task.facts.media {
             return None;
         }
-        let film = &self.task.view.film;
-        let first = given.unwrap_or(SHARED.min(SHARED_PART * film.crop[2].min(film.crop[3]) as f32));
-        let radius = first * (pass as f32 + 1.0).powf(SHARED_SHRINKS);
-        (radius >= SHARED_LEAST).then_some(radius)
+        let crop = self.task.view.film.crop;
+        sharing::radius(&self.settings, crop[2].min(crop[3]), pass)
     }
 
     fn begin_pass(&self, pass: u32) -> (Arc<Maps>, PassStats) {

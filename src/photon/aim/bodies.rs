@@ -14,8 +14,7 @@ const MET: usize = 32;
 /// Spheres around shapes with lobes sharper than roughness `glossy`, which throw caustics.
 pub(super) fn sharp_bodies(scene: &Scene, glossy: f32) -> Vec<SceneSphere> {
     let sharp = |shape: u32| {
-        let nature = scene.materials[scene.shapes[shape as usize].material as usize].nature();
-        nature.delta || nature.smooth.is_some_and(|[least, _]| least < glossy)
+        scene.materials[scene.shapes[shape as usize].material as usize].nature().sharper_than(glossy)
     };
     scene.geometry.extents(sharp)
 }

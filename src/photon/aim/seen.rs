@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::emitter::SceneSphere;
-use crate::math::{Frame, Ray, Vec2, Vec3};
+use crate::math::{Frame, Ray, Vec2, Vec3, lifted};
 use crate::photon::Photon;
 use crate::photon::radius::{self, Place};
 use crate::sampling::{CounterRng, warp};
@@ -145,7 +145,7 @@ fn beyond(scene: &Scene, place: &Place, u: Vec2) -> Option<Spot> {
 }
 
 fn direct_light(scene: &Scene, spot: &Spot, rng: &mut CounterRng) -> f32 {
-    let o = spot.p + spot.n * (spot.p.abs().max_element() * crate::math::LIFT);
+    let o = lifted(spot.p, spot.n);
     let one = |_| {
         let (pick, u) = (rng.next_f32(), Vec2::from(rng.next_2d()));
         let light = scene.sample_direct(spot.p, pick, u)?;

@@ -72,13 +72,12 @@ impl Sums {
 }
 
 impl Fit<'_> {
-    /// What `f` makes of every place.
-    pub fn each<T: Send>(&self, f: impl Fn(&Self, usize) -> T + Sync) -> Vec<T> {
-        (0..self.places.len()).into_par_iter().with_min_len(256).map(|i| f(self, i)).collect()
+    /// The nearness of other surfaces at every place, averaged over the places around.
+    pub fn nearness(&self) -> Vec<f32> {
+        (0..self.places.len()).into_par_iter().with_min_len(256).map(|i| self.smooth_nearness(i)).collect()
     }
 
-    /// The nearness of other surfaces, averaged over the places around place `i`.
-    pub fn smooth_nearness(&self, i: usize) -> f32 {
+    fn smooth_nearness(&self, i: usize) -> f32 {
         let (mut weight, mut sum) = (0.0, 0.0);
         self.around(i, SMOOTH, |place, w, _| {
             sum += w * place.nearness;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::film::{Layer, Radiance, Rejected, StoredMean};
 use crate::integrator::{CameraSample, DiffusePoint, Task};
-use crate::math::{Color, Frame, LIFT, Ray, Vec3};
+use crate::math::{Color, Frame, Ray, Vec3, lifted};
 use crate::sampling::{Sampler, mix, warp};
 
 use fit::Fit;
@@ -100,7 +100,7 @@ impl Sharing<'_> {
         let look = |(row, places): (usize, &mut [Place])| self.look_around(row, places);
         let rays = places.par_chunks_mut(width).enumerate().map(look).sum();
         let fit = Fit { width, radius: self.radius, places };
-        let nearness: Vec<f32> = fit.each(Fit::smooth_nearness);
+        let nearness = fit.nearness();
         places.iter_mut().zip(nearness).for_each(|(place, nearness)| place.nearness = nearness);
         let fit = Fit { width, radius: self.radius, places };
         let give = |(row, means): (usize, &mut [StoredMean])| {
@@ -133,7 +133,7 @@ impl Sharing<'_> {
             let frame = Frame::from_normal(n);
             let key = mix(settings.seed ^ AROUND ^ mix((y0 + row as u64) << 32 | (x0 + i as u64)));
             let d = frame.to_world(warp::cosine_hemisphere(Sampler::new(key, self.pass).next_2d()));
-            rays.push(Ray::new(p + n * (p.abs().max_element() * LIFT), d));
+            rays.push(Ray::new(lifted(p, n), d));
             owners.push(i);
         }
         let all: Vec<usize> = (0..rays.len()).collect();
@@ -141,9 +141,8 @@ impl Sharing<'_> {
         scene.geometry.closest_each(&rays, &all, &mut hits);
         for ((ray, hit), &owner) in rays.iter().zip(&hits).zip(&owners) {
             let Some(hit) = hit else { continue };
-            let nature = scene.material(&scene.surface(ray, hit)).nature();
-            let sharp = nature.smooth.is_some_and(|[least, _]| least < settings.glossy);
-            let factor = if nature.delta || sharp { FOCUSING } else { 1.0 };
+            let sharp = scene.material(&scene.surface(ray, hit)).nature().sharper_than(settings.glossy);
+            let factor = if sharp { FOCUSING } else { 1.0 };
             let place = &mut places[owner];
             place.nearness = factor / hit.t.max(NEAREST * place.point.apart);
         }
