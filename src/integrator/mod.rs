@@ -87,8 +87,8 @@ pub struct CameraSample {
     pub ray: Ray,
     /// Random numbers of the path, those of the film position taken.
     pub sampler: Sampler,
-    /// Of what lamps with a surface send it through specular surfaces alone: the rest is brought by other samples.
-    pub share: f32,
+    /// Density of other samples that find what lamps with a surface send it through specular surfaces alone, over its own.
+    pub rivals: f32,
     /// What the ray brings.
     pub out: Radiance,
     /// Where its indirect light comes from, if samples nearby may share that.
@@ -99,7 +99,7 @@ impl CameraSample {
     /// Before its path.
     #[inline(always)]
     pub fn new(ray: Ray, sampler: Sampler) -> Self {
-        Self { ray, sampler, share: 1.0, out: Radiance::default(), diffuse: None }
+        Self { ray, sampler, rivals: 0.0, out: Radiance::default(), diffuse: None }
     }
 }
 

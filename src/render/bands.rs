@@ -140,23 +140,22 @@ impl<I: Integrator> Bands<'_, I> {
     /// Takes the extra samples of those pixels of a square that see lamps smaller than themselves, and leaves the
     /// samples of the square their share of that light.
     fn look_for_images(&self, b: usize, square: &mut Square, scratch: &mut Scratch) {
-        let Some(images) = self.images else { return };
-        let more = images.samples(self.each);
+        let Some(all) = self.images else { return };
         let film = &self.task.view.film;
         let [x0, y0, width, _] = film.crop.map(|v| v as usize);
         let (full, each) = (film.size(), self.each as usize);
         for (owner, &place) in square.places.iter().enumerate() {
             let number = b * BLOCK * width + place;
-            let images = images.of(number);
+            let images = all.of(number);
             if images.is_empty() {
                 continue;
             }
             let at = [x0 + number % width, y0 + number / width];
-            let counts = [self.each, more];
+            let counts = [self.each as f32, all.samples(number, self.each)];
             let pixel = Pixel { task: self.task, images, at, pass: self.pass, counts };
             let of_pixel = owner * each..(owner + 1) * each;
             for (sample, start) in square.samples[of_pixel.clone()].iter_mut().zip(&square.starts[of_pixel]) {
-                sample.share = pixel.weight(start.place * full).1;
+                sample.rivals = pixel.weight(start.place * full).1;
             }
             square.extra.push((owner, pixel.samples(&mut scratch.rays)));
         }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::super::Task;
 use super::Image;
-use super::shine::shine;
+use super::shine::{Shine, shine};
 use crate::emitter::SceneSphere;
 use crate::math::{Mat2, Vec2};
 use crate::sampling::{Sampler, mix};
@@ -34,7 +34,7 @@ pub fn seen_small(task: Task<'_>, lamps: &[SceneSphere]) -> Vec<Image> {
         let radius = lamp.radius / sensor.pixel_footprint(film.height, distance);
         let mut sampler = Sampler::new(task.settings.seed, 0).stratified(0);
         let mut shines =
-            || shine(task, sensor.ray(place, Vec2::ZERO), &mut sampler, &mut 0).max_element() > 0.0;
+            || shine(task, sensor.ray(place, Vec2::ZERO), &mut sampler, |_| 1.0).light.max_element() > 0.0;
         let least = film.size().max_element() * (4.0 * f32::EPSILON);
         let half = Vec2::splat(MARGIN * radius + least);
         if radius < SMALL && shines() {
@@ -46,8 +46,19 @@ pub fn seen_small(task: Task<'_>, lamps: &[SceneSphere]) -> Vec<Image> {
     lamps.iter().take(MOST).filter_map(square).collect()
 }
 
-/// The squares of the pixels of which some corners see a lamp and others do not, or one that is much darker.
-pub fn borders(task: Task<'_>) -> Vec<Image> {
+/// Light of a lamp is rare if camera samples see it along ways of less chance than this.
+const RARE: f32 = 0.5;
+
+/// Squares of pixels.
+pub struct Borders {
+    /// Some corners see a lamp and others do not, or one that is much darker, or one along a rare way.
+    pub seen: Vec<Image>,
+    /// A corner has rare ways, which could see a lamp from elsewhere in the pixel.
+    pub rare: Vec<Image>,
+}
+
+/// Looks along the corners of all pixels.
+pub fn borders(task: Task<'_>) -> Borders {
     let film = &task.view.film;
     let [x0, y0, width, height] = film.crop;
     let size = film.size();
@@ -57,9 +68,9 @@ pub fn borders(task: Task<'_>) -> Vec<Image> {
         let mut sampler = Sampler::new(key, y * (width + 1) + x).stratified(0);
         let at = Vec2::new((x0 + x) as f32, (y0 + y) as f32);
         let ray = task.view.sensor.ray(at / size, Vec2::ZERO);
-        luminance(shine(task, ray, &mut sampler, &mut 0))
+        shine(task, ray, &mut sampler, |_| 1.0)
     };
-    let rows: Vec<Vec<f32>> =
+    let rows: Vec<Vec<Shine>> =
         (0..=height).into_par_iter().map(|y| (0..=width).map(|x| corner(x, y)).collect()).collect();
     let square = |x: usize, y: usize| {
         let centre = Vec2::new((x0 as usize + x) as f32 + 0.5, (y0 as usize + y) as f32 + 0.5);
@@ -69,9 +80,19 @@ pub fn borders(task: Task<'_>) -> Vec<Image> {
     let pixels = pairs.flat_map(|(y, rows)| {
         (0..width as usize).map(move |x| (x, y, [rows[0][x], rows[0][x + 1], rows[1][x], rows[1][x + 1]]))
     });
-    let differ = |corners: &[f32; 4]| {
-        let [least, most] = corners.iter().fold([f32::INFINITY, 0.0], |[a, b], c| [a.min(*c), b.max(*c)]);
-        least < DARKER * most
+    let differ = |corners: &[Shine; 4]| {
+        let light = corners.map(|corner| luminance(corner.light));
+        let [least, most] = light.iter().fold([f32::INFINITY, 0.0], |[a, b], c| [a.min(*c), b.max(*c)]);
+        let rarely = |corner: &Shine| luminance(corner.light).powi(2) < RARE * corner.square;
+        least < DARKER * most || corners.iter().any(rarely)
     };
-    pixels.filter(|(_, _, corners)| differ(corners)).filter_map(|(x, y, _)| square(x, y)).collect()
+    let mut borders = Borders { seen: Vec::new(), rare: Vec::new() };
+    for (x, y, corners) in pixels {
+        if differ(&corners) {
+            borders.seen.extend(square(x, y));
+        } else if corners.iter().any(|corner| corner.rarest < RARE) {
+            borders.rare.extend(square(x, y));
+        }
+    }
+    borders
 }

@@ -8,7 +8,10 @@
 //! changes the noise, not the expected picture.
 //!
 //! [`borders`] adds what needs no search: lamps smaller than a pixel that are seen directly, and pixels on the border of a
-//! larger lamp or of its image.
+//! larger lamp or of its image. A camera sample chooses one way at each surface of glass, an extra sample follows all of
+//! them: the densities of both at a film position are weighed by the chance of the way, so that of a lamp that is
+//! reflected faintly nearly all comes from extra samples. Pixels where no such lamp was found, though there might be one,
+//! take a few.
 
 mod borders;
 mod search;
@@ -24,13 +27,30 @@ pub use shine::shine;
 const SHARE: u64 = 20;
 
 /// Most segments of the paths that extra samples share with the others: between mirrors there is no end.
-pub const LONGEST: u32 = 16;
+const LONGEST: u32 = 16;
+
+/// Ways of less chance are not theirs either: each inner reflection in glass is one more.
+const RAREST: f32 = 1e-4;
 
 /// Extra samples of a pixel for each of its samples, at most.
 const MOST: u64 = 32;
 
+/// Extra samples for each sample of a pixel where only rare ways could see a lamp.
+const IN_CASE: f32 = 1.0 / 4.0;
+
 /// Share of an image's size that has to be within reach of a filter: a pixel that it only touches gains nothing by it.
 const INSIDE: f32 = 0.999;
+
+/// Of the light of a lamp at the end of a camera path of `depth` segments, what the path brings: the rest is that of extra
+/// samples, whose density over its own is `rivals`. `chance` is that of its way, if specular surfaces alone led it there
+/// (the balance heuristic).
+#[inline(always)]
+pub fn share(chance: Option<f32>, depth: u32, rivals: f32) -> f32 {
+    match chance {
+        Some(chance) if depth <= LONGEST && chance >= RAREST => chance / (chance + rivals),
+        _ => 1.0,
+    }
+}
 
 /// A parallelogram of the film around the image of a lamp. Film positions are in pixels from the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,19 +92,35 @@ pub struct Images {
     /// For each rendered pixel, where its images begin in `images`; one more at the end.
     first: Vec<u32>,
     images: Vec<Image>,
+    /// Of each rendered pixel: what its images are.
+    kinds: Vec<Kind>,
     /// How many pixels see some.
     pixels: u64,
 }
 
+/// What a pixel sees of lamps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Kind {
+    #[default]
+    Nothing,
+    /// Rare ways that could see one.
+    InCase,
+    Seen,
+}
+
 impl Images {
-    /// Gives each image to all pixels of the rendered part whose filter reaches it.
-    pub fn new(found: &[Image], film: &FilmSize, filter: &Filter) -> Self {
+    /// Gives each image to all pixels of the rendered part whose filter reaches it: those that are seen, and places where
+    /// there could be some.
+    pub fn new([seen, in_case]: [&[Image]; 2], film: &FilmSize, filter: &Filter) -> Self {
         let [x0, y0, width, height] = film.crop;
         let radius = filter.shapes().map(|shape| shape.radius() as f32);
         let reached = |low: f32, high: f32, radius: f32, first: u32, count: u32| {
             let clip = |x: f32| (x.max(0.0) as u32).clamp(first, first + count);
             clip((low - radius - 0.5).ceil())..clip((high + radius - 0.5).floor() + 1.0)
         };
+        let found = [seen, in_case].concat();
+        let certain = seen.len();
+        let mut kinds = vec![Kind::default(); film.pixel_count()];
         let mut seen = Vec::new();
         for (i, image) in found.iter().enumerate() {
             let half = image.half() * INSIDE;
@@ -98,8 +134,16 @@ impl Images {
         let mut first = vec![0; film.pixel_count() + 1];
         seen.iter().for_each(|(pixel, _)| first[*pixel as usize + 1] += 1);
         (1..first.len()).for_each(|i| first[i] += first[i - 1]);
-        let pixels = first.windows(2).filter(|ends| ends[0] < ends[1]).count() as u64;
-        Self { first, images: seen.iter().map(|(_, i)| found[*i]).collect(), pixels }
+        for (pixel, i) in &seen {
+            let kind = &mut kinds[*pixel as usize];
+            if *i < certain {
+                *kind = Kind::Seen;
+            } else if *kind == Kind::Nothing {
+                *kind = Kind::InCase;
+            }
+        }
+        let pixels = kinds.iter().filter(|kind| **kind == Kind::Seen).count() as u64;
+        Self { first, images: seen.iter().map(|(_, i)| found[*i]).collect(), kinds, pixels }
     }
 
     /// How many pixels see some.
@@ -112,12 +156,18 @@ impl Images {
         self.images.is_empty()
     }
 
-    /// Samples that a pixel with images takes beside `each` samples of every pixel: as many as cost little over all of the
-    /// picture, since nothing but them finds these images well.
-    pub fn samples(&self, each: u32) -> u32 {
-        let all = (self.first.len() - 1) as u64 * u64::from(each);
-        let cheap = all / (SHARE * self.pixels.max(1));
-        u32::try_from(cheap.clamp(1, u64::from(each) * MOST)).unwrap_or(u32::MAX)
+    /// Samples that a rendered pixel, by its number, takes on average beside `each` samples of every pixel: as many as
+    /// cost little over all of the picture, since nothing but them finds these images well.
+    pub fn samples(&self, pixel: usize, each: u32) -> f32 {
+        match self.kinds[pixel] {
+            Kind::Nothing => 0.0,
+            Kind::InCase => IN_CASE * each as f32,
+            Kind::Seen => {
+                let all = self.kinds.len() as u64 * u64::from(each);
+                let cheap = all / (SHARE * self.pixels.max(1));
+                cheap.clamp(1, u64::from(each) * MOST) as f32
+            }
+        }
     }
 
     /// Those of a rendered pixel, by its number.
@@ -172,8 +222,11 @@ mod tests {
     /// It is between 0 and the whole area, so that 400 000 samples leave less than 0.5 % (four standard deviations).
     #[test]
     fn samples_have_their_density() {
-        let images =
-            Images::new(&images(), &FilmSize::full(8, 8), &Filter::new(Shape::Box(Box { radius: 0.5 })));
+        let images = Images::new(
+            [&images(), &[]],
+            &FilmSize::full(8, 8),
+            &Filter::new(Shape::Box(Box { radius: 0.5 })),
+        );
         let pixel = images.of(4 * 8 + 3);
         assert_eq!(pixel.0.len(), 2);
         let mut rng = CounterRng::new(5, 0);
@@ -203,7 +256,7 @@ mod tests {
     fn images_belong_to_every_pixel_that_sees_them() {
         let film = FilmSize { width: 8, height: 8, crop: [4, 2, 3, 3] };
         let owners = |shape| {
-            let images = Images::new(&images()[2..], &film, &Filter::new(shape));
+            let images = Images::new([&images()[2..], &[]], &film, &Filter::new(shape));
             (0..9).filter(|i| !images.of(*i).is_empty()).collect::<Vec<_>>()
         };
         assert_eq!(owners(Shape::Box(Box { radius: 0.5 })), [1, 2]);

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::super::Task;
-use super::borders::{borders, seen_small};
+use super::borders::{Borders, borders, seen_small};
 use super::{Image, Images};
 use crate::bsdf::Transport;
 use crate::emitter::SceneSphere;
@@ -58,12 +58,12 @@ pub fn search(task: Task<'_>) -> Option<Images> {
     if lamps.is_empty() {
         return None;
     }
-    let mut images = borders(task);
+    let Borders { seen: mut images, rare } = borders(task);
     images.extend(seen_small(task, &lamps));
     if facts.specular {
         images.extend(small(task, lamps));
     }
-    let images = Images::new(&images, &view.film, &view.filter);
+    let images = Images::new([&images, &rare], &view.film, &view.filter);
     (!images.is_empty()).then_some(images)
 }
 

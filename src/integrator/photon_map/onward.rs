@@ -5,7 +5,7 @@
 //! blurred.
 
 use super::super::direct::propose;
-use super::super::images::LONGEST;
+use super::super::images;
 use super::super::shadows::Shadows;
 use super::super::sight::{Carried, Sight};
 use super::super::{CameraSample, DiffusePoint, Scratch};
@@ -58,8 +58,8 @@ struct Walk {
     reach: f32,
     depth: u32,
     seen: bool,
-    /// No lobe but perfectly specular ones so far.
-    specular: bool,
+    /// Of its way so far; none where it was not all specular.
+    chance: Option<f32>,
 }
 
 impl Walk {
@@ -77,7 +77,7 @@ impl Walk {
             reach: 0.0,
             depth: 0,
             seen: false,
-            specular: true,
+            chance: Some(1.0),
         }
     }
 
@@ -181,7 +181,7 @@ impl PhotonMapper<'_> {
             pdf: walk.pdf,
             from: walk.from,
             left: walk.chain.on_the_way(),
-            share: if walk.specular && walk.at_first() && walk.depth <= LONGEST { sample.share } else { 1.0 },
+            share: images::share(walk.chance.filter(|_| walk.at_first()), walk.depth, sample.rivals),
         };
         let carried = Carried { throughput: walk.throughput, class: walk.class };
         let Some(hit) = hit else {
@@ -216,7 +216,8 @@ impl PhotonMapper<'_> {
                 let Some(next) = self.at_rough(stage, &vertex, weight, walk, sample) else { return false };
                 *ray = next;
             }
-            Step::Follow { wo, weight, eta, density } => {
+            Step::Follow { wo, weight, eta, share, density } => {
+                walk.chance = walk.chance.map(|chance| chance * share);
                 follow(walk, &s, weight, eta, density, self.caustic.has_glints());
                 if density == Density::Kept {
                     walk.depth -= 1 - scene.passage;
@@ -386,7 +387,7 @@ fn follow(walk: &mut Walk, s: &Surface, weight: Color, eta: f32, density: Densit
     match density {
         Density::Kept => {}
         Density::Specular => (walk.pdf, walk.from) = (0.0, s.p),
-        Density::Glossy(pdf) => (walk.pdf, walk.from, walk.specular) = (pdf, s.p, false),
+        Density::Glossy(pdf) => (walk.pdf, walk.from, walk.chance) = (pdf, s.p, None),
     }
     let event = density.event();
     if glints && walk.at_first() {

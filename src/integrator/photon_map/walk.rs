@@ -1,7 +1,7 @@
 //! A camera path: through mirrors, glass and glossy surfaces to the first rough one.
 
 use super::super::direct::propose;
-use super::super::images::LONGEST;
+use super::super::images;
 use super::super::sight::{Carried, Sight};
 use super::super::{CameraSample, Scratch};
 use super::{Maps, PhotonMapper};
@@ -17,8 +17,8 @@ use crate::transport::{Chain, PathClass, Vertex, roulette, visibility};
 pub(super) enum Step {
     /// It ends there: light is gathered, times this.
     Gather(Color),
-    /// It goes on along `wo` (local).
-    Follow { wo: Vec3, weight: Color, eta: f32, density: Density },
+    /// It goes on along `wo` (local), as `share` of all light does.
+    Follow { wo: Vec3, weight: Color, eta: f32, share: f32, density: Density },
     /// It ends without light.
     End,
 }
@@ -48,7 +48,7 @@ impl Density {
 impl PhotonMapper<'_> {
     /// What a camera ray brings.
     pub(super) fn trace(&self, maps: &Maps, sample: &mut CameraSample, scratch: &mut Scratch) -> Radiance {
-        let CameraSample { mut ray, ref mut sampler, share, .. } = *sample;
+        let CameraSample { mut ray, ref mut sampler, rivals, .. } = *sample;
         let (scene, settings) = (self.task.scene, &self.settings);
         let max_depth = settings.max_depth.0;
         let mut out = Radiance::default();
@@ -56,8 +56,8 @@ impl PhotonMapper<'_> {
         let mut eta = 1.0f32;
         let mut depth = 0u32;
         let mut seen = false;
-        // No lobe but perfectly specular ones so far.
-        let mut specular = true;
+        // Of the way so far; none where it was not all specular.
+        let mut chance = Some(1.0);
         // Density of the last glossy scattering; 0 where lamps count in full. Place of the last scattering.
         let (mut pdf, mut from) = (0.0f32, Vec3::ZERO);
         let mut chain = Chain::default();
@@ -71,7 +71,7 @@ impl PhotonMapper<'_> {
                 pdf,
                 from,
                 left: chain.on_the_way(),
-                share: if specular && depth <= LONGEST { share } else { 1.0 },
+                share: images::share(chance, depth, rivals),
             };
             let Some(hit) = scene.geometry.closest(&ray) else {
                 sight.add_background(scene, ray.d, path, &mut out);
@@ -105,13 +105,14 @@ impl PhotonMapper<'_> {
                     self.gather(maps, &vertex, throughput, depth, sampler, scratch, &mut out);
                     break;
                 }
-                Step::Follow { wo, weight, eta: ratio, density } => {
+                Step::Follow { wo, weight, eta: ratio, share, density } => {
                     path.throughput *= weight;
                     eta *= ratio;
+                    chance = chance.map(|chance| chance * share);
                     match density {
                         Density::Kept => depth -= 1 - scene.passage,
                         Density::Specular => (pdf, from) = (0.0, s.p),
-                        Density::Glossy(density) => (pdf, from, specular) = (density, s.p, false),
+                        Density::Glossy(density) => (pdf, from, chance) = (density, s.p, None),
                     }
                     if self.caustic.has_glints() {
                         chain = chain.after(density.event(), pdf);
@@ -171,7 +172,13 @@ impl PhotonMapper<'_> {
         let u = sampler.next_1d();
         let through = closure.transparency();
         if u < through {
-            return Step::Follow { wo: -wi, weight: Color::ONE, eta: 1.0, density: Density::Kept };
+            return Step::Follow {
+                wo: -wi,
+                weight: Color::ONE,
+                eta: 1.0,
+                share: through,
+                density: Density::Kept,
+            };
         }
         let solid = 1.0 - through;
         let deltas = closure.deltas(wi, Transport::Radiance);
@@ -196,7 +203,7 @@ impl PhotonMapper<'_> {
                 let (wo, weight, eta) = (lobe.wo, lobe.weight / p, lobe.eta);
                 let passes = lobe.straight && self.task.scene.panes_pass;
                 let density = if passes { Density::Kept } else { Density::Specular };
-                return Step::Follow { wo, weight, eta, density };
+                return Step::Follow { wo, weight, eta, share: lobe.power() * solid, density };
             }
             rest -= p;
         }
@@ -209,6 +216,6 @@ impl PhotonMapper<'_> {
             return Step::End;
         };
         let density = Density::Glossy(closure.pdf(wi, s.wo, Transport::Radiance, self.glossy()));
-        Step::Follow { wo: s.wo, weight: s.weight / (p * solid), eta: s.eta, density }
+        Step::Follow { wo: s.wo, weight: s.weight / (p * solid), eta: s.eta, share: glossy * solid, density }
     }
 }

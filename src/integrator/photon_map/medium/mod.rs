@@ -148,7 +148,7 @@ impl PhotonMapper<'_> {
                 self.gather_in_media(maps, &vertex, walk, walk.path.throughput * weight, sample, scratch);
                 Goes::Over
             }
-            Step::Follow { wo, weight, eta, density } => {
+            Step::Follow { wo, weight, eta, density, .. } => {
                 walk.path.throughput *= weight;
                 walk.eta *= eta;
                 self.follow(walk, &s, s.frame.to_world(wo), density, sample)
