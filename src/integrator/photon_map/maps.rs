@@ -55,6 +55,8 @@ pub(super) struct Map {
     pub radius: f32,
     /// The same for photons apart.
     pub apart_radius: f32,
+    /// Radius of the render over that of a pilot, which traces fewer paths; otherwise 1.
+    pub finer: f32,
     /// Photons of pass 0 that were traced to measure their density.
     pub pilot: Mutex<Option<Traced>>,
 }
@@ -70,6 +72,8 @@ pub(super) struct PassMap {
     pub apart: Option<(PhotonMap, Estimator)>,
     /// Known beforehand at some places.
     pub irradiance: Option<Irradiance>,
+    /// Radius by which it is decided whether a surface is far enough to be read.
+    pub resolved: f32,
 }
 
 /// Most photons of an estimate of focused indirect light. There are few in a pass, most of them where it is not sharp, so
@@ -114,7 +118,8 @@ impl Map {
     }
 
     fn new(settings: MapSettings, job: TraceJob) -> Self {
-        Self { settings, job, aim: None, paths: 0, radius: 0.0, apart_radius: 0.0, pilot: Mutex::default() }
+        let pilot = Mutex::default();
+        Self { settings, job, aim: None, paths: 0, radius: 0.0, apart_radius: 0.0, finer: 1.0, pilot }
     }
 
     /// Whether the scene needs it.
@@ -248,7 +253,7 @@ impl Map {
             Owner::CausticMap => stats.caustic_radius = radius,
             _ => stats.radius = radius,
         }
-        Some(PassMap { photons, estimator, apart, irradiance: None })
+        Some(PassMap { photons, estimator, apart, irradiance: None, resolved: radius * self.finer })
     }
 
     /// Random numbers of the places of a pass where the map is read beforehand.

@@ -273,7 +273,7 @@ impl PhotonMapper<'_> {
             max_photon_depth: settings.max_depth.0 - walk.depth,
         };
         let gathers = stage.maps.global.as_ref().filter(|_| settings.indirect == Indirect::Gather);
-        if let Some(map) = gathers.filter(|map| !first && walk.reach > RESOLVED * map.estimator.radius) {
+        if let Some(map) = gathers.filter(|map| !first && walk.reach > RESOLVED * map.resolved) {
             self.read_all(stage, map, &at, walk, sample);
             return None;
         }

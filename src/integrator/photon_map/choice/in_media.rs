@@ -7,7 +7,8 @@
 use super::super::super::{Integrator, Task};
 use super::super::pilot::{Parts, Reference, Seen};
 use super::super::{PhotonMapper, Plan};
-use super::{Choice, Known, PASSES, global_unsaid, most_samples, with_bias};
+use super::rating::{PASSES, with_bias};
+use super::{Choice, Known, global_unsaid, most_samples};
 use crate::photon::radius;
 use crate::photon::trace::Halt;
 use crate::sampling::mix;

@@ -2,6 +2,7 @@
 //! settings leave it open.
 
 mod in_media;
+mod rating;
 
 use std::fmt;
 use std::sync::Arc;
@@ -9,19 +10,18 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::super::Task;
-use super::pilot::{BuiltMap, Parts, Reference, Seen};
+use super::pilot::Parts;
 use super::{PhotonMapper, Plan, VolumeChoice};
 use crate::emitter::{Aim, Aimed};
+use crate::photon::Clearance;
 use crate::photon::trace::Halt;
-use crate::photon::{Clearance, radius};
 use crate::sampling::mix;
 use crate::settings::{Count, Indirect, Mode, Samples, Settings};
 
+use rating::{Candidate, Rated, best, rate};
+
 /// Light paths of the pilot for each map, at most.
 const PATHS: [u64; 2] = [1 << 13, 1 << 14];
-
-/// Most directions in which a camera path gathers.
-const MOST_RAYS: f64 = 8.0;
 
 /// Most camera samples a pixel in a pass, and of the whole picture: a pass should stay short.
 const MOST_SAMPLES: f64 = 8.0;
@@ -30,16 +30,6 @@ const MOST_OF_PICTURE: f64 = (1 << 17) as f64;
 /// Most camera samples a pixel in a pass of a picture of so many pixels.
 fn most_samples(pixels: usize) -> f64 {
     (MOST_OF_PICTURE / pixels.max(1) as f64).clamp(1.0, MOST_SAMPLES)
-}
-
-/// What the measured error of an estimator is multiplied by before they are compared. The pilot does not see bias: a map
-/// that is seen directly is blurred by its radius, one at the second surface hardly, and without one there is none.
-fn with_bias(indirect: Indirect) -> f64 {
-    match indirect {
-        Indirect::Density => 2.0,
-        Indirect::Trace => 0.85,
-        Indirect::Gather | Indirect::Auto => 1.0,
-    }
 }
 
 /// How far the light paths of a map may be from what the plan would take.
@@ -57,9 +47,6 @@ const SHAREABLE: f64 = 0.4;
 
 /// Most photons of a pass, where light hardly loses anything and a path leaves hundreds.
 const MOST_STORED: f64 = (1 << 21) as f64;
-
-/// Passes of the render that the pilot has in mind, in which radii shrink.
-const PASSES: u32 = 16;
 
 /// What the pilot of the chosen estimator has measured for the render.
 pub(in super::super) struct Known {
@@ -110,27 +97,6 @@ impl fmt::Display for Choice {
         }
         Ok(())
     }
-}
-
-/// One estimator as the pilot saw it.
-struct Candidate<'a> {
-    indirect: Indirect,
-    mapper: PhotonMapper<'a>,
-    /// Maps of each pass.
-    built: Vec<[BuiltMap; 2]>,
-    seen: Seen,
-}
-
-/// An estimator with the best division of its work.
-#[derive(Clone, Copy, Debug)]
-struct Rated {
-    indirect: Indirect,
-    gather_rays: u32,
-    parts: Parts,
-    /// Variance × work.
-    error: f64,
-    /// Which of the candidates was measured for it.
-    at: usize,
 }
 
 /// The settings with choices made where they are open, and what is known then.
@@ -266,78 +232,11 @@ fn pilot<'a>(
     let aims = [none.then_some(None), None];
     mapper.clearance = first.and_then(|first| first.clearance.clone());
     mapper.prepare(aims, known);
+    // How far camera paths go before they read the map is as in the render, though there are fewer photons.
+    if let Count::Paths(n) = automatic.global_paths {
+        mapper.global.finer = (mapper.global.paths as f32 / n.max(1) as f32).sqrt().min(1.0);
+    }
     mapper
-}
-
-/// All candidates, and final gathering with the best number of directions.
-fn rate(task: &Task<'_>, candidates: &[Candidate<'_>], rays: Option<u32>) -> Vec<Rated> {
-    let looks: Vec<&Seen> = candidates.iter().map(|c| &c.seen).collect();
-    let reference = Reference::of(&looks);
-    let pixels = task.view.film.pixel_count();
-    // All candidates gather first at the same places.
-    let pixel = candidates.first().map_or(0.0, |c| radius::pixel(&c.mapper.gather_places()));
-    let rated = |(at, c): (usize, &Candidate<'_>)| {
-        let parts = c.seen.parts(&reference, scale(task, &c.mapper, pixel), pixels);
-        let gather_rays = c.mapper.settings.gather_rays.0.unwrap_or(1);
-        Rated { indirect: c.indirect, gather_rays, parts, error: error(&parts), at }
-    };
-    let mut all: Vec<Rated> = candidates.iter().enumerate().map(rated).collect();
-    if rays.is_none()
-        && let [one, four, ..] = all[..]
-    {
-        all.splice(..2, [best_rays([one, four])]);
-    }
-    all
-}
-
-/// By how much the variance of a photon differs in the render: it goes with the area of the disc. `pixel` is the size of
-/// a pixel where the camera gathers.
-fn scale(task: &Task<'_>, mapper: &PhotonMapper<'_>, pixel: f32) -> [f64; 2] {
-    let settings = Settings { indirect: mapper.settings.indirect, ..task.settings.clone() };
-    let plan = Plan::new(task.facts, &settings, task.view.film.pixel_count());
-    let wanted = [plan.global_paths, plan.caustic_paths];
-    let mut scales = [1.0; 2];
-    for ((map, wanted), scale) in mapper.maps().into_iter().zip(wanted).zip(&mut scales) {
-        if let Count::Paths(n) = wanted
-            && map.paths > 0
-        {
-            let in_render = map.radius * (map.paths as f32 / n.max(1) as f32).sqrt();
-            let pixel = if map.seen_directly() { pixel } else { 0.0 };
-            let in_render = radius::clamped(in_render, pixel, task.scene.sphere.radius);
-            let area = f64::from(map.radius / in_render.max(radius::LEAST)).powi(2);
-            *scale = area * radius::growth(PASSES, f64::from(map.settings.alpha));
-        }
-    }
-    scales
-}
-
-/// Variance × work of the best division: (Σ √(variance · work))².
-fn error(parts: &Parts) -> f64 {
-    (parts.camera.root() + parts.maps[0].root() + parts.maps[1].root()).powi(2)
-}
-
-/// The best number of directions, told from one and four: variance is a + b/n, work is c + d·n, and their
-/// product is least at n = √(b·c / (a·d)).
-fn best_rays([one, four]: [Rated; 2]) -> Rated {
-    let line = |a: f64, b: f64| ((b - a) / 3.0, a - (b - a) / 3.0);
-    let [v1, v4] = [one, four].map(|r| r.parts.camera.variance);
-    let b = ((v1 - v4) / 0.75).clamp(0.0, v1);
-    let a = v1 - b;
-    let (d, c) = line(one.parts.camera.work, four.parts.camera.work);
-    let n = if a * d > 0.0 { (b * c.max(0.0) / (a * d)).sqrt() } else { MOST_RAYS };
-    let n = n.clamp(1.0, MOST_RAYS).round();
-    let mut found = if n <= 2.0 { one } else { four };
-    found.gather_rays = n as u32;
-    found.parts.camera.variance = a + b / n;
-    found.parts.camera.work = c + d * n;
-    found.error = error(&found.parts);
-    found
-}
-
-/// The candidate with the least error.
-fn best(rated: &[Rated]) -> Option<Rated> {
-    let cost = |r: &Rated| r.error * with_bias(r.indirect);
-    rated.iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).copied()
 }
 
 /// Settings with the work divided as is best for an estimator.
@@ -357,7 +256,9 @@ fn divide(task: &Task<'_>, best: Rated, all: &[Rated]) -> (Settings, Choice) {
     });
     let most = most_samples(task.view.film.pixel_count());
     let needed = |i: usize| if ratio[i] > 0.0 { usual[i] / ratio[i] } else { most };
-    let needed = (0..2).filter(|&i| usual[i] > 0.0).map(needed).fold(1.0, f64::max);
+    // What samples share takes time in every pass.
+    let least = if useless { 1.0 } else { most };
+    let needed = (0..2).filter(|&i| usual[i] > 0.0).map(needed).fold(least, f64::max);
     let samples = given.camera_samples.0.unwrap_or(needed.min(most).round() as u32);
     if best.indirect == Indirect::Density {
         return (settings.clone(), report(&settings, &plan, best, all));
