@@ -78,7 +78,7 @@ pub(crate) fn suggest<F>(table: &[Plugin<F>], name: &str, problem: Diagnostic) -
     }
     problem.suggest_or(name, names, || {
         let readable = table.iter().filter(|row| matches!(row.status, Status::Read(_)));
-        let names: Vec<&str> = readable.map(|row| row.name).collect();
+        let names: Vec<&str> = readable.map(|row| row.name).filter(|name| !name.is_empty()).collect();
         format!("known: {}", names.join(", "))
     })
 }

@@ -65,7 +65,7 @@ pub fn run(args: &MergeArgs) -> Result<u8, Failure> {
 
 fn summary(merged: &Merged, parts: usize) -> String {
     let plural = if parts == 1 { "" } else { "s" };
-    let mut rows = vec![format!("passes          {} of {parts} part{plural}", merged.passes())];
+    let mut rows = vec![format!("passes          {} from {parts} part{plural}", merged.passes())];
     if !merged.missing().is_empty() {
         rows.push(format!("missing         {}", listed_passes(merged.missing())));
     }

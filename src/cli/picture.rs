@@ -15,7 +15,7 @@ pub struct PictureArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Also write a PNG [default name: that of the output]
-    #[arg(long, value_name = "FILE", num_args = 0..=1)]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, value_parser = png)]
     pub png: Option<Option<PathBuf>>,
     /// Stops of exposure for the PNG
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
@@ -28,6 +28,14 @@ pub struct PictureArgs {
         help = format!("Layers of the EXR: {}, all or none [default: emission,direct,caustic,indirect and what the \
             scene asks for]", KNOWN_LAYERS.join(", ")))]
     layers: Option<String>,
+}
+
+fn png(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        return Ok(path);
+    }
+    Err("expected a name that ends in `.png`; what follows `--png` is that name, so that the scene goes before it".to_owned())
 }
 
 fn stops(text: &str) -> Result<f64, String> {

@@ -26,7 +26,7 @@ pub struct SceneArgs {
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
     define: Vec<(String, String)>,
     /// Which sensor, counted from 0 in file order
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     sensor: Option<usize>,
     /// photonmap (the default, also for scenes that ask for another integrator) or path
     #[arg(long, value_name = "NAME", value_parser = any_of(IntegratorKind::NAMES.iter().copied()),
@@ -51,7 +51,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     max_depth: Option<String>,
     /// Random seed
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Size of the full film
     #[arg(long, value_name = "WxH", value_parser = size)]

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use quick_xml::escape::unescape;
+use quick_xml::escape::{EscapeError, unescape};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
@@ -107,7 +107,7 @@ impl Parser<'_> {
             let value_span = self.span_of(&attribute.value, whole);
             let value = match unescape(&attribute.value) {
                 Ok(value) => value.into_owned(),
-                Err(e) => return fail(format!("malformed attribute value: {e}"), value_span),
+                Err(e) => return Err(Box::new(bad_character(&e, value_span))),
             };
             attributes.push(Attribute { name: attribute.key.0.to_owned(), name_span, value, value_span });
         }
@@ -150,6 +150,17 @@ fn refuse_second_root(root: Option<&Element>, whole: Span) -> Result<(), Box<Dia
                 .label(root.tag_span, "the root"),
         )),
     }
+}
+
+fn bad_character(e: &EscapeError, span: Span) -> Diagnostic {
+    let text = match e {
+        EscapeError::UnrecognizedEntity(_, name) => format!("unknown character `&{name};`"),
+        EscapeError::UnterminatedEntity(_) => {
+            "`&` begins the name of a character, which ends with `;`".to_owned()
+        }
+        other => format!("malformed attribute value: {other}"),
+    };
+    Diagnostic::error(text, Some(span)).help("write `&amp;` for `&` itself")
 }
 
 fn fail<T>(message: impl Into<Cow<'static, str>>, span: Span) -> Result<T, Box<Diagnostic>> {

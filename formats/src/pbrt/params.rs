@@ -151,7 +151,7 @@ impl Params {
         if let Some(earlier) = earlier {
             let text = format!("`{name}` is given again below; this one is ignored");
             let problem = Diagnostic::warning(text, Some(earlier.param.span));
-            self.problems.push(problem.label(self.slots[index].param.span, "this one does"));
+            self.problems.push(problem.label(self.slots[index].param.span, "this one counts"));
         }
         let slot = &mut self.slots[index];
         let param = Param {

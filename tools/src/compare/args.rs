@@ -40,19 +40,19 @@ pub struct CompareArgs {
     #[arg(long, value_name = "N", value_parser = samples)]
     pub reference_spp: Option<f64>,
     /// Limit of the mean LDR-FLIP
-    #[arg(long, value_name = "LIMIT")]
+    #[arg(long, value_name = "LIMIT", value_parser = limit, allow_negative_numbers = true)]
     pub max_flip: Option<f64>,
     /// Limit of the mean HDR-FLIP
-    #[arg(long, value_name = "LIMIT", conflicts_with = "no_hdr")]
+    #[arg(long, value_name = "LIMIT", conflicts_with = "no_hdr", value_parser = limit, allow_negative_numbers = true)]
     pub max_hdr_flip: Option<f64>,
     /// Limit of the RMSE over all channels
-    #[arg(long, value_name = "LIMIT")]
+    #[arg(long, value_name = "LIMIT", value_parser = limit, allow_negative_numbers = true)]
     pub max_rmse: Option<f64>,
     /// Limit of relMSE
-    #[arg(long, value_name = "LIMIT")]
+    #[arg(long, value_name = "LIMIT", value_parser = limit, allow_negative_numbers = true)]
     pub max_relmse: Option<f64>,
     /// Limit of the relative bias of every channel (0.01 is 1 %)
-    #[arg(long, value_name = "LIMIT")]
+    #[arg(long, value_name = "LIMIT", value_parser = limit, allow_negative_numbers = true)]
     pub max_bias: Option<f64>,
     /// The z-test must accept
     #[arg(long)]
@@ -118,6 +118,11 @@ impl From<VarianceOf> for VarianceKind {
 fn pixels_per_degree(text: &str) -> Result<f64, String> {
     let ppd = text.parse().ok().filter(|ppd| (1.0..=1e4).contains(ppd));
     ppd.ok_or_else(|| "expected a number from 1 to 10000".to_owned())
+}
+
+fn limit(text: &str) -> Result<f64, String> {
+    let limit = text.parse().ok().filter(|n: &f64| *n >= 0.0);
+    limit.ok_or_else(|| "expected a number from 0".to_owned())
 }
 
 fn samples(text: &str) -> Result<f64, String> {

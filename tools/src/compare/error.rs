@@ -52,7 +52,7 @@ pub enum CompareError {
     },
     /// Two pictures differ in size.
     #[error(
-        "different sizes: {} has {}x{} pixels, {} has {}x{} (`caustica render --size WxH` decides it)",
+        "different sizes: {} has {}x{} pixels, {} has {}x{} (`--size` and `--crop` of `caustica render` decide it)",
         path.display(), size[0], size[1], reference.display(), reference_size[0], reference_size[1]
     )]
     Size {
