@@ -97,7 +97,7 @@ fn ended(outcome: &Outcome) -> &'static str {
         Stop::Time => "time is up",
         Stop::Error => "target error reached",
         Stop::Interrupted if s.passes == 0 => {
-            "interrupted in the first pass, which cannot be resumed; in a new picture, pixels it did not reach are black"
+            "interrupted in the first pass: there is nothing to resume, and pixels of a new picture that it did not reach are black"
         }
         Stop::Interrupted => "interrupted; --resume goes on from the checkpoint",
     }

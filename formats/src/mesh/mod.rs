@@ -81,6 +81,9 @@ pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<M
         bytes
     };
     let as_expected = match format {
+        MeshFormat::Obj | MeshFormat::ObjPart { .. } if is_ply(bytes) => {
+            return Err(MeshError::Invalid("it is a PLY file, which shape `ply` reads".to_owned()));
+        }
         MeshFormat::Obj | MeshFormat::ObjPart { .. } => true,
         MeshFormat::Ply => bytes.starts_with(b"ply"),
         MeshFormat::Serialized { .. } => bytes.starts_with(&serialized::MAGIC.to_le_bytes()),
@@ -96,6 +99,11 @@ pub fn read(format: MeshFormat, bytes: &[u8], options: &MeshOptions) -> Result<M
         MeshFormat::Ply => read_ply(bytes, options),
         MeshFormat::Serialized { index } => read_serialized(bytes, index, options),
     }
+}
+
+/// Whether a file says that it is PLY: as statements of OBJ these lines would all be skipped.
+fn is_ply(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r")
 }
 
 /// Attributes that [`read`] leaves out of the mesh, with their number of components.
