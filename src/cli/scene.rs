@@ -1,6 +1,7 @@
 //! Arguments that decide what scene is rendered, and how.
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use caustica_formats::diagnostic::nearest;
 use caustica_formats::ir::{Crop, Filter, SpectrumRule};
@@ -26,7 +27,7 @@ pub struct SceneArgs {
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = pair)]
     define: Vec<(String, String)>,
     /// Which sensor, counted from 0 in file order
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = from_zero::<usize>, allow_negative_numbers = true)]
     sensor: Option<usize>,
     /// photonmap (the default, also for scenes that ask for another integrator) or path
     #[arg(long, value_name = "NAME", value_parser = any_of(IntegratorKind::NAMES.iter().copied()),
@@ -51,7 +52,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     max_depth: Option<String>,
     /// Random seed
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = from_zero::<u64>, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Size of the full film
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -119,6 +120,10 @@ pub fn whole(text: &str) -> Result<u32, String> {
     }
     let n = value as u32;
     if n >= 1 && f64::from(n) == value { Ok(n) } else { Err("expected a whole number from 1".to_owned()) }
+}
+
+fn from_zero<T: FromStr>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| "expected a whole number from 0".to_owned())
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {

@@ -204,7 +204,7 @@ fn files_that_are_something_else_are_named() {
         assert_eq!(parse_spd(bytes).expect_err("no spectrum").to_string(), name);
     }
     let ply = b"ply\nformat ascii 1.0\nend_header\n";
-    let said = read(caustica_formats::ir::MeshFormat::Obj, ply, &MeshOptions::default()).expect_err("no OBJ");
+    let said = read(MeshFormat::Obj, ply, &MeshOptions::default()).expect_err("no OBJ");
     assert_eq!(said.to_string(), "it is a PLY file, which shape `ply` reads");
     let link = image::read(b"../textures/wood.jpg").expect_err("no picture").to_string();
     assert_eq!(link, "it is a text that begins with \"../textures/wood.jpg\"");
