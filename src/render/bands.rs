@@ -147,11 +147,11 @@ impl<I: Integrator> Bands<'_, I> {
         for (owner, &place) in square.places.iter().enumerate() {
             let number = b * BLOCK * width + place;
             let images = all.of(number);
-            if images.is_empty() {
+            let counts = [self.each as f32, all.samples(number, self.each)];
+            if counts[1] == 0.0 {
                 continue;
             }
             let at = [x0 + number % width, y0 + number / width];
-            let counts = [self.each as f32, all.samples(number, self.each)];
             let pixel = Pixel { task: self.task, images, at, pass: self.pass, counts };
             let of_pixel = owner * each..(owner + 1) * each;
             for (sample, start) in square.samples[of_pixel.clone()].iter_mut().zip(&square.starts[of_pixel]) {

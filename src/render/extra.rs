@@ -26,11 +26,15 @@ impl Pixel<'_> {
     /// Of a sample at a film position (pixels): its weight of the filter, and the density of the samples of the images
     /// over that of the samples of the filter.
     pub fn weight(&self, place: Vec2) -> (f32, f32) {
-        let centre = Vec2::new(self.at[0] as f32 + 0.5, self.at[1] as f32 + 0.5);
-        let (density, weight) = self.task.view.filter.density(place - centre);
-        let images = self.images.density(place) * self.counts[1];
+        let (density, weight) = self.task.view.filter.density(place - self.centre());
+        let images =
+            if self.images.is_empty() { density } else { self.images.density(place) } * self.counts[1];
         // Outside of the filter the weight is nothing.
         (weight, if density > 0.0 { images / (density * self.counts[0]) } else { 0.0 })
+    }
+
+    fn centre(&self) -> Vec2 {
+        Vec2::new(self.at[0] as f32 + 0.5, self.at[1] as f32 + 0.5)
     }
 
     /// The extra samples, each with its weight. Counts rays.
@@ -45,7 +49,12 @@ impl Pixel<'_> {
             let index = self.pass.wrapping_mul(most).wrapping_add(number);
             let mut sampler = Sampler::new(key, index).stratified(2);
             let u = sampler.next_2d();
-            let place = self.images.sample(sampler.next_2d().x, u);
+            let pick = sampler.next_2d().x;
+            let place = if self.images.is_empty() {
+                self.centre() + self.task.view.filter.sample(u).0
+            } else {
+                self.images.sample(pick, u)
+            };
             // Either kind is worth f/(n p c + m q): of n samples of the filter f, which is their density p times a weight,
             // and m of the images, of density q, which follow all ways and not one, chosen by chance c.
             let (weight, rivals) = self.weight(place);

@@ -49,12 +49,31 @@ pub fn seen_small(task: Task<'_>, lamps: &[SceneSphere]) -> Vec<Image> {
 /// Light of a lamp is rare if camera samples see it along ways of less chance than this.
 const RARE: f32 = 0.5;
 
-/// Squares of pixels.
+/// What the corners of pixels see.
 pub struct Borders {
-    /// Some corners see a lamp and others do not, or one that is much darker, or one along a rare way.
+    /// Squares of the pixels of which some corners see a lamp and others do not, or one that is much darker, or one along
+    /// a rare way.
     pub seen: Vec<Image>,
-    /// A corner has rare ways, which could see a lamp from elsewhere in the pixel.
-    pub rare: Vec<Image>,
+    /// Numbers of other pixels of which a corner has rare ways, which could see a lamp from elsewhere in the pixel.
+    pub rare: Vec<usize>,
+}
+
+/// What is seen along the corner of a pixel: little, since all of the picture's are held at once.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    /// Luminance of lamps.
+    light: f32,
+    /// Most of it, in the mean square, comes along rare ways.
+    rarely: bool,
+    /// There are rare ways.
+    ways: bool,
+}
+
+impl Corner {
+    fn of(seen: &Shine) -> Self {
+        let light = luminance(seen.light);
+        Self { light, rarely: light * light < RARE * seen.square, ways: seen.rarest < RARE }
+    }
 }
 
 /// Looks along the corners of all pixels.
@@ -68,9 +87,9 @@ pub fn borders(task: Task<'_>) -> Borders {
         let mut sampler = Sampler::new(key, y * (width + 1) + x).stratified(0);
         let at = Vec2::new((x0 + x) as f32, (y0 + y) as f32);
         let ray = task.view.sensor.ray(at / size, Vec2::ZERO);
-        shine(task, ray, &mut sampler, |_| 1.0)
+        Corner::of(&shine(task, ray, &mut sampler, |_| 1.0))
     };
-    let rows: Vec<Vec<Shine>> =
+    let rows: Vec<Vec<Corner>> =
         (0..=height).into_par_iter().map(|y| (0..=width).map(|x| corner(x, y)).collect()).collect();
     let square = |x: usize, y: usize| {
         let centre = Vec2::new((x0 as usize + x) as f32 + 0.5, (y0 as usize + y) as f32 + 0.5);
@@ -80,18 +99,17 @@ pub fn borders(task: Task<'_>) -> Borders {
     let pixels = pairs.flat_map(|(y, rows)| {
         (0..width as usize).map(move |x| (x, y, [rows[0][x], rows[0][x + 1], rows[1][x], rows[1][x + 1]]))
     });
-    let differ = |corners: &[Shine; 4]| {
-        let light = corners.map(|corner| luminance(corner.light));
+    let differ = |corners: &[Corner; 4]| {
+        let light = corners.map(|corner| corner.light);
         let [least, most] = light.iter().fold([f32::INFINITY, 0.0], |[a, b], c| [a.min(*c), b.max(*c)]);
-        let rarely = |corner: &Shine| luminance(corner.light).powi(2) < RARE * corner.square;
-        least < DARKER * most || corners.iter().any(rarely)
+        least < DARKER * most || corners.iter().any(|corner| corner.rarely)
     };
     let mut borders = Borders { seen: Vec::new(), rare: Vec::new() };
     for (x, y, corners) in pixels {
         if differ(&corners) {
             borders.seen.extend(square(x, y));
-        } else if corners.iter().any(|corner| corner.rarest < RARE) {
-            borders.rare.extend(square(x, y));
+        } else if corners.iter().any(|corner| corner.ways) {
+            borders.rare.push(y * width as usize + x);
         }
     }
     borders

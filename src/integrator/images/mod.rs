@@ -99,28 +99,25 @@ pub struct Images {
 }
 
 /// What a pixel sees of lamps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    #[default]
     Nothing,
     /// Rare ways that could see one.
     InCase,
+    /// Images.
     Seen,
 }
 
 impl Images {
-    /// Gives each image to all pixels of the rendered part whose filter reaches it: those that are seen, and places where
-    /// there could be some.
-    pub fn new([seen, in_case]: [&[Image]; 2], film: &FilmSize, filter: &Filter) -> Self {
+    /// Gives each image to all pixels of the rendered part whose filter reaches it. `rare` are the numbers of pixels where
+    /// there could be others.
+    pub fn new(found: &[Image], rare: &[usize], film: &FilmSize, filter: &Filter) -> Self {
         let [x0, y0, width, height] = film.crop;
         let radius = filter.shapes().map(|shape| shape.radius() as f32);
         let reached = |low: f32, high: f32, radius: f32, first: u32, count: u32| {
             let clip = |x: f32| (x.max(0.0) as u32).clamp(first, first + count);
             clip((low - radius - 0.5).ceil())..clip((high + radius - 0.5).floor() + 1.0)
         };
-        let found = [seen, in_case].concat();
-        let certain = seen.len();
-        let mut kinds = vec![Kind::default(); film.pixel_count()];
         let mut seen = Vec::new();
         for (i, image) in found.iter().enumerate() {
             let half = image.half() * INSIDE;
@@ -134,14 +131,9 @@ impl Images {
         let mut first = vec![0; film.pixel_count() + 1];
         seen.iter().for_each(|(pixel, _)| first[*pixel as usize + 1] += 1);
         (1..first.len()).for_each(|i| first[i] += first[i - 1]);
-        for (pixel, i) in &seen {
-            let kind = &mut kinds[*pixel as usize];
-            if *i < certain {
-                *kind = Kind::Seen;
-            } else if *kind == Kind::Nothing {
-                *kind = Kind::InCase;
-            }
-        }
+        let mut kinds = vec![Kind::Nothing; film.pixel_count()];
+        rare.iter().for_each(|&pixel| kinds[pixel] = Kind::InCase);
+        seen.iter().for_each(|(pixel, _)| kinds[*pixel as usize] = Kind::Seen);
         let pixels = kinds.iter().filter(|kind| **kind == Kind::Seen).count() as u64;
         Self { first, images: seen.iter().map(|(_, i)| found[*i]).collect(), kinds, pixels }
     }
@@ -151,9 +143,9 @@ impl Images {
         self.pixels
     }
 
-    /// Whether no pixel has any.
+    /// Whether no pixel takes extra samples.
     pub fn is_empty(&self) -> bool {
-        self.images.is_empty()
+        self.kinds.iter().all(|kind| *kind == Kind::Nothing)
     }
 
     /// Samples that a rendered pixel, by its number, takes on average beside `each` samples of every pixel: as many as
@@ -182,7 +174,7 @@ impl Images {
 pub struct PixelImages<'a>(&'a [Image]);
 
 impl PixelImages<'_> {
-    /// Whether there are none.
+    /// Whether there are none: extra samples are then those of the filter.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -222,11 +214,8 @@ mod tests {
     /// It is between 0 and the whole area, so that 400 000 samples leave less than 0.5 % (four standard deviations).
     #[test]
     fn samples_have_their_density() {
-        let images = Images::new(
-            [&images(), &[]],
-            &FilmSize::full(8, 8),
-            &Filter::new(Shape::Box(Box { radius: 0.5 })),
-        );
+        let filter = Filter::new(Shape::Box(Box { radius: 0.5 }));
+        let images = Images::new(&images(), &[], &FilmSize::full(8, 8), &filter);
         let pixel = images.of(4 * 8 + 3);
         assert_eq!(pixel.0.len(), 2);
         let mut rng = CounterRng::new(5, 0);
@@ -256,7 +245,7 @@ mod tests {
     fn images_belong_to_every_pixel_that_sees_them() {
         let film = FilmSize { width: 8, height: 8, crop: [4, 2, 3, 3] };
         let owners = |shape| {
-            let images = Images::new([&images()[2..], &[]], &film, &Filter::new(shape));
+            let images = Images::new(&images()[2..], &[], &film, &Filter::new(shape));
             (0..9).filter(|i| !images.of(*i).is_empty()).collect::<Vec<_>>()
         };
         assert_eq!(owners(Shape::Box(Box { radius: 0.5 })), [1, 2]);

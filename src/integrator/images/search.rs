@@ -63,7 +63,7 @@ pub fn search(task: Task<'_>) -> Option<Images> {
     if facts.specular {
         images.extend(small(task, lamps));
     }
-    let images = Images::new([&images, &rare], &view.film, &view.filter);
+    let images = Images::new(&images, &rare, &view.film, &view.filter);
     (!images.is_empty()).then_some(images)
 }
 

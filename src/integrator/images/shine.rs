@@ -38,8 +38,8 @@ pub struct Shine {
 }
 
 /// What lamps that have a surface send along a camera ray and whatever it becomes in mirrors and glass, by paths of
-/// [`LONGEST`] segments at most and a chance of [`RAREST`] at least. Paths split instead of choosing by chance, so that reflections in glass are not missed.
-/// Light is multiplied by what `factor` makes of the chance of its way.
+/// [`LONGEST`] segments at most and a chance of [`RAREST`] at least. Paths split instead of choosing by chance, so that
+/// reflections in glass are not missed. Light is multiplied by what `factor` makes of the chance of its way.
 pub fn shine(task: Task<'_>, ray: Ray, sampler: &mut Sampler, factor: impl Fn(f32) -> f32) -> Shine {
     let Task { scene, settings, .. } = task;
     let transparent = settings.hide_emitters && task.view.hidden_lamps_are_transparent;
