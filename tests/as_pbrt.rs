@@ -77,3 +77,43 @@ fn a_rough_coat_spreads_what_a_smooth_metal_reflects() {
     let mean = seen(world, vec![], &[("max_depth", "2")]).beauty(1).mean / 0.00672;
     assert!((0.9..1.5).contains(&mean), "{mean}");
 }
+
+/// Patterns in space lie where their own transform puts them, wherever the camera stands: moved with it, all of the scene
+/// is the same picture, and a camera that moves alone sees another part. Rounding moves edges by far less than a pixel.
+#[test]
+fn patterns_in_space_stay_where_they_are() {
+    let patterns = [
+        "\"fbm\"",
+        "\"checkerboard\" \"integer dimension\" 3 \"float tex1\" 0 \"float tex2\" 1",
+        "\"checkerboard\" \"string mapping\" \"planar\" \"float tex1\" 0 \"float tex2\" 1",
+    ];
+    for pattern in patterns {
+        let picture = |eye: [f64; 2], moved: [f64; 2]| {
+            let [x, y] = eye;
+            let view = format!(
+                "LookAt {x} {y} 13 {x} {y} 0 0 1 0
+                 Camera \"orthographic\" \"float screenwindow\" [-3 3 -3 3]
+                 Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 32"
+            );
+            let world = format!(
+                "LightSource \"infinite\" \"rgb L\" [1 1 1]
+                 Translate {} {} 0
+                 Texture \"b\" \"float\" {pattern}
+                 Texture \"s\" \"spectrum\" \"mix\" \"texture amount\" \"b\" \"rgb tex1\" [0 0 0] \"rgb tex2\" [1 1 1]
+                 Material \"diffuse\" \"texture reflectance\" \"s\"
+                 Shape \"bilinearmesh\" \"point3 P\" [-90 -90 0.3 90 -90 0.3 -90 90 0.3 90 90 0.3]",
+                moved[0], moved[1]
+            );
+            let stage = crate::support::pbrt_scene_seen(&view, &world, Vec::new());
+            crate::support::render(&stage, &[("integrator", "path")], 16).pixel_values()
+        };
+        let off = |a: &[[f64; 3]], b: &[[f64; 3]]| {
+            a.iter().zip(b).map(|(a, b)| (a[1] - b[1]).abs()).sum::<f64>() / a.len() as f64
+        };
+        let still = picture([0.0; 2], [0.0; 2]);
+        let together = off(&picture([-3.3, 1.7], [-3.3, 1.7]), &still);
+        let alone = off(&picture([-3.3, 1.7], [0.0; 2]), &still);
+        println!("{pattern}: together {together:.5}, alone {alone:.5}");
+        assert!(together < 0.002 && alone > 0.05, "{pattern}: {together} {alone}");
+    }
+}

@@ -30,8 +30,9 @@ fn slope(cell: [i32; 3], d: Vec3) -> f32 {
 
 /// Gradient noise in about (−1, 1), 0 on the lattice of whole numbers.
 pub fn perlin(p: Vec3) -> f32 {
-    // Beyond 2³⁰ a cell is smaller than the spacing of f32; what is not finite counts as 0.
-    let p = if p.is_finite() { p % (1u32 << 30) as f32 } else { Vec3::ZERO };
+    // Beyond 2³⁰ a cell is smaller than the spacing of f32; what is not finite counts as 0. Not glam's remainder, which for
+    // numbers below 0 is the one above 0: near 2³⁰ all fractions are lost.
+    let p = if p.is_finite() { p.map(|x| x % (1u32 << 30) as f32) } else { Vec3::ZERO };
     let floor = p.floor();
     let (cell, d) = ([floor.x as i32, floor.y as i32, floor.z as i32], p - floor);
     let smooth = d * d * d * (d * (d * 6.0 - 15.0) + 10.0);
@@ -169,6 +170,12 @@ mod tests {
     #[test]
     fn noise_is_smooth_and_without_bias() {
         assert_eq!(perlin(Vec3::new(3.0, -7.0, 11.0)), 0.0);
+        // Cells repeat after 256: below 0 there is the same noise as above.
+        for i in 0..50 {
+            let p = Vec3::new(0.37 * i as f32, 3.1, 0.6 * i as f32);
+            let below = perlin(p - Vec3::splat(256.0));
+            assert!((below - perlin(p)).abs() < 1e-3, "{below} below 0 at {p}");
+        }
         for i in 0..50 {
             let p = Vec3::new(i as f32 - 25.0, 0.37 * i as f32, 1.7 * i as f32);
             let step = Vec3::X * 1e-3;

@@ -139,13 +139,13 @@ pub fn compile(
     let sensor = sensor::choose(&mut b);
     let camera = sensor.map(|s| s.to_world.point([0.0; 3]));
     let shapes = rayon::scope(|scope| {
-        let materials = || {
-            shapes::build_materials(&mut b);
-            let pictures = b.wanted_pictures();
-            scope.spawn(move |_| textures::decode_all(&pictures, ir, files));
-        };
-        let (meshes, ()) = rayon::join(|| shapes::load_meshes(ir, files), materials);
-        shapes::build(&mut b, meshes, camera)
+        let meshes = shapes::load_meshes(ir, files);
+        let meshes = shapes::settle_origin(&mut b, meshes, camera);
+        // Textures that lie in space count from the origin.
+        shapes::build_materials(&mut b);
+        let pictures = b.wanted_pictures();
+        scope.spawn(move |_| textures::decode_all(&pictures, ir, files));
+        shapes::build(&mut b, &meshes)
     });
     let mut emitters = shapes.emitters;
     let mut lamp_media = vec![LampMedium::One(None); emitters.len()];

@@ -18,7 +18,7 @@ use crate::scene::{Numbers, ShapeRecord};
 use crate::shape::Analytic;
 
 pub use meshes::load_meshes;
-pub use world::build;
+pub use world::{build, settle_origin};
 
 /// What the shapes of a scene become.
 pub struct Shapes {

@@ -15,18 +15,23 @@ use crate::math::{Bounds, Vec3};
 use crate::scene::geometry::{Geometry, Instance, Level, Primitive};
 use crate::scene::{Numbers, Primitives, ShapeRecord};
 
-/// Places everything. `camera` is where the view stands, in the author's coordinates.
-pub fn build(b: &mut Compiler<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64; 3]>) -> Shapes {
+/// Decides where coordinates of the compiled scene begin. `camera` is where the view stands, in the author's coordinates.
+pub fn settle_origin(b: &mut Compiler<'_>, loaded: LoadedMeshes<'_>, camera: Option<[f64; 3]>) -> Meshes {
     let meshes = loaded.checked(b);
-    let origin = origin(b, &meshes, camera);
-    b.origin = origin;
-    let mut world = World { copies: Copies::of(b, &meshes), ..World::default() };
-    world.add_groups(b, &meshes);
+    b.origin = origin(b, &meshes, camera);
+    meshes
+}
+
+/// Places everything.
+pub fn build(b: &mut Compiler<'_>, meshes: &Meshes) -> Shapes {
+    let origin = b.origin;
+    let mut world = World { copies: Copies::of(b, meshes), ..World::default() };
+    world.add_groups(b, meshes);
     let to_ours = Transform::translate(origin.map(|x| -x));
     let ir = b.ir;
     let mut authors = vec![ir.origin; world.records.len()];
     for (number, shape) in (1..).zip(&ir.shapes) {
-        world.add(b, &meshes, shape, &to_ours.after(&shape.to_world));
+        world.add(b, meshes, shape, &to_ours.after(&shape.to_world));
         authors.resize(world.records.len(), shape.origin);
         world.count(number, shape);
     }
