@@ -1,6 +1,6 @@
 //! What pbrt-v4 makes of its parameters where another reading is at hand; measured on pbrt itself.
 
-use crate::support::{Picture, pbrt_scene, render};
+use crate::support::{Picture, pbrt_scene, pbrt_scene_seen, render};
 
 /// A wall that fills the view, in a sky of radiance 1: its mean is the mean reflectance.
 fn wall(texture: &str, files: Vec<(&str, Vec<u8>)>) -> f64 {
@@ -104,8 +104,8 @@ fn patterns_in_space_stay_where_they_are() {
                  Shape \"bilinearmesh\" \"point3 P\" [-90 -90 0.3 90 -90 0.3 -90 90 0.3 90 90 0.3]",
                 moved[0], moved[1]
             );
-            let stage = crate::support::pbrt_scene_seen(&view, &world, Vec::new());
-            crate::support::render(&stage, &[("integrator", "path")], 16).pixel_values()
+            let stage = pbrt_scene_seen(&view, &world, Vec::new());
+            render(&stage, &[("integrator", "path")], 16).pixel_values()
         };
         let off = |a: &[[f64; 3]], b: &[[f64; 3]]| {
             a.iter().zip(b).map(|(a, b)| (a[1] - b[1]).abs()).sum::<f64>() / a.len() as f64
