@@ -27,10 +27,9 @@ fn a_crop_shows_the_pixels_of_the_whole_film() {
     let whole = scene(&body(&whole_film));
     let part = scene(&body(&whole_film.replace("</film>", &format!("{crop}</film>"))));
     assert_eq!(part.0.view.film.crop, [5, 3, 6, 7]);
-    // Photon counts and radii are given, because the automatic ones depend on the rendered film.
-    for settings in
-        [&[("integrator", "path")][..], &[("photons", "2000"), ("radius", "0.1"), ("nee", "false")][..]]
-    {
+    // Photon counts, radii and numbers of samples are given, because the automatic ones depend on the rendered film.
+    let given = [("photons", "2000"), ("radius", "0.1"), ("nee", "false"), ("camera_samples", "4")];
+    for settings in [&[("integrator", "path")][..], &given] {
         let (all, some) = (render(&whole, settings, 3), render(&part, settings, 3));
         for y in 0..7 {
             for x in 0..6 {

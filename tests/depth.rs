@@ -19,7 +19,8 @@ fn the_first_depths_are_black_emission_and_direct_light() {
         ("no global map", &[("indirect", "trace")][..]),
     ] {
         let at = |depth: &str| {
-            let settings = [&[("max_depth", depth), ("photons", "4000")][..], variant].concat();
+            let given = [("max_depth", depth), ("photons", "4000"), ("camera_samples", "16")];
+            let settings = [&given[..], variant].concat();
             render(&scene, &settings, 16)
         };
         let [black, emission, direct, indirect] = ["0", "1", "2", "3"].map(at);

@@ -21,6 +21,7 @@ mod convert;
 mod depth;
 mod determinism;
 mod documents;
+mod effort;
 mod environment;
 mod estimators;
 mod faults;

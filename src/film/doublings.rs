@@ -102,23 +102,31 @@ impl Doublings {
         }
     }
 
-    /// Mean over the picture of the variance of a pixel's luminance after `passes`; infinite before two.
-    pub fn variance(&self, passes: u32) -> f64 {
+    /// Mean over the picture of the variance of a pixel's luminance after `passes`; infinite before two. The first `even`
+    /// passes have `gain` times the variance of the others.
+    pub fn variance(&self, passes: u32, even: u32, gain: f32) -> f64 {
         let Some(last) = self.steps.last() else { return f64::INFINITY };
-        let slope = self.slope();
+        // Of the mean of n passes, were they independent.
+        let independent = |n: f64| (n + (f64::from(gain) - 1.0) * n.min(f64::from(even))) / (n * n);
+        let slope = self.slope(independent);
         let doubled = f64::from(1u32 << self.steps.len().min(31));
-        last / (slope.exp2() - 1.0) * (doubled / f64::from(passes.max(1))).powf(slope)
+        let n = f64::from(passes.max(1));
+        let later = independent(n) / independent(doubled) * (doubled / n).powf(slope - 1.0);
+        last / (slope.exp2() - 1.0) * later
     }
 
-    /// s of V ∝ n⁻ˢ over the last doublings.
-    fn slope(&self) -> f64 {
+    /// s of V ∝ n⁻ˢ over the last doublings, were all passes alike.
+    fn slope(&self, independent: impl Fn(f64) -> f64) -> f64 {
         /// More would mix what the first passes do with what the last ones do.
         const STEPS: usize = 3;
-        let recent = &self.steps[self.steps.len().saturating_sub(STEPS)..];
-        let [Some(first), Some(last)] = [recent.first(), recent.last()] else { return SLOPES[0] };
-        if recent.len() < 2 || *last <= 0.0 {
+        let first = self.steps.len().saturating_sub(STEPS);
+        let [Some(before), Some(last)] = [self.steps.get(first), self.steps.last()] else { return SLOPES[0] };
+        let steps = self.steps.len() - 1 - first;
+        if steps == 0 || *last <= 0.0 {
             return SLOPES[0];
         }
-        ((first / last).log2() / (recent.len() - 1) as f64).clamp(SLOPES[0], SLOPES[1])
+        let alone = |steps: usize| independent((steps as f64).exp2());
+        let expected = alone(first + 1) / alone(self.steps.len());
+        (1.0 + (before / last / expected).log2() / steps as f64).clamp(SLOPES[0], SLOPES[1])
     }
 }

@@ -2,6 +2,7 @@
 
 mod aov;
 mod binned;
+mod counts;
 mod doublings;
 pub mod filter;
 mod layer;
@@ -18,6 +19,7 @@ use crate::math::Vec2;
 
 pub use aov::{AOVS, Aov, Visible};
 pub use binned::{Binned, BinnedSums, MOST_ADDITIONS};
+pub use counts::Counts;
 pub use doublings::Doublings;
 pub use filter::Filter;
 pub use layer::{LAYERS, Layer, Radiance};

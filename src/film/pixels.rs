@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::aov::Aov;
 use super::binned::{Binned, BinnedSums, ROW};
+use super::counts::Counts;
 use super::doublings::Doublings;
 use super::layer::{LAYERS, Layer};
 use super::pass::{PassSums, StoredMean};
@@ -18,8 +19,10 @@ const TOGETHER: usize = 64 * ROW;
 /// What all passes of a picture have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Common {
-    /// Camera samples that every pass took of a pixel.
+    /// Camera samples that every pass took of a pixel, or at first, see [`Pixels::counts`].
     pub samples_a_pass: u32,
+    /// Passes that take as many in every pixel; 0 for all.
+    pub even_passes: u32,
     /// Search radii of the global and of the caustic map in pass 0; 0 without a map.
     pub first_radii: [f32; 2],
 }
@@ -27,7 +30,11 @@ pub struct Common {
 impl fmt::Display for Common {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [global, caustic] = self.first_radii;
-        write!(f, "{} samples a pixel, first radii {global} and {caustic}", self.samples_a_pass)
+        write!(f, "{} samples a pixel", self.samples_a_pass)?;
+        if self.even_passes > 0 {
+            write!(f, " in {} passes and as noise asks for after them", self.even_passes)?;
+        }
+        write!(f, ", first radii {global} and {caustic}")
     }
 }
 
@@ -41,6 +48,7 @@ pub struct Pixels {
     /// What all passes have in common.
     pub common: Common,
     doublings: Doublings,
+    counts: Counts,
     /// Sums of the pictures of surfaces, pixel by pixel; empty where none is asked for.
     aovs: BinnedSums,
 }
@@ -51,8 +59,9 @@ impl Pixels {
         Self {
             count,
             light: BinnedSums::new(Self::sums_of_light(count)),
-            common: Common { samples_a_pass: 1, first_radii: [0.0; 2] },
+            common: Common { samples_a_pass: 1, even_passes: 0, first_radii: [0.0; 2] },
             doublings: Doublings::default(),
+            counts: Counts::default(),
             aovs: BinnedSums::default(),
         }
     }
@@ -68,8 +77,33 @@ impl Pixels {
         [light, aovs]: [BinnedSums; 2],
         doublings: Doublings,
         common: Common,
+        counts: Counts,
     ) -> Self {
-        Self { count, light, common, doublings, aovs }
+        Self { count, light, common, doublings, counts, aovs }
+    }
+
+    /// Camera samples of pixels after the passes that take as many in every pixel.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Says how many there are.
+    pub fn set_counts(&mut self, counts: Counts) {
+        self.counts = counts;
+    }
+
+    /// Whether passes of both are of one render: the same in common, and samples of pixels that do not differ as far as they
+    /// are known.
+    pub fn agree(&self, other: &Self) -> bool {
+        let counts = [&self.counts, &other.counts];
+        self.common == other.common && (counts.iter().any(|c| c.each.is_empty()) || counts[0] == counts[1])
+    }
+
+    /// Camera samples of a pixel in some passes, of which `even` are among the first.
+    pub fn samples(&self, pixel: usize, passes: u32, even: u32) -> u64 {
+        let each = self.common.samples_a_pass;
+        let later = self.counts.each.get(pixel).map_or(each, |count| u32::from(*count));
+        u64::from(even) * u64::from(each) + u64::from(passes - even) * u64::from(later)
     }
 
     /// Makes room for so many sums of AOVs a pixel, unless it is there already.
@@ -102,7 +136,8 @@ impl Pixels {
 
     /// Bytes of memory.
     pub fn bytes(&self) -> usize {
-        self.light.bytes() + self.aovs.bytes() + self.doublings.bytes()
+        let counts = size_of_val(self.counts.each.as_slice());
+        self.light.bytes() + self.aovs.bytes() + self.doublings.bytes() + counts
     }
 
     /// The sums of light and of AOVs, for files.
@@ -160,6 +195,9 @@ impl Pixels {
         let totals = [&*self, other].map(|of| move || of.luminance());
         doublings.merge([end, other_end], [&totals[0], &totals[1]], &other.doublings);
         self.doublings = doublings;
+        if self.counts.each.is_empty() {
+            self.counts.clone_from(&other.counts);
+        }
         self.light.merge(&other.light);
         self.aovs.merge(&other.aovs);
     }
@@ -265,7 +303,13 @@ impl Pixels {
     /// sums do not begin with the first two passes.
     pub fn relative_error(&self, passes: u32) -> f64 {
         let mean = self.mean_luminance(passes);
-        if mean > 0.0 { self.doublings.variance(passes).sqrt() / mean } else { f64::INFINITY }
+        if mean > 0.0 { self.mean_variance(passes).sqrt() / mean } else { f64::INFINITY }
+    }
+
+    /// Mean over the picture of the variance of a pixel's luminance after `passes`; infinite where the sums do not begin
+    /// with the first two passes.
+    pub fn mean_variance(&self, passes: u32) -> f64 {
+        self.doublings.variance(passes, self.common.even_passes, self.counts.gain)
     }
 
     /// Mean over the picture of the luminance after `passes`.

@@ -136,6 +136,11 @@ pub trait Integrator: Sync {
         1
     }
 
+    /// Whether noisy pixels may take more samples than others once the first passes have told which they are.
+    fn follows_noise(&self) -> bool {
+        false
+    }
+
     /// Lamps that the camera sees smaller than a pixel, for which pixels take extra samples; `None` where there are none.
     fn images(&self) -> Option<&Images> {
         None

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::film::{BinnedSums, Common, Doublings, Pixels, STRIDE};
+use crate::film::{BinnedSums, Common, Counts, Doublings, Pixels, STRIDE};
 
 /// What a checkpoint says of its sums, before them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -68,7 +68,7 @@ pub enum CheckpointError {
     },
 }
 
-const MAGIC: &[u8; 8] = b"caustic5";
+const MAGIC: &[u8; 8] = b"caustic6";
 
 /// What all versions begin with.
 const FAMILY: usize = 7;
@@ -183,7 +183,12 @@ impl Checkpoint {
         out.extend(text);
         out.extend((pixels.len() as u32).to_le_bytes());
         out.extend(pixels.common.samples_a_pass.to_le_bytes());
+        out.extend(pixels.common.even_passes.to_le_bytes());
         pixels.common.first_radii.iter().for_each(|radius| out.extend(radius.to_le_bytes()));
+        let Counts { each, gain } = pixels.counts();
+        out.extend(gain.to_le_bytes());
+        out.extend((each.len() as u32).to_le_bytes());
+        each.iter().for_each(|count| out.extend(count.to_le_bytes()));
         let [light, aovs] = pixels.sums();
         light.pack(&mut out);
         out.extend((aovs.len() as u32).to_le_bytes());
@@ -221,7 +226,13 @@ impl Checkpoint {
         let head = Head::of(r.take(size)?)?;
         let count = r.u32()? as usize;
         let samples_a_pass = r.u32()?;
+        let even_passes = r.u32()?;
         let first_radii = [f32::from_le_bytes(r.array()?), f32::from_le_bytes(r.array()?)];
+        let gain = f32::from_le_bytes(r.array()?);
+        let each = r.list(|r| Ok(u16::from_le_bytes(r.array()?)))?;
+        if !(each.is_empty() || each.len() == count) || each.contains(&0) || !gain.is_normal() {
+            return Err(CheckpointError::Invalid("its samples do not fit its picture"));
+        }
         let light = r.sums(Pixels::sums_of_light(count))?;
         let aovs = r.u32()? as usize;
         let aovs = r.sums(aovs)?;
@@ -229,8 +240,8 @@ impl Checkpoint {
         let marked = light.len() / STRIDE;
         let marks = r.list(|r| Ok((r.u32()?, r.sums(marked)?)))?;
         let doublings = Doublings::from_parts(steps, BTreeMap::from_iter(marks));
-        let common = Common { samples_a_pass, first_radii };
-        let mut pixels = Pixels::from_parts(count, [light, aovs], doublings, common);
+        let common = Common { samples_a_pass, even_passes, first_radii };
+        let mut pixels = Pixels::from_parts(count, [light, aovs], doublings, common, Counts { each, gain });
         pixels.mark_end(head.end());
         Ok(Self { head, pixels })
     }
@@ -252,6 +263,7 @@ mod tests {
 
     fn example() -> Checkpoint {
         let mut pixels = Pixels::new(3);
+        pixels.set_counts(Counts { each: vec![1, 2, 300], gain: 1.5 });
         pixels.hold_aovs(2);
         let mut mean = Mean::default();
         let layers = [0.1f32, 2e-20, 7e30, 0.0, -0.25].map(Color::splat);

@@ -3,11 +3,11 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::aovs::Eye;
 use super::bands::Bands;
-use crate::film::{Aov, Common, MOST_ADDITIONS, Pixels, Rejected, SoFar, Waiting};
+use super::effort::Effort;
+use super::noise::{Noise, even_passes};
+use crate::film::{Aov, Common, MOST_ADDITIONS, PassSums, Pixels, Rejected, SoFar, Waiting};
 use crate::integrator::{Integrator, PassStats, PathTracer, PhotonMapper, Scratch, Task, VolumePathTracer};
-use crate::math::Vec2;
 use crate::photon::trace::Halt;
 use crate::settings::IntegratorKind;
 
@@ -166,7 +166,7 @@ impl Sums {
 }
 
 /// Renders passes on top of `sums`, in order, and calls `progress` after each. What a pass is depends on its number
-/// only, not on those before it.
+/// only, and on the noise of the first passes, which are made again where they are not in this render.
 pub fn render(
     task: Task<'_>,
     budget: Budget<'_>,
@@ -223,18 +223,17 @@ fn run<I: Integrator>(
     let mut cuttable = may_be_cut(&budget, &sums);
     let Sums { mut pixels, first, passes: done } = sums;
     pixels.hold_aovs(Aov::numbers_of(&task.view.aovs));
-    let first_radii = integrator.first_radii();
-    pixels.common = Common { samples_a_pass: integrator.samples_a_pass(), first_radii };
+    pixels.common = common(integrator);
+    let mut effort = Effort::new(task, integrator, &pixels);
     // What the running pass adds, so that a pass which is cut adds nothing, and passes before it.
     let mut waiting = Waiting::new(pixels.len(), pixels.numbers_of_aovs());
     let mut stats = Statistics { first_pass: first, resumed_passes: done, ..prepared(task, start) };
-    [stats.first_radius, stats.first_caustic_radius] = first_radii;
+    [stats.first_radius, stats.first_caustic_radius] = pixels.common.first_radii;
     let halt = budget.halt(start, overdue);
     let most = budget.passes.unwrap_or(MOST_PASSES).min(MOST_PASSES.saturating_sub(first));
     let mut passes = done;
     let mut longest = Duration::ZERO;
     let stop = loop {
-        let elapsed = budget.elapsed(start);
         if passes >= most {
             break Stop::Passes;
         }
@@ -242,32 +241,33 @@ fn run<I: Integrator>(
             break Stop::Interrupted;
         }
         // A pass is not begun if more than half of it would be after the deadline.
-        let late = longest.saturating_sub(GRACE).max(longest / 2);
-        if budget.time.is_some_and(|t| passes > done && elapsed + late > t) {
+        let late = budget.elapsed(start) + longest.saturating_sub(GRACE).max(longest / 2);
+        if budget.time.is_some_and(|t| passes > done && late > t) {
             break Stop::Time;
         }
         if passes >= 8 && budget.error.is_some_and(|e| pixels.relative_error(passes) <= e) {
             break Stop::Error;
         }
-        let begun = Instant::now();
-        let (shared, pass) = integrator.begin_pass(first + passes);
+        let (begun, number) = (Instant::now(), first + passes);
+        if !effort.settle(number, &mut pixels, halt) {
+            break halted(halt);
+        }
+        let (shared, pass) = integrator.begin_pass(number);
         count(&mut stats, &pass);
         if pass.cut && !cuttable {
-            break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
+            break halted(halt);
         }
-        let camera = Instant::now();
         // The first samples of a picture are made however late it is.
         let halt_camera = if cuttable { Halt { deadline: None, ..halt } } else { halt };
-        let bands = bands(task, integrator, &shared, first + passes, halt_camera);
-        let whole = count_camera(&mut stats, &bands.sample(waiting.running()));
+        let bands = Bands::new(task, integrator, &shared, number, &pixels.counts().each, halt_camera);
+        let whole = sample(&bands, waiting.running(), effort.noise_of(number), &mut stats);
         drop(shared);
-        stats.camera_seconds += camera.elapsed().as_secs_f64();
         // Of the first pass of all even a part is a picture.
         if whole || cuttable {
             waiting.keep();
         }
         if !whole {
-            break if halt.stopped() { Stop::Interrupted } else { Stop::Time };
+            break halted(halt);
         }
         passes += 1;
         // The noise is estimated at powers of two.
@@ -283,7 +283,7 @@ fn run<I: Integrator>(
         // The mean length follows passes that grow cheaper as the radius shrinks.
         longest = begun.elapsed().max(longest.mul_f32(0.9));
         let elapsed = budget.elapsed(start);
-        stats.so_far(passes, elapsed, pixels.bytes() + waiting.bytes());
+        stats.so_far(passes, elapsed, pixels.bytes() + waiting.bytes() + effort.bytes());
         waiting.show(&mut pixels, |pixels| {
             progress(&Progress { pixels, passes, elapsed, pass, statistics: &stats });
         });
@@ -293,33 +293,36 @@ fn run<I: Integrator>(
     Outcome { pixels, statistics: stats, stop }
 }
 
+/// Why a pass was not made whole.
+fn halted(halt: Halt<'_>) -> Stop {
+    if halt.stopped() { Stop::Interrupted } else { Stop::Time }
+}
+
+fn common(integrator: &impl Integrator) -> Common {
+    Common {
+        samples_a_pass: integrator.samples_a_pass(),
+        even_passes: even_passes(integrator),
+        first_radii: integrator.first_radii(),
+    }
+}
+
+/// Makes the camera samples of a pass; false when not all were made.
+fn sample<I: Integrator>(
+    bands: &Bands<'_, I>,
+    sums: &mut PassSums,
+    noise: &mut [Noise],
+    stats: &mut Statistics,
+) -> bool {
+    let start = Instant::now();
+    let whole = count_camera(stats, &bands.sample(sums, noise));
+    stats.camera_seconds += start.elapsed().as_secs_f64();
+    whole
+}
+
 impl Statistics {
     /// After some passes.
     fn so_far(&mut self, passes: u32, elapsed: Duration, film: usize) {
         (self.passes, self.seconds, self.film_bytes) = (passes, elapsed.as_secs_f64(), film as u64);
-    }
-}
-
-/// The camera samples of a pass.
-fn bands<'a, I: Integrator>(
-    task: Task<'a>,
-    integrator: &'a I,
-    shared: &'a I::Pass,
-    pass: u32,
-    halt: Halt<'a>,
-) -> Bands<'a, I> {
-    let film = &task.view.film;
-    Bands {
-        task,
-        eye: Eye::new(task.scene, task.view),
-        images: integrator.images(),
-        integrator,
-        shared,
-        pass,
-        each: integrator.samples_a_pass(),
-        pixel: Vec2::new(1.0 / film.width as f32, 1.0 / film.height as f32),
-        has_aperture: task.view.sensor.has_aperture(),
-        halt,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::film::{Aov, BinnedSums, STRIDE, WAITING_BYTES};
 use crate::integrator::PhotonMapper;
 use crate::photon::Stored;
 use crate::photon::volume::VolumePhoton;
-use crate::render::SHARED_BYTES;
+use crate::render::{NOISE_BYTES, SHARED_BYTES};
 use crate::settings::{Count, Indirect, IntegratorKind, Pixels};
 
 /// Bytes a pixel for each of its sums: the sum, what the running pass adds to it, and a checkpoint or a picture with all
@@ -24,7 +24,7 @@ const VOLUME_PHOTON: usize = 3 * size_of::<VolumePhoton>();
 /// Bytes that a render is expected to hold at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
-    /// Sums, what it takes to save them, and the light that samples share.
+    /// Sums, what it takes to save them, the light that samples share, and the noise of pixels.
     pub film: u128,
     /// Photons of the global and of the caustic map while they are traced and sorted. 0 where they are too
     /// few to be worth a pilot.
@@ -48,7 +48,13 @@ impl Session {
         let pixels = u128::from(width) * u128::from(height);
         let film = pixels * (SUM * (STRIDE + 1 + Aov::numbers_of(&self.view.aovs))) as u128;
         let shared = if self.may_share() { pixels * SHARED_BYTES as u128 } else { 0 };
-        film + film.min(WAITING_BYTES as u128) + shared
+        let noise = if self.may_follow_noise() { pixels * NOISE_BYTES as u128 } else { 0 };
+        film + film.min(WAITING_BYTES as u128) + shared + noise
+    }
+
+    /// Whether pixels may take as many samples as their noise asks for.
+    fn may_follow_noise(&self) -> bool {
+        self.settings.integrator == IntegratorKind::PhotonMap && self.settings.camera_samples.0.is_none()
     }
 
     /// Whether samples could share light: before a pilot has chosen, where no setting is against it.

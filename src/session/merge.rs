@@ -101,7 +101,7 @@ impl Merge {
         match &mut self.sums {
             None => self.sums = Some(pixels),
             Some(sums) => {
-                if sums.common != pixels.common {
+                if !sums.agree(&pixels) {
                     let values = Box::new([sums.common, pixels.common].map(|common| common.to_string()));
                     let files = Box::new([self.parts[0].0.clone(), name.to_path_buf()]);
                     return Err(Error::Unlike { files, name: "what a pass is".to_owned(), values });

@@ -99,7 +99,7 @@ settings! {
     integrator: IntegratorKind = IntegratorKind::PhotonMap, "photonmap or path", "what computes the picture";
     mode: Mode = Mode::Progressive, "progressive or classic", "a new photon map each pass with shrinking radius, or one map for all passes";
     passes: u32 = 4, "a whole number from 1", "camera samples a pixel; in progressive mode also photon passes";
-    camera_samples: Samples = Samples(None), "a count or auto", "photon mapping: camera samples a pixel in each pass; auto is 1 (4 where indirect is not density), but more for pictures below 16384 pixels, and as measured with indirect=auto";
+    camera_samples: Samples = Samples(None), "a count or auto", "photon mapping: camera samples a pixel in each pass; auto is 1 (4 where indirect is not density), but more for pictures below 16384 pixels, and as measured with indirect=auto; with auto, pixels that are noisy in the first passes take up to 8 times as many in later ones";
     max_depth: Limit = Limit::NONE, "a whole number or -1", "path segments from camera to lamp: 1 is emission seen directly, 2 adds direct light";
     rr_depth: u32 = 5, "a whole number from 1", "path segments before Russian roulette may end a camera path";
     hide_emitters: bool = false, "true or false", "lamps and environment are not seen directly";

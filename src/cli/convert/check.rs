@@ -112,5 +112,5 @@ impl Difference {
 /// Standard error of the picture's mean: paths of different pixels are independent.
 pub fn mean_error(pixels: &Pixels) -> f64 {
     let count = pixels.len() as f64;
-    (pixels.doublings().variance(PASSES) / count).sqrt()
+    (pixels.mean_variance(PASSES) / count).sqrt()
 }

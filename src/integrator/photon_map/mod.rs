@@ -198,6 +198,11 @@ impl Integrator for PhotonMapper<'_> {
         self.settings.camera_samples.0.unwrap_or((SMALL_PICTURE / pixels).clamp(least, 64))
     }
 
+    fn follows_noise(&self) -> bool {
+        // A number of samples that was asked for is that of every pixel.
+        self.task.settings.camera_samples.0.is_none()
+    }
+
     fn images(&self) -> Option<&Images> {
         self.images.as_ref()
     }
