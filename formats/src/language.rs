@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use crate::diagnostic::{Diagnostic, SourceMap, nearest};
+use crate::diagnostic::{Diagnostic, Severity, SourceMap, nearest};
 use crate::files::Files;
 use crate::plugin::Concept;
 use crate::read::{Failure, Read, ReadOptions};
 use crate::write::{Output, WriteError, Written};
-use crate::{mitsuba, pbrt};
+use crate::{misnamed, mitsuba, pbrt};
 
 type Reader = fn(&dyn Files, &Path, &ReadOptions) -> Result<Read, Box<Failure>>;
 type Writer = fn(&mut Output<'_>) -> Result<String, WriteError>;
@@ -57,13 +57,34 @@ pub fn read_scene(files: &dyn Files, path: &Path, options: &ReadOptions) -> Resu
     let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default().to_ascii_lowercase();
     let named = |l: &&Language| l.extensions.iter().any(|known| name.ends_with(&format!(".{known}")));
     if let Some(language) = LANGUAGES.iter().find(named) {
-        return (language.read)(files, path, options)
-            .map_err(|failure| Box::new(failure.advised(files, path)));
+        return (language.read)(files, path, options).map_err(|mut failure| {
+            failure.diagnostics.extend(other_language(language, files, path));
+            Box::new(failure.advised(files, path))
+        });
     }
     let known = dotted(LANGUAGES.iter().flat_map(|l| l.extensions).copied());
     let problem = Diagnostic::error(format!("{}: not a scene language caustica reads", path.display()), None)
         .help(format!("the extension decides; known: {known}"));
     Err(Box::new(Failure { diagnostics: vec![problem], sources: SourceMap::default() }))
+}
+
+/// A note where the text of a scene that could not be read is that of the other language.
+fn other_language(language: &Language, files: &dyn Files, path: &Path) -> Option<Diagnostic> {
+    let bytes = files.read(path).ok()?;
+    let xml = misnamed::is_xml(&bytes);
+    let other = LANGUAGES.iter().find(|other| (other.name == "Mitsuba") == xml)?;
+    // What begins with neither a tag nor a word is of no language.
+    let text = xml || bytes.first().is_some_and(|byte| byte.is_ascii_alphabetic() || *byte == b'#');
+    if other.name == language.name || !text {
+        return None;
+    }
+    let what = if xml { "the file begins as XML does" } else { "the file does not begin as XML does" };
+    let help = format!(
+        "the extension decides: scenes of {} end in {}",
+        other.name,
+        dotted(other.extensions.iter().copied())
+    );
+    Some(Diagnostic::new(Severity::Note, what, None).help(help))
 }
 
 /// The scene of `read` in the language that the extension of `path` names, in memory. Meshes and textures

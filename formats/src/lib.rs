@@ -36,6 +36,7 @@ mod outside;
 mod pbrt;
 pub mod picture;
 mod plugin;
+mod range;
 mod read;
 pub mod sky;
 pub mod spectrum;

@@ -22,6 +22,11 @@ pub(crate) fn named(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// Whether a text begins with a tag, a comment or the like.
+pub(crate) fn is_xml(bytes: &[u8]) -> bool {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<")
+}
+
 /// [`named`], or text where bytes were expected, or another kind of file that is well known.
 pub(crate) fn not_binary(bytes: &[u8]) -> Option<String> {
     if let Some(what) = named(bytes) {

@@ -9,6 +9,7 @@ use super::version::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput};
 use crate::plugin::{Plugin, read};
+use crate::range::doubt;
 use crate::spectrum::to_linear_rgb;
 
 type ReadSpectrum = fn(&mut Props<'_>) -> Option<Color>;
@@ -98,6 +99,16 @@ impl<'a> Reader<'a> {
 
     pub fn optional_float_input(&mut self, props: &mut Props<'a>, name: &'static str) -> Option<FloatInput> {
         let entry = props.entry(name)?;
+        let input = self.float_input_of(props, name, entry);
+        if let Some(FloatInput::Value(value)) = input
+            && let Some(text) = doubt(name, value)
+        {
+            props.problems.push(Diagnostic::warning(text, Some(entry.span)));
+        }
+        input
+    }
+
+    fn float_input_of(&mut self, props: &mut Props<'a>, name: &str, entry: &Entry) -> Option<FloatInput> {
         match &entry.value {
             Value::Float(v) => Some(FloatInput::Value(*v)),
             Value::Integer(v) => Some(FloatInput::Value(*v as f64)),

@@ -7,6 +7,7 @@ use super::reader::Reader;
 use crate::diagnostic::{Diagnostic, Span, nearest};
 use crate::ir::{Color, ColorInput, ColorSlot, FloatInput, Ior, SpectrumRule};
 use crate::missing::{find, not_found};
+use crate::range::doubt;
 use crate::spectrum::{
     LibrarySpectrum, greatest_planck, library_names, library_spectrum, parse_spd, to_linear_rgb,
 };
@@ -68,7 +69,11 @@ impl Reader<'_> {
                 p.take(name, FLOAT_OR_TEXTURE);
                 return None;
             }
-            return p.optional_float(name).map(FloatInput::Value);
+            let value = p.optional_float(name)?;
+            if let Some(text) = doubt(name, value) {
+                p.warn(name, text);
+            }
+            return Some(FloatInput::Value(value));
         }
         let (texture, span) = p.text(name, &[T::Texture])?;
         self.float_texture(p, &texture, span)

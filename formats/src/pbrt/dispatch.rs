@@ -168,8 +168,14 @@ impl Reader<'_> {
                 false
             }
             None if world => {
-                let text = format!("{} must come after WorldBegin", d.name);
-                self.fault(Fault::Mistake, &text, d.span, "it is ignored");
+                // All that follows would say the same.
+                if !std::mem::replace(&mut self.before_world, true) {
+                    let text = format!("{} must come after WorldBegin", d.name);
+                    let problem = Diagnostic::error(text, Some(d.span))
+                        .help("a line `WorldBegin` ends the camera and film, and begins lights and shapes");
+                    let instead = "it is ignored, as is all else that should";
+                    self.problems.push(self.policy.judge(Fault::Mistake, problem, instead));
+                }
                 false
             }
             _ => true,

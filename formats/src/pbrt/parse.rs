@@ -188,9 +188,13 @@ impl Parser<'_, '_> {
                 None => return,
                 Some(Token::Word(name)) if name.starts_with(|c: char| c.is_ascii_uppercase()) => return,
                 _ => {
-                    let Some((_, range)) = self.cursor.next() else { return };
+                    let Some((token, range)) = self.cursor.next() else { return };
                     let span = self.span(&range);
-                    self.error("expected a parameter such as \"float radius\", or a directive", span);
+                    let text = match token {
+                        Token::Bad(what) => what,
+                        _ => "expected a parameter such as \"float radius\", or a directive".to_owned(),
+                    };
+                    self.error(text, span);
                     self.skip_value();
                     continue;
                 }

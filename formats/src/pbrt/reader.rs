@@ -39,6 +39,8 @@ pub(super) struct Reader<'a> {
     pub policy: Policy,
     pub saved: Vec<Saved>,
     pub world: Option<Span>,
+    /// Something that belongs after it came before it, and was reported.
+    pub before_world: bool,
     pub systems: HashMap<String, Ctm>,
     pub names: Rc<Names>,
     pub depths: Depths,
@@ -83,6 +85,7 @@ impl<'a> Reader<'a> {
             policy,
             saved: Vec::new(),
             world: None,
+            before_world: false,
             systems: HashMap::new(),
             names: Rc::default(),
             depths: Depths::default(),

@@ -48,12 +48,16 @@ impl Parser<'_, '_> {
                     return Values::Broken;
                 }
                 found => {
-                    let text = match found {
-                        None => format!("the list of `{name}` is not closed"),
-                        Some(_) => format!("`{name}` expects {}", wanted(kind)),
+                    let place = self.after_blank();
+                    let problem = if begins_anew(found.as_ref()) {
+                        let text = format!("the list of `{name}` is not closed");
+                        let problem = Diagnostic::error(text, Some(span));
+                        let at = found.map(|_| place);
+                        at.into_iter().fold(problem, |p, at| p.label(at, "there is no `]` before this"))
+                    } else {
+                        Diagnostic::error(format!("`{name}` expects {}", wanted(kind)), Some(place))
                     };
-                    let place = if found.is_none() { span } else { self.after_blank() };
-                    self.error(text, place);
+                    self.problems.push(problem);
                     self.skip_value();
                     return Values::Broken;
                 }
@@ -98,6 +102,8 @@ impl Parser<'_, '_> {
             let most = if bracket { end - out.len() } else { 1 };
             let before = out.len();
             match number::list(&mut self.cursor, out, most) {
+                // The list was not closed: what follows it is no number of it.
+                Err(bad) if bracket && follows(&self.cursor.text[bad.start..bad.end]).is_some() => break,
                 Err(bad) if !self.loose_number(&bad, out) => return false,
                 Ok(()) if bracket || out.len() == before => break,
                 _ => {}
@@ -235,6 +241,16 @@ fn declares(text: &str) -> bool {
     words.next().is_some_and(|word| ParamType::of_keyword(word).is_some())
         && words.next().is_some()
         && words.next().is_none()
+}
+
+/// Whether what follows a value belongs to what comes after it, so that its list was not closed.
+fn begins_anew(found: Option<&Token<'_>>) -> bool {
+    match found {
+        None => true,
+        Some(Token::Word(name)) => follows(name).is_some(),
+        Some(Token::Quoted(text)) => declares(text),
+        Some(_) => false,
+    }
 }
 
 /// Whether a quoted string stands where numbers are due, which pbrt-v3 passes over.

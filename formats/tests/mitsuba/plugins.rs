@@ -72,6 +72,21 @@ fn two_sides_may_differ_but_not_transmit() {
     assert_eq!(headlines(glass), ["twosided takes only materials that let no light through"]);
 }
 
+/// Mitsuba takes them and makes something of them; what that is nobody means.
+#[test]
+fn numbers_that_make_no_sense() {
+    let of = |plugin: &str, name: &str, value: &str| {
+        let float = format!("<float name='{name}' value='{value}'/>");
+        let inside = if plugin == "mask" { "<bsdf type='diffuse'/>" } else { "" };
+        headlines(&format!("<scene version='3.0.0'><bsdf type='{plugin}'>{float}{inside}</bsdf></scene>"))
+    };
+    assert_eq!(of("roughplastic", "alpha", "-0.1")[0], "`alpha` should not be negative; it is -0.1");
+    assert_eq!(of("principled", "metallic", "7")[0], "`metallic` should lie between 0 and 1; it is 7");
+    assert_eq!(of("mask", "opacity", "3")[0], "`opacity` should lie between 0 and 1; it is 3");
+    let sound = of("principled", "roughness", "0.3");
+    assert!(!sound.iter().any(|line| line.contains("should")), "{sound:?}");
+}
+
 #[test]
 fn metals_have_case_sensitive_names() {
     let text =

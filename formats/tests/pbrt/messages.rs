@@ -121,3 +121,57 @@ fn what_is_not_rendered_is_refused_or_replaced_by_name() {
         ["scene.pbrt:2:7: shape `curve` is not supported yet: it is skipped"]
     );
 }
+
+/// What was left open is named, not what follows it.
+#[test]
+fn lists_and_strings_that_are_left_open() {
+    let unclosed = |name: &str| [format!("scene.pbrt:2:20: the list of `{name}` is not closed")];
+    assert_eq!(
+        of("Material \"diffuse\" \"rgb reflectance\" [ 0.5 0.5 0.5\nShape \"sphere\""),
+        unclosed("reflectance")
+    );
+    assert_eq!(of("Shape \"sphere\"     \"float radius\" [ 1 \"float zmin\" -1"), unclosed("radius"));
+    assert_eq!(
+        of("Transform [ 1 0 0 0  0 1 0 0\nShape \"sphere\""),
+        ["scene.pbrt:2:1: Transform expects 16 numbers, got 8"]
+    );
+    assert_eq!(
+        of("Material \"diffuse\" \"rgb reflectance [ 0.5 0.5 0.5 ]\nShape \"sphere\""),
+        ["scene.pbrt:2:20: the string is not closed on its line"]
+    );
+}
+
+/// One line about WorldBegin, not one for all that should stand behind it.
+#[test]
+fn a_world_that_does_not_begin() {
+    let found = problems("LightSource \"infinite\"\nMaterial \"diffuse\"\nShape \"sphere\"");
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found[0].starts_with("scene.pbrt:1:1: LightSource must come after WorldBegin"), "{found:?}");
+    assert!(found[1].contains("the scene has no WorldBegin"), "{found:?}");
+}
+
+#[test]
+fn xml_is_told_from_pbrt() {
+    let found = problems("<?xml version='1.0'?>\n<scene version='3.0.0'/>");
+    let last = found.last().expect("an error");
+    assert_eq!(last, ": the file begins as XML does (the extension decides: scenes of Mitsuba end in .xml)");
+}
+
+/// The renderer takes them and makes something of them; what that is nobody means.
+#[test]
+fn numbers_that_make_no_sense() {
+    let of = |body: &str| of(&format!("{body}\nShape \"sphere\""));
+    assert_eq!(
+        of("Material \"conductor\" \"float roughness\" -0.2"),
+        ["scene.pbrt:2:22: `roughness` should not be negative; it is -0.2"]
+    );
+    assert_eq!(
+        of("Material \"coateddiffuse\" \"float thickness\" -1"),
+        ["scene.pbrt:2:26: `thickness` should not be negative; it is -1"]
+    );
+    assert_eq!(
+        of("Material \"coatedconductor\" \"float interface.roughness\" -1"),
+        ["scene.pbrt:2:28: `interface.roughness` should not be negative; it is -1"]
+    );
+    assert!(of("Material \"conductor\" \"float roughness\" 1.5").is_empty());
+}
