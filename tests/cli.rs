@@ -200,6 +200,11 @@ fn settings_that_do_not_exist_or_do_not_parse() {
     let value = run(&files, &["render", "scene.xml", "--set", "kernel=round"]);
     assert_eq!(value.status, 2);
     assert_snapshot!(value.text, @"error: invalid value `round` for setting `kernel`: expected one of constant, cone, epanechnikov, biweight, triweight, tricube, gaussian, logistic, silverman");
+    let twice = run(&files, &["render", "scene.xml", "--photons", "10", "--set", "photons=20"]);
+    assert_eq!(twice.status, 2);
+    assert_snapshot!(twice.text, @"error: `--photons 10` and `--set photons=20` are of one setting; leave out one of them");
+    let twice = run(&files, &["inspect", "scene.xml", "--spp", "4", "--set", "passes=5"]);
+    assert_snapshot!(twice.text, @"error: `--spp 4` and `--set passes=5` are of one setting; leave out one of them");
     let layer = run(&files, &["render", "scene.xml", "--quiet", "--layers", "direkt"]);
     assert_eq!(layer.status, 2);
     assert_snapshot!(layer.text, @"error: there is no layer `direkt`; did you mean `direct`?");

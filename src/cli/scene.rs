@@ -202,6 +202,7 @@ impl SceneArgs {
     /// # Errors
     /// When no scene is named, or it cannot be opened.
     pub fn open(&self, quiet: bool, layers: Option<Layers>) -> Result<Session, Failure> {
+        self.said_once()?;
         let options = Options { layers, ..self.options() };
         let session = Session::open(self.path()?, &options).map_err(|error| match error {
             Error::Scene(failure) if quiet => Error::Scene(Box::new(failure.errors_only())),
@@ -218,6 +219,7 @@ impl SceneArgs {
     /// # Errors
     /// When no scene is named, or what was asked for is wrong.
     pub fn inspect(&self) -> Result<Inspection, Failure> {
+        self.said_once()?;
         Ok(Inspection::of(self.path()?, &self.options())?)
     }
 
@@ -226,7 +228,8 @@ impl SceneArgs {
         self.scene.as_deref().ok_or_else(|| Failure::Usage(none.to_owned()))
     }
 
-    fn options(&self) -> Options {
+    /// Settings that have options of their own.
+    fn settings(&self) -> Vec<(&'static str, String)> {
         let passes = self.passes().map(|n| n.to_string());
         let seed = self.seed.map(|n| n.to_string());
         let rows = [
@@ -238,7 +241,30 @@ impl SceneArgs {
             ("max_depth", &self.max_depth),
             ("seed", &seed),
         ];
-        let rows = rows.into_iter().filter_map(|(n, v)| Some((n.to_owned(), v.clone()?)));
+        rows.into_iter().filter_map(|(name, value)| Some((name, value.clone()?))).collect()
+    }
+
+    /// Makes sure that no option and no `--set` say different things of one setting. `--photons` is for both maps, of which
+    /// the caustic one may be set apart.
+    fn said_once(&self) -> Result<(), Failure> {
+        let twice = self.settings().into_iter().find_map(|(name, value)| {
+            let other = self.set.iter().find(|(set, other)| set == name && *other != value)?;
+            (name != "caustic_photons").then(|| (name, value, other.1.clone()))
+        });
+        twice.map_or(Ok(()), |(name, value, other)| {
+            let option = if name == "passes" && self.spp.is_some() {
+                "spp".to_owned()
+            } else {
+                name.replace('_', "-")
+            };
+            Err(Failure::Usage(format!(
+                "`--{option} {value}` and `--set {name}={other}` are of one setting; leave out one of them"
+            )))
+        })
+    }
+
+    fn options(&self) -> Options {
+        let rows = self.settings().into_iter().map(|(name, value)| (name.to_owned(), value));
         Options {
             defines: self.define.clone(),
             allow_paths: self.allow_path.clone(),

@@ -112,8 +112,8 @@ pub fn warnings(outcome: &Outcome) -> Vec<String> {
     if s.light_paths > 0 && s.photons_stored == 0 {
         let paths = count(s.light_paths as f64);
         lines.push(format!(
-            "warning: none of {paths} light paths stored a photon: indirect light may be missing; compare with \
-             `--integrator path`"
+            "warning: none of {paths} light paths stored a photon: unless nothing in the scene lights anything else, \
+             indirect light is missing; compare with `--integrator path`"
         ));
     }
     lines

@@ -284,6 +284,14 @@ fn noise(
     make: fn(&mut Params) -> NoiseKind,
 ) -> Option<Made> {
     let noise = make(p);
+    if r.policy.is_three() && kind == TextureType::Spectrum && wanted == TextureType::Float {
+        // pbrt-v3 has them as gray spectra too; in pbrt-v4 such a spectrum is white times a float.
+        let (origin, to_texture) = (p.origin(), r.world_to_texture(p));
+        let kind = TextureKind::Noise { kind: noise, to_texture };
+        let id = r.scene.textures.push(Texture { name: None, origin, kind });
+        let [value, factor] = [ColorInput::Color(Color::Gray(1.0)), ColorInput::Texture(id)];
+        return Some(made(TextureKind::Scale { value, factor }));
+    }
     if kind != wanted {
         let only = if wanted == TextureType::Float { "float" } else { "spectrum" };
         let text = format!("texture `{}` exists as \"{only}\" only", p.kind);

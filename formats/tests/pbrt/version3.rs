@@ -339,3 +339,17 @@ fn shapes_may_change_their_material() {
     assert_eq!(tint(0), ColorInput::Color(Color::Rgb([0.1, 0.2, 0.3])));
     assert_eq!(tint(1), ColorInput::Color(Color::Rgb([0.5; 3])));
 }
+
+/// pbrt-v3 makes gray spectra of noise; pbrt-v4 has it as floats only.
+#[test]
+fn noise_may_be_a_spectrum() {
+    for kind in ["fbm", "windy", "wrinkled"] {
+        let text = format!("Texture \"t\" \"spectrum\" \"{kind}\" Material \"matte\" \"texture Kd\" \"t\"");
+        let (scene, kind) = material(&text);
+        let BsdfKind::Diffuse { reflectance: ColorInput::Texture(id) } = kind else { panic!("{kind:?}") };
+        let TextureKind::Scale { factor: ColorInput::Texture(noise), .. } = &scene.textures[id].kind else {
+            panic!("{:?}", scene.textures[id].kind)
+        };
+        assert!(matches!(scene.textures[*noise].kind, TextureKind::Noise { .. }));
+    }
+}
