@@ -59,7 +59,7 @@ impl Image {
         self.picture().passes()
     }
 
-    /// Camera samples a pixel.
+    /// Camera samples a pixel, on average.
     #[getter]
     fn samples(&self) -> u64 {
         self.picture().samples()

@@ -39,7 +39,9 @@ def test_layers_have_the_shape_of_their_channels(image: caustica.Image) -> None:
     assert image["albedo"].shape == (24, 40, 3)
     assert image["uv"].shape == (24, 40, 2) and image.channels("uv") == ["U", "V"]
     assert image["depth"].shape == image["variance"].shape == image.alpha.shape == (24, 40)
-    assert np.all(image["samples"] == image.samples)
+    # Noisy pixels take more of them than others.
+    assert abs(image["samples"].mean() - image.samples) <= 0.5
+    assert np.all(image["samples"] % 1 == 0) and image["samples"].min() >= image.passes
     assert np.all((image.alpha >= 0) & (image.alpha <= 1))
     assert "medium" not in image and "caustic" in image
     with pytest.raises(KeyError, match="no layer `caustics`; did you mean `caustic`"):
