@@ -78,6 +78,18 @@ fn samples_go_where_the_noise_is() {
     assert!(by_noise < 0.3 * evenly, "{by_noise} of {evenly}");
 }
 
+/// Light whose square leaves the range of single precision tells no noise, and takes no pixel's samples away.
+#[test]
+fn light_may_be_as_bright_as_it_likes() {
+    let stage = scene(&[box_camera(16), walls("0.6"), lamp(0.2, "1e25")].concat());
+    for integrator in ["gather", "density"] {
+        let picture = render(&stage, &[("indirect", integrator)], 12);
+        let counts = &picture.pixels.counts().each;
+        assert!(!counts.is_empty() && counts.iter().all(|count| *count > 0), "{counts:?}");
+        assert!(picture.pixel_values().iter().flatten().all(|value| value.is_finite() && *value > 0.0));
+    }
+}
+
 /// What the first passes found decides how many samples follow, and must not decide what they are worth: a pixel whose first
 /// samples were dark takes few others. Were all samples of a pixel counted alike, the picture would be too dark. 48 renders
 /// of 6 passes are as much light as one of 288.

@@ -103,7 +103,8 @@ pub(super) fn counts(noise: &[Noise], film: &FilmSize, each: u32, seed: u64) -> 
     let usual = deviations.iter().sum::<f64>() / deviations.len().max(1) as f64;
     let each = f64::from(each);
     let count = |(i, deviation): (usize, &f64)| {
-        let wanted = if usual > 0.0 { USUAL * each * deviation / usual } else { 0.0 };
+        // Squares of the brightest light leave the range of f32: then nothing is known of the noise.
+        let wanted = if usual.is_normal() { USUAL * each * deviation / usual } else { 0.0 };
         // As many on average as are wanted.
         let place = ((y0 + i / width) as u64) << 32 | (x0 + i % width) as u64;
         let part = mix(seed ^ mix(PART ^ place)) as f64 / 2f64.powi(64);
@@ -116,7 +117,8 @@ pub(super) fn counts(noise: &[Noise], film: &FilmSize, each: u32, seed: u64) -> 
         first += variance / each;
         later += variance / f64::from(*count);
     }
-    let gain = if later > 0.0 { (first / later) as f32 } else { 1.0 };
+    let ratio = (first / later) as f32;
+    let gain = if ratio.is_normal() { ratio } else { 1.0 };
     Counts { each: counts, gain }
 }
 
