@@ -1,15 +1,14 @@
 //! Camera samples where the noise is: less of it from as many samples, the same light, and one picture however its passes
 //! are divided.
 
-use std::ops::Range;
 use std::path::Path;
 
 use caustica::film::Pixels;
-use caustica::render::{Budget, Checkpoint, Sums};
+use caustica::render::Budget;
 use caustica::session::{Content, Merge, Session};
 
 use crate::support::{
-    ALL, Picture, assert_agree, box_camera, diffuse, lamp, rectangle, render, scene, sphere, walls,
+    ALL, Picture, assert_agree, box_camera, diffuse, lamp, part, rectangle, render, scene, sphere, walls,
 };
 
 const SIDE: u32 = 64;
@@ -102,20 +101,6 @@ fn the_light_stays_the_same() {
         (0..n).map(|seed: u32| channel(&render(&stage, &with(&[("seed", &seed.to_string())]), 6))).collect();
     let even = render(&stage, &with(&[("camera_samples", "4"), ("seed", "77")]), 512);
     assert_agree("mean", crate::support::estimate(&means), even.estimate(ALL, 1), 0.004);
-}
-
-fn part(session: &Session, range: Range<u32>, stopped: u32) -> Vec<u8> {
-    if stopped == 0 {
-        return session
-            .part(&session.render_range(range, Budget::default(), &mut |_| {}))
-            .expect("a checkpoint");
-    }
-    let begun = session.render_range(range.clone(), Budget::passes(stopped), &mut |_| {});
-    let saved = Checkpoint::decode(&session.part(&begun).expect("a checkpoint")).expect("what was written");
-    let sums = Sums { pixels: saved.pixels, first: range.start, passes: stopped };
-    session
-        .part(&session.resume_range(sums, range.end, Budget::default(), &mut |_| {}))
-        .expect("a checkpoint")
 }
 
 /// Parts find out themselves what the first passes say, those that begin between them as well. So do resumed ones, before

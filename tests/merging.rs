@@ -6,11 +6,11 @@ use std::process::Command;
 use std::time::Duration;
 
 use caustica::film::{BinnedSums, STRIDE};
-use caustica::render::{Budget, Checkpoint, Head, Sums};
+use caustica::render::{Budget, Checkpoint, Head};
 use caustica::sampling::mix;
 use caustica::session::{Error, Merge, Options, Output, Session};
 
-use crate::support::{box_camera, lamp, plain, sphere, walls};
+use crate::support::{box_camera, lamp, part, plain, sphere, walls};
 use caustica_formats::files::Memory;
 
 const GLASS: &str =
@@ -33,21 +33,6 @@ fn session(settings: &[(&str, &str)], layers: Option<&str>) -> Session {
 
 fn threads<T: Send>(n: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(work)
-}
-
-/// The part of a render with these passes. With `stopped` it is ended after its first pass, saved, and goes on from there.
-fn part(session: &Session, range: Range<u32>, stopped: bool) -> Vec<u8> {
-    let outcome = if stopped {
-        let begun = session.render_range(range.clone(), Budget::passes(1), &mut |_| {});
-        let saved = Checkpoint::decode(&session.part(&begun).unwrap()).unwrap();
-        assert_eq!((saved.head.first, saved.head.passes), (range.start, 1));
-        let sums = Sums { pixels: saved.pixels, first: range.start, passes: 1 };
-        session.resume_range(sums, range.end, Budget::default(), &mut |_| {})
-    } else {
-        session.render_range(range.clone(), Budget::default(), &mut |_| {})
-    };
-    assert_eq!(outcome.statistics.passes, range.len() as u32);
-    session.part(&outcome).unwrap()
 }
 
 /// `count` ranges that make up all passes, not of one length where that can be.
@@ -85,7 +70,7 @@ fn parts_merged_in_any_order_are_one_run() {
                 .zip(split(count))
                 .map(|(i, range)| {
                     let stopped = range.len() > 1 && i % 2 == 0;
-                    (mix(i + 5), threads(1 + i as usize % 2, || part(&session, range, stopped)))
+                    (mix(i + 5), threads(1 + i as usize % 2, || part(&session, range, u32::from(stopped))))
                 })
                 .collect();
             parts.sort();
@@ -318,7 +303,7 @@ fn parts_are_small() {
     let session = session(&[("integrator", "path")], None);
     let pixels = 12 * 12;
     for (range, powers) in [(0..9, 1), (16..24, 0), (15..17, 1), (1..33, 6)] {
-        let bytes = part(&session, range.clone(), false).len();
+        let bytes = part(&session, range.clone(), 0).len();
         let most = 4096 + pixels * BinnedSums::PACKED * (STRIDE + powers);
         assert!(bytes <= most, "{range:?}: {bytes} of {most} bytes");
         println!("{range:?}: {} bytes a pixel", bytes / pixels);

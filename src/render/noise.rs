@@ -57,7 +57,7 @@ pub struct Noise {
 impl Noise {
     /// Adds a sample: all of its light, and what it does not share. What is not finite never reaches the film.
     pub fn add(&mut self, all: Color, own: Color) {
-        let [all, own] = [all, own].map(|c| c.lanes().iter().sum::<f32>() / LANES as f32);
+        let [all, own] = [all, own].map(|c| c.sum_of_lanes() / LANES as f32);
         if all.is_finite() && own.is_finite() {
             self.count += 1.0;
             self.all.add(all, self.count);

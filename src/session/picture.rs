@@ -80,17 +80,18 @@ impl Picture<'_> {
     /// Camera samples of a pixel, on average.
     pub fn samples(&self) -> u64 {
         let pixels = self.pixels.len();
-        let sum: u128 = (0..pixels).map(|pixel| u128::from(self.samples_of(pixel))).sum();
+        let sum: u128 = self.samples_of(0..pixels).map(u128::from).sum();
         let count = pixels.max(1) as u128;
         ((sum + count / 2) / count) as u64
     }
 
-    /// Camera samples of one pixel.
-    fn samples_of(&self, pixel: usize) -> u64 {
+    /// Camera samples of each of some pixels.
+    fn samples_of(&self, range: Range<usize>) -> impl Iterator<Item = u64> {
         let even = self.pixels.common.even_passes;
         let there = |pass: &u32| !self.missing.iter().any(|[from, to]| (*from..*to).contains(pass));
         let first = (self.passes[0]..even).filter(there).count() as u32;
-        self.pixels.samples(pixel, self.passes(), first.min(self.passes()))
+        let passes = self.passes();
+        range.map(move |pixel| self.pixels.samples(pixel, passes, first.min(passes)))
     }
 
     /// Passes in the picture.
@@ -131,7 +132,7 @@ impl Picture<'_> {
             Content::Variance => {
                 range.map(|i| pixels.variance(i, passes).min(f64::from(f32::MAX)) as f32).collect()
             }
-            Content::Samples => range.map(|i| self.samples_of(i) as f32).collect(),
+            Content::Samples => self.samples_of(range).map(|count| count as f32).collect(),
             Content::Surface(aov) => {
                 let list = &self.info.aovs;
                 range.flat_map(|i| pixels.aov(i, aov, list, passes)).map(|v| v as f32).collect()

@@ -1,9 +1,10 @@
 //! Builds scenes from text, renders them with error estimates, and compares the results.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use caustica::film::{LAYERS, Layer, Pixels, Rejected};
-use caustica::render::{Budget, Outcome, Progress, Sums};
+use caustica::render::{Budget, Checkpoint, Outcome, Progress, Sums};
 use caustica::scene::Scene;
 use caustica::session::{Options, Session};
 use caustica::settings::Settings;
@@ -265,6 +266,21 @@ pub fn render(scene: &Stage, changes: &[(&str, &str)], passes: u32) -> Picture {
     });
     assert_eq!(outcome.statistics.rejected, Rejected::default(), "something was not finite");
     Picture { pixels: outcome.pixels, passes, means }
+}
+
+/// The part of a render with these passes. If `stopped` is not 0 it is ended after as many, saved, and goes on from there.
+pub fn part(session: &Session, range: Range<u32>, stopped: u32) -> Vec<u8> {
+    let outcome = if stopped > 0 {
+        let begun = session.render_range(range.clone(), Budget::passes(stopped), &mut |_| {});
+        let saved = Checkpoint::decode(&session.part(&begun).unwrap()).unwrap();
+        assert_eq!((saved.head.first, saved.head.passes), (range.start, stopped));
+        let sums = Sums { pixels: saved.pixels, first: range.start, passes: stopped };
+        session.resume_range(sums, range.end, Budget::default(), &mut |_| {})
+    } else {
+        session.render_range(range.clone(), Budget::default(), &mut |_| {})
+    };
+    assert_eq!(outcome.statistics.passes, range.len() as u32);
+    session.part(&outcome).unwrap()
 }
 
 /// Asserts |a − b| ≤ `relative`·b, that b is not 0, and that the bound is at least [`SIGMAS`] standard errors, so that

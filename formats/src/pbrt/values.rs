@@ -49,13 +49,13 @@ impl Parser<'_, '_> {
                 }
                 found => {
                     let place = self.after_blank();
-                    let problem = if begins_anew(found.as_ref()) {
-                        let text = format!("the list of `{name}` is not closed");
-                        let problem = Diagnostic::error(text, Some(span));
-                        let at = found.map(|_| place);
-                        at.into_iter().fold(problem, |p, at| p.label(at, "there is no `]` before this"))
-                    } else {
-                        Diagnostic::error(format!("`{name}` expects {}", wanted(kind)), Some(place))
+                    let open = Diagnostic::error(format!("the list of `{name}` is not closed"), Some(span));
+                    let problem = match found {
+                        None => open,
+                        Some(token) if begins_anew(&token) => {
+                            open.label(place, "there is no `]` before this")
+                        }
+                        _ => Diagnostic::error(format!("`{name}` expects {}", wanted(kind)), Some(place)),
                     };
                     self.problems.push(problem);
                     self.skip_value();
@@ -244,12 +244,11 @@ fn declares(text: &str) -> bool {
 }
 
 /// Whether what follows a value belongs to what comes after it, so that its list was not closed.
-fn begins_anew(found: Option<&Token<'_>>) -> bool {
+fn begins_anew(found: &Token<'_>) -> bool {
     match found {
-        None => true,
-        Some(Token::Word(name)) => follows(name).is_some(),
-        Some(Token::Quoted(text)) => declares(text),
-        Some(_) => false,
+        Token::Word(name) => follows(name).is_some(),
+        Token::Quoted(text) => declares(text),
+        _ => false,
     }
 }
 
